@@ -1,0 +1,1 @@
+//! `epibar._core`: validate, slice, release the GIL, call, convert. No algorithm lives here.
