@@ -1,0 +1,253 @@
+//! Motion barcodes: for each line, in which frames something moves on it (paper §2).
+//!
+//! Bit `i` of a row is frame `i`, packed little-endian: bit `i % 64` of word `i / 64`. Bits beyond the
+//! last frame are zero, always, so that whole words can be counted.
+
+use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
+use super::traversal::is_walkable;
+use crate::line::{ImageSize, Segment};
+use crate::{Error, Result};
+use rayon::prelude::*;
+
+/// The barcodes of many lines over the same frames, packed into words.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Barcodes {
+    /// Number of lines.
+    pub count: usize,
+    /// Number of frames.
+    pub frames: usize,
+    /// Words per line: `frames / 64`, rounded up.
+    pub words_per: usize,
+    /// `count × words_per` words, line after line.
+    pub bits: Vec<u64>,
+}
+
+impl Barcodes {
+    /// Barcodes of lines on which nothing moves.
+    pub fn zeros(count: usize, frames: usize) -> Self {
+        let words_per = frames.div_ceil(64);
+        Self {
+            count,
+            frames,
+            words_per,
+            bits: vec![0; count * words_per],
+        }
+    }
+
+    /// Puts the blocks of a stream, each with its 512 frames of every line, behind one another.
+    pub(super) fn from_blocks(frames: usize, blocks: &[Vec<[u64; BLOCK_WORDS]>]) -> Self {
+        let count = blocks.first().map_or(0, Vec::len);
+        let mut barcodes = Self::zeros(count, frames);
+        let rows = barcodes.bits.par_chunks_mut(barcodes.words_per.max(1));
+        rows.enumerate().for_each(|(line, row)| {
+            for (words, block) in row.chunks_mut(BLOCK_WORDS).zip(blocks) {
+                words.copy_from_slice(&block[line][..words.len()]);
+            }
+        });
+        barcodes
+    }
+
+    /// The words of line `i`.
+    ///
+    /// # Panics
+    /// If there is no such line.
+    pub fn row(&self, i: usize) -> &[u64] {
+        &self.bits[i * self.words_per..(i + 1) * self.words_per]
+    }
+
+    /// In how many frames something moves on line `i`.
+    ///
+    /// # Panics
+    /// If there is no such line.
+    pub fn ones(&self, i: usize) -> u32 {
+        self.row(i).iter().map(|word| word.count_ones()).sum()
+    }
+
+    /// How often the barcode of line `i` changes from one frame to the next.
+    ///
+    /// # Panics
+    /// If there is no such line.
+    pub fn transitions(&self, i: usize) -> u32 {
+        let row = self.row(i);
+        let mut changes = 0;
+        let mut before = row.first().map_or(0, |word| word & 1);
+        for &word in row {
+            changes += (word ^ (word << 1 | before)).count_ones();
+            before = word >> 63;
+        }
+        // Behind the last frame stand zeros, which are not a change of the barcode.
+        let last_frame = row
+            .last()
+            .map_or(0, |word| word >> ((self.frames + 63) % 64) & 1);
+        let padded = !self.frames.is_multiple_of(64);
+        changes - u32::from(padded && last_frame == 1)
+    }
+
+    /// The barcodes over the given frames, in the given order; frames may repeat.
+    ///
+    /// Runs of consecutive frames are moved by words, so a range costs no more than a copy.
+    ///
+    /// # Panics
+    /// If there is no such frame.
+    #[must_use]
+    pub fn select_frames(&self, frames: &[u32]) -> Self {
+        let runs: Vec<(usize, usize)> = frames
+            .chunk_by(|a, b| a.checked_add(1) == Some(*b))
+            .map(|run| (run[0] as usize, run.len()))
+            .collect();
+        assert!(
+            runs.iter().all(|(start, len)| start + len <= self.frames),
+            "frame out of range: the barcodes have {} frames",
+            self.frames
+        );
+        let mut selected = Self::zeros(self.count, frames.len());
+        let rows = selected.bits.par_chunks_mut(selected.words_per.max(1));
+        rows.enumerate().for_each(|(line, target)| {
+            let source = self.row(line);
+            let mut at = 0;
+            for &(start, len) in &runs {
+                copy_bits(source, start, target, at, len);
+                at += len;
+            }
+        });
+        selected
+    }
+
+    /// The barcodes of the given lines, in the given order; lines may repeat.
+    ///
+    /// # Panics
+    /// If there is no such line.
+    #[must_use]
+    pub fn select_rows(&self, rows: &[u32]) -> Self {
+        let mut bits = Vec::with_capacity(rows.len() * self.words_per);
+        for &row in rows {
+            bits.extend_from_slice(self.row(row as usize));
+        }
+        Self {
+            count: rows.len(),
+            bits,
+            ..*self
+        }
+    }
+
+    /// The lines whose barcodes say enough to be matched, in ascending order.
+    pub fn informative(&self, criteria: &Informative) -> Vec<u32> {
+        let least = criteria.least(self.frames);
+        (0..self.count)
+            .into_par_iter()
+            .filter(|&i| {
+                let ones = self.ones(i) as usize;
+                ones >= least.ones
+                    && self.frames - ones >= least.zeros
+                    && self.transitions(i) >= least.transitions
+            })
+            .map(|i| i as u32)
+            .collect()
+    }
+}
+
+/// Copies `len` bits into bits that are zero.
+fn copy_bits(source: &[u64], start: usize, target: &mut [u64], at: usize, len: usize) {
+    let mut done = 0;
+    while done < len {
+        let (from, to) = (start + done, at + done);
+        // Up to the end of the target's word; the source may straddle two.
+        let step = (64 - to % 64).min(len - done);
+        let shift = from % 64;
+        let mut word = source[from / 64] >> shift;
+        if shift + step > 64 {
+            word |= source[from / 64 + 1] << (64 - shift);
+        }
+        target[to / 64] |= (word & (u64::MAX >> (64 - step))) << (to % 64);
+        done += step;
+    }
+}
+
+/// What a barcode must have to be worth matching (paper §2).
+///
+/// The correlation of a barcode that is nearly constant rests on a handful of frames, and one
+/// that changes once or twice is matched by any other that changes then. A constant barcode has no correlation at
+/// all and is never informative, whatever the criteria.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Informative {
+    /// Least share of frames with motion on the line.
+    pub min_ones_fraction: f64,
+    /// Least share of frames without.
+    pub min_zeros_fraction: f64,
+    /// Least number of changes from one frame to the next. Short recordings have seen less: no
+    /// more than one in 25 frames is asked for, so that 100 frames ask for 4.
+    pub min_transitions: u32,
+}
+
+impl Default for Informative {
+    /// 5 % ones, 5 % zeros (10 frames of 200), 8 transitions (four passages over the line).
+    fn default() -> Self {
+        Self {
+            min_ones_fraction: 0.05,
+            min_zeros_fraction: 0.05,
+            min_transitions: 8,
+        }
+    }
+}
+
+/// [`Informative`] for a given number of frames.
+struct Least {
+    ones: usize,
+    zeros: usize,
+    transitions: u32,
+}
+
+impl Informative {
+    fn least(&self, frames: usize) -> Least {
+        let share = |fraction: f64| ((fraction * frames as f64).ceil() as usize).max(1);
+        Least {
+            ones: share(self.min_ones_fraction),
+            zeros: share(self.min_zeros_fraction),
+            transitions: self.min_transitions.min((frames / 25).max(1) as u32),
+        }
+    }
+}
+
+/// The barcodes of segments over masks in memory, through the same blocks as a streamed recording.
+///
+/// `masks` holds `frames` row-major masks one after the other, non-zero where something moves. What
+/// of a segment lies outside the image is ignored; ends that are not pixel centres are rounded
+/// (see [`traversal`](super::traversal)).
+///
+/// # Errors
+/// [`Error::ImageSize`] for an unusable size, [`Error::Length`] where `masks` has another length,
+/// [`Error::Argument`] for a segment with an end that is not finite, or absurdly far away.
+pub fn barcodes_of_segments(
+    masks: &[u8],
+    frames: usize,
+    size: ImageSize,
+    segments: &[Segment],
+) -> Result<Barcodes> {
+    let size = ImageSize::new(size.width, size.height)?;
+    let expected = frames.saturating_mul(size.pixels());
+    if masks.len() != expected {
+        return Err(Error::Length {
+            what: "bytes of masks against frames times pixels",
+            left: masks.len(),
+            right: expected,
+        });
+    }
+    if let Some(segment) = segments.iter().find(|segment| !is_walkable(segment)) {
+        return Err(Error::Argument {
+            name: "segments",
+            value: format!("{segment:?}"),
+            expected: "both ends must be finite and near the image",
+        });
+    }
+    let mut block = PixelBlock::new(size);
+    let mut blocks = Vec::new();
+    for masks in masks.chunks(BLOCK_FRAMES * size.pixels()) {
+        block.clear();
+        block.set_frames(masks);
+        blocks.push(block.unions(segments));
+    }
+    if blocks.is_empty() {
+        return Ok(Barcodes::zeros(segments.len(), 0));
+    }
+    Ok(Barcodes::from_blocks(frames, &blocks))
+}

@@ -1,0 +1,118 @@
+//! Lines to watch: two points on the image border, on different sides (paper §2).
+//!
+//! Both points are pixel centres, so that the traversal of the line is exact in integers. Line `i`
+//! draws from its own generator, made of the seed and `i` alone: the first lines of a larger set are
+//! the lines of a smaller one, and no thread count changes them.
+
+use crate::line::{ImageSize, Segment};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// `count` segments from border to border.
+///
+/// The ends are uniform over the pixels of the border among the pairs that do not share a side; a
+/// corner belongs to both of its sides, so no segment runs along the border. An image less than two
+/// pixels wide or high (which [`ImageSize::new`] refuses) has no such pair and gives no segments.
+pub fn border_segments(size: ImageSize, count: usize, seed: u64) -> Vec<Segment> {
+    if size.width < 2 || size.height < 2 {
+        return Vec::new();
+    }
+    let stream = splitmix(seed);
+    (0..count as u64)
+        .map(|index| border_segment(size, splitmix(stream ^ index)))
+        .collect()
+}
+
+fn border_segment(size: ImageSize, seed: u64) -> Segment {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    let perimeter = 2 * (size.width - 1 + size.height - 1);
+    loop {
+        let [p, q] = [(); 2].map(|()| border_pixel(size, below(&mut random, perimeter)));
+        if !share_side(size, p, q) {
+            return Segment {
+                x0: p[0] as f64,
+                y0: p[1] as f64,
+                x1: q[0] as f64,
+                y1: q[1] as f64,
+            };
+        }
+    }
+}
+
+/// The border pixel at a position counted around the image from its first pixel, rightwards.
+fn border_pixel(size: ImageSize, position: usize) -> [usize; 2] {
+    let (right, bottom) = (size.width - 1, size.height - 1);
+    if position < right {
+        [position, 0]
+    } else if position < right + bottom {
+        [right, position - right]
+    } else if position < 2 * right + bottom {
+        [2 * right + bottom - position, bottom]
+    } else {
+        [0, 2 * (right + bottom) - position]
+    }
+}
+
+fn share_side(size: ImageSize, p: [usize; 2], q: [usize; 2]) -> bool {
+    let ends = [size.width - 1, size.height - 1];
+    (0..2).any(|axis| p[axis] == q[axis] && (p[axis] == 0 || p[axis] == ends[axis]))
+}
+
+/// Uniform below `n`. Written out because the crates of random numbers may change how they do it, and
+/// a seed must give the same lines for ever; the bias of `n / 2⁶⁴` is immaterial.
+fn below(random: &mut Pcg64Mcg, n: usize) -> usize {
+    ((u128::from(random.next_u64()) * n as u128) >> 64) as usize
+}
+
+/// The finaliser of `SplitMix64` (Steele, Lea and Flood 2014): a bijection that scatters neighbours.
+fn splitmix(value: u64) -> u64 {
+    let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_lie_on_two_sides_and_a_prefix_is_a_prefix() {
+        let size = ImageSize::new(37, 20).unwrap();
+        let many = border_segments(size, 5000, 7);
+        assert_eq!(many[..300], border_segments(size, 300, 7));
+        assert_ne!(many[..300], border_segments(size, 300, 8));
+        for s in &many {
+            for (x, y) in [(s.x0, s.y0), (s.x1, s.y1)] {
+                assert!(x == 0.0 || x == 36.0 || y == 0.0 || y == 19.0);
+                assert!((0.0..=36.0).contains(&x) && (0.0..=19.0).contains(&y));
+            }
+            let along = (s.x0 == s.x1 && (s.x0 == 0.0 || s.x0 == 36.0))
+                || (s.y0 == s.y1 && (s.y0 == 0.0 || s.y0 == 19.0));
+            assert!(!along, "{s:?} runs along the border");
+        }
+        assert_eq!(
+            border_segments(ImageSize::new(2, 2).unwrap(), 50, 0).len(),
+            50
+        );
+    }
+
+    #[test]
+    fn every_border_pixel_is_one_position() {
+        let size = ImageSize::new(5, 4).unwrap();
+        let mut all: Vec<_> = (0..14).map(|p| border_pixel(size, p)).collect();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), 14);
+        assert!(
+            all.iter()
+                .all(|&[x, y]| x == 0 || x == 4 || y == 0 || y == 3)
+        );
+    }
+
+    #[test]
+    fn the_lines_of_a_seed_never_change() {
+        let s = border_segments(ImageSize::new(640, 480).unwrap(), 1, 0)[0];
+        assert_eq!([s.x0, s.y0, s.x1, s.y1], [639.0, 447.0, 0.0, 374.0]);
+    }
+}

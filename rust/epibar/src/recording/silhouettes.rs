@@ -1,0 +1,125 @@
+//! Silhouettes: the convex hulls of what moves, frame by frame.
+//!
+//! Stored flat: frame → hulls → points through two tables of offsets. They give the barcode of any
+//! line without the pixels, and the epipolar tangents of §6 of the design.
+
+use super::components::Components;
+use super::hull::convex_hull;
+use crate::line::{ImageSize, Line};
+use crate::{Error, Result};
+use std::ops::Range;
+
+/// The convex hulls of the moving components of all frames.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Silhouettes {
+    /// For each frame its first hull, and the number of hulls as the last entry.
+    pub frame_start: Vec<u32>,
+    /// For each hull its first point, and the number of points as the last entry.
+    pub hull_start: Vec<u32>,
+    /// Vertices `[x, y]` in the order of [`convex_hull`].
+    pub points: Vec<[u16; 2]>,
+    /// Pixels of the component of each hull.
+    pub area: Vec<u32>,
+    /// Whether the component of each hull touches the border of the image. Its tangents there are the
+    /// border's, not the object's.
+    pub border: Vec<bool>,
+}
+
+impl Default for Silhouettes {
+    fn default() -> Self {
+        Self {
+            frame_start: vec![0],
+            hull_start: vec![0],
+            points: Vec::new(),
+            area: Vec::new(),
+            border: Vec::new(),
+        }
+    }
+}
+
+impl Silhouettes {
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.frame_start.len().saturating_sub(1)
+    }
+
+    /// Number of hulls in all frames.
+    pub fn len(&self) -> usize {
+        self.area.len()
+    }
+
+    /// Whether there is no hull in any frame.
+    pub fn is_empty(&self) -> bool {
+        self.area.is_empty()
+    }
+
+    /// The hulls of a frame.
+    ///
+    /// # Panics
+    /// If there is no such frame.
+    pub fn hulls(&self, frame: usize) -> Range<usize> {
+        self.frame_start[frame] as usize..self.frame_start[frame + 1] as usize
+    }
+
+    /// The vertices of a hull, at least one.
+    ///
+    /// # Panics
+    /// If there is no such hull.
+    pub fn hull(&self, i: usize) -> &[[u16; 2]] {
+        &self.points[self.hull_start[i] as usize..self.hull_start[i + 1] as usize]
+    }
+
+    /// The frames in which a hull comes within `half_width` pixels of the line, packed as in
+    /// [`Barcodes`](super::Barcodes).
+    ///
+    /// This is the barcode of any line, whether it was traversed or not, and an oracle for the
+    /// traversal: over integer segments and with every component kept, a traversed bit implies a hull within ½ px,
+    /// and a 4-connected component with points more than ½ px away on both sides implies the bit.
+    pub fn barcode_of_line(&self, line: &Line, half_width: f64) -> Vec<u64> {
+        let mut row = vec![0; self.frames().div_ceil(64)];
+        for frame in 0..self.frames() {
+            let met = self
+                .hulls(frame)
+                .any(|hull| self.meets(hull, line, half_width));
+            row[frame / 64] |= u64::from(met) << (frame % 64);
+        }
+        row
+    }
+
+    fn meets(&self, hull: usize, line: &Line, half_width: f64) -> bool {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &[x, y] in self.hull(hull) {
+            let distance = line.signed_distance(f64::from(x), f64::from(y));
+            low = low.min(distance);
+            high = high.max(distance);
+        }
+        low <= half_width && high >= -half_width
+    }
+
+    /// Adds a frame with those components that have `min_area` pixels.
+    pub(super) fn push(
+        &mut self,
+        found: &Components,
+        size: ImageSize,
+        min_area: usize,
+    ) -> Result<()> {
+        for component in found.components() {
+            if component.area as usize >= min_area {
+                convex_hull(found.runs_of(component), &mut self.points);
+                self.hull_start.push(offset(self.points.len())?);
+                self.area.push(component.area);
+                self.border.push(component.touches_border(size));
+            }
+        }
+        self.frame_start.push(offset(self.area.len())?);
+        Ok(())
+    }
+}
+
+fn offset(value: usize) -> Result<u32> {
+    u32::try_from(value).map_err(|_| Error::Argument {
+        name: "silhouette points",
+        value: value.to_string(),
+        expected: "a recording holds fewer than 2^32; split it, or raise min_component_area",
+    })
+}
