@@ -251,3 +251,115 @@ pub fn barcodes_of_segments(
     }
     Ok(Barcodes::from_blocks(frames, &blocks))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn barcodes(rows: &[&[u8]]) -> Barcodes {
+        let mut barcodes = Barcodes::zeros(rows.len(), rows[0].len());
+        let words_per = barcodes.words_per;
+        for (i, row) in rows.iter().enumerate() {
+            for (frame, &bit) in row.iter().enumerate() {
+                barcodes.bits[i * words_per + frame / 64] |= u64::from(bit) << (frame % 64);
+            }
+        }
+        barcodes
+    }
+
+    /// Bits that look random but are the same on every run.
+    fn bits(frames: usize, salt: usize) -> Vec<u8> {
+        (0..frames)
+            .map(|i| {
+                ((((i + 7 * salt) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 61) < 3) as u8
+            })
+            .collect()
+    }
+
+    #[test]
+    fn counts_equal_those_of_bits() {
+        for frames in [1, 2, 63, 64, 65, 127, 128, 513] {
+            for row in [bits(frames, frames), vec![1; frames], vec![0; frames]] {
+                let packed = barcodes(&[&bits(frames, 1), &row]);
+                let ones: u32 = row.iter().map(|&bit| u32::from(bit)).sum();
+                let transitions = row.windows(2).filter(|pair| pair[0] != pair[1]).count();
+                assert_eq!(packed.ones(1), ones);
+                assert_eq!(packed.transitions(1), transitions as u32, "{frames} frames");
+            }
+        }
+        let none = Barcodes::zeros(3, 0);
+        assert_eq!(
+            (none.row(2).len(), none.ones(2), none.transitions(2)),
+            (0, 0, 0)
+        );
+    }
+
+    #[test]
+    fn selected_frames_are_those_frames() {
+        let rows = [bits(300, 3), bits(300, 4), vec![1; 300]];
+        let packed = barcodes(&rows.each_ref().map(Vec::as_slice));
+        let choices: [Vec<u32>; 6] = [
+            (0..300).collect(),
+            (37..261).collect(),
+            (0..300).rev().collect(),
+            (0..300).filter(|frame| frame % 5 != 2).collect(),
+            vec![299, 0, 1, 2, 2, 3, 64, 63],
+            vec![],
+        ];
+        for frames in choices {
+            let gathered = rows.each_ref().map(|row| -> Vec<u8> {
+                frames.iter().map(|&frame| row[frame as usize]).collect()
+            });
+            assert_eq!(
+                packed.select_frames(&frames),
+                barcodes(&gathered.each_ref().map(Vec::as_slice))
+            );
+        }
+        let rows_too = packed.select_rows(&[2, 0, 2]);
+        assert_eq!(rows_too, barcodes(&[&rows[2], &rows[0], &rows[2]]));
+    }
+
+    #[test]
+    #[should_panic(expected = "the barcodes have 300 frames")]
+    fn a_frame_that_is_not_there() {
+        let _ = Barcodes::zeros(1, 300).select_frames(&[299, 300]);
+    }
+
+    #[test]
+    fn what_is_informative() {
+        let passages = |frames: usize, length: usize, count: usize| -> Vec<u8> {
+            let mut row = vec![0; frames];
+            for i in 0..count {
+                let start = i * frames / count + 1;
+                row[start..start + length].fill(1);
+            }
+            row
+        };
+        let inverse = |row: &[u8]| -> Vec<u8> { row.iter().map(|bit| 1 - bit).collect() };
+        let rows = [
+            passages(1000, 13, 4),           // 52 ones, 8 transitions
+            passages(1000, 12, 4),           // 48 ones: too few
+            passages(1000, 40, 3),           // 6 transitions: too few
+            inverse(&passages(1000, 13, 4)), // 52 zeros
+            inverse(&passages(1000, 12, 4)), // too few zeros
+        ];
+        let packed = barcodes(&rows.each_ref().map(Vec::as_slice));
+        assert_eq!(packed.informative(&Informative::default()), [0, 3]);
+
+        // A hundred frames: two passages are enough, one is not, nor is a constant, ever.
+        let rows = [
+            passages(100, 3, 2),
+            passages(100, 20, 1),
+            vec![0; 100],
+            vec![1; 100],
+        ];
+        let packed = barcodes(&rows.each_ref().map(Vec::as_slice));
+        assert_eq!(packed.informative(&Informative::default()), [0]);
+        let anything = Informative {
+            min_ones_fraction: 0.0,
+            min_zeros_fraction: 0.0,
+            min_transitions: 0,
+        };
+        assert_eq!(packed.informative(&anything), [0, 1]);
+    }
+}

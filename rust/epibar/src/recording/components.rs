@@ -213,3 +213,66 @@ fn skip(row: &[u8], mut x: usize, predicate: impl Fn(u8) -> bool) -> usize {
     let rest = row[x..].iter().position(|&v| !predicate(v));
     rest.map_or(row.len(), |rest| x + rest)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn find(rows: &[&str]) -> (Components, ImageSize) {
+        let size = ImageSize::new(rows[0].len(), rows.len()).unwrap();
+        let mask: Vec<u8> = rows.concat().bytes().map(|c| u8::from(c == b'#')).collect();
+        let mut components = Components::new();
+        components.find(&mask, size);
+        (components, size)
+    }
+
+    #[test]
+    fn corners_connect_and_arms_join_late() {
+        let (found, size) = find(&[
+            "#...#....#", //
+            "#...#...#.",
+            "#...#.....",
+            "#####..##.",
+        ]);
+        let summary: Vec<_> = found
+            .components()
+            .iter()
+            .map(|c| {
+                (
+                    c.area,
+                    [c.x_min, c.x_max, c.y_min, c.y_max],
+                    c.touches_border(size),
+                )
+            })
+            .collect();
+        assert_eq!(
+            summary,
+            [
+                (11, [0, 4, 0, 3], true),
+                (2, [8, 9, 0, 1], true),
+                (2, [7, 8, 3, 3], true)
+            ]
+        );
+        let joined = found.runs_of(&found.components()[0]);
+        assert_eq!(joined.len(), 7);
+        assert!(joined.is_sorted_by_key(|run| (run.y, run.x_first)));
+        assert_eq!(found.runs().len(), 10);
+    }
+
+    #[test]
+    fn rows_apart_do_not_connect() {
+        let (found, size) = find(&["......", ".###..", "......", ".###..", "......"]);
+        assert_eq!(found.components().len(), 2);
+        assert!(!found.components().iter().any(|c| c.touches_border(size)));
+    }
+
+    #[test]
+    fn memory_of_the_mask_before_is_gone() {
+        let size = ImageSize::new(70, 3).unwrap();
+        let mut components = Components::new();
+        components.find(&[1; 210], size);
+        assert_eq!(components.components()[0].area, 210);
+        components.find(&[0; 210], size);
+        assert!(components.components().is_empty() && components.runs().is_empty());
+    }
+}

@@ -48,3 +48,46 @@ fn turn(a: [u16; 2], b: [u16; 2], c: [u16; 2]) -> i64 {
     let [(ax, ay), (bx, by), (cx, cy)] = [a, b, c].map(|[x, y]| (i64::from(x), i64::from(y)));
     (bx - ax) * (cy - ay) - (cx - ax) * (by - ay)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hull(runs: &[(u16, u16, u16)]) -> Vec<[u16; 2]> {
+        let runs: Vec<Run> = runs
+            .iter()
+            .map(|&(y, x_first, x_last)| Run { y, x_first, x_last })
+            .collect();
+        let mut points = vec![[77, 77]];
+        convex_hull(&runs, &mut points);
+        assert_eq!(points[0], [77, 77], "what was there stays");
+        points.split_off(1)
+    }
+
+    #[test]
+    fn degenerate_hulls() {
+        assert!(hull(&[]).is_empty());
+        assert_eq!(hull(&[(5, 3, 3)]), [[3, 5]]);
+        assert_eq!(hull(&[(5, 3, 8)]), [[3, 5], [8, 5]]);
+        assert_eq!(hull(&[(5, 3, 3), (6, 3, 3), (7, 3, 3)]), [[3, 5], [3, 7]]);
+        assert_eq!(hull(&[(5, 3, 3), (6, 2, 2), (7, 1, 1)]), [[3, 5], [1, 7]]);
+    }
+
+    #[test]
+    fn clockwise_from_the_top_left() {
+        // A U, whose gap is inside the hull, with a point below.
+        let u = [
+            (1, 2, 3),
+            (1, 7, 8),
+            (2, 2, 3),
+            (2, 7, 8),
+            (3, 2, 8),
+            (4, 5, 5),
+        ];
+        assert_eq!(hull(&u), [[2, 1], [8, 1], [8, 3], [5, 4], [2, 3]]);
+        assert_eq!(
+            hull(&[(0, 2, 2), (1, 1, 3), (2, 0, 4)]),
+            [[2, 0], [4, 2], [0, 2]]
+        );
+    }
+}

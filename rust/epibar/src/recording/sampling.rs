@@ -76,20 +76,26 @@ fn splitmix(value: u64) -> u64 {
 mod tests {
     use super::*;
 
+    /// The ends as integers, which they must be.
+    fn ends(s: &Segment) -> [i64; 4] {
+        let ends = [s.x0, s.y0, s.x1, s.y1];
+        assert!(ends.iter().all(|v| v.fract().abs() < f64::EPSILON));
+        ends.map(|v| v as i64)
+    }
+
     #[test]
     fn ends_lie_on_two_sides_and_a_prefix_is_a_prefix() {
         let size = ImageSize::new(37, 20).unwrap();
         let many = border_segments(size, 5000, 7);
         assert_eq!(many[..300], border_segments(size, 300, 7));
         assert_ne!(many[..300], border_segments(size, 300, 8));
-        for s in &many {
-            for (x, y) in [(s.x0, s.y0), (s.x1, s.y1)] {
-                assert!(x == 0.0 || x == 36.0 || y == 0.0 || y == 19.0);
-                assert!((0.0..=36.0).contains(&x) && (0.0..=19.0).contains(&y));
+        for [x0, y0, x1, y1] in many.iter().map(ends) {
+            for (x, y) in [(x0, y0), (x1, y1)] {
+                assert!((0..=36).contains(&x) && (0..=19).contains(&y));
+                assert!(x == 0 || x == 36 || y == 0 || y == 19);
             }
-            let along = (s.x0 == s.x1 && (s.x0 == 0.0 || s.x0 == 36.0))
-                || (s.y0 == s.y1 && (s.y0 == 0.0 || s.y0 == 19.0));
-            assert!(!along, "{s:?} runs along the border");
+            assert!(x0 != x1 || (x0 != 0 && x0 != 36), "along the border");
+            assert!(y0 != y1 || (y0 != 0 && y0 != 19), "along the border");
         }
         assert_eq!(
             border_segments(ImageSize::new(2, 2).unwrap(), 50, 0).len(),
@@ -112,7 +118,7 @@ mod tests {
 
     #[test]
     fn the_lines_of_a_seed_never_change() {
-        let s = border_segments(ImageSize::new(640, 480).unwrap(), 1, 0)[0];
-        assert_eq!([s.x0, s.y0, s.x1, s.y1], [639.0, 447.0, 0.0, 374.0]);
+        let first = &border_segments(ImageSize::new(640, 480).unwrap(), 1, 0)[0];
+        assert_eq!(ends(first), [639, 447, 0, 374]);
     }
 }

@@ -70,7 +70,8 @@ impl Silhouettes {
     }
 
     /// The frames in which a hull comes within `half_width` pixels of the line, packed as in
-    /// [`Barcodes`](super::Barcodes).
+    /// [`Barcodes`](super::Barcodes). A negative half width asks for a hull that reaches that far on
+    /// both sides of the line.
     ///
     /// This is the barcode of any line, whether it was traversed or not, and an oracle for the
     /// traversal: over integer segments and with every component kept, a traversed bit implies a hull within ½ px,
@@ -122,4 +123,43 @@ fn offset(value: usize) -> Result<u32> {
         value: value.to_string(),
         expected: "a recording holds fewer than 2^32; split it, or raise min_component_area",
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn a_line_meets_a_hull_within_its_half_width() {
+        let size = ImageSize::new(20, 10).unwrap();
+        let mut silhouettes = Silhouettes::default();
+        let mut found = Components::new();
+        let mut square = vec![0; 200];
+        for y in 3..6 {
+            square[y * 20 + 8..y * 20 + 12].fill(1);
+        }
+        square[0] = 1;
+        for mask in [&square[..], &[0; 200], &square] {
+            found.find(mask, size);
+            silhouettes.push(&found, size, 2).unwrap();
+        }
+        assert_eq!((silhouettes.frames(), silhouettes.len()), (3, 2));
+        assert_eq!(silhouettes.hulls(1), 1..1);
+        assert_eq!(silhouettes.hull(1), [[8, 3], [11, 3], [11, 5], [8, 5]]);
+        assert_eq!((silhouettes.area[1], silhouettes.border[1]), (12, false));
+
+        let horizontal = |y: f64| Line::from_homogeneous(&Vector3::new(0.0, -1.0, y)).unwrap();
+        for (y, half_width, expected) in [
+            (4.0, 0.0, 0b101),
+            (5.0, 0.0, 0b101),
+            (5.4, 0.5, 0b101),
+            (2.6, 0.5, 0b101),
+            (5.6, 0.5, 0),
+            (2.4, 0.5, 0),
+        ] {
+            let row = silhouettes.barcode_of_line(&horizontal(y), half_width);
+            assert_eq!(row, [expected], "y = {y}");
+        }
+    }
 }
