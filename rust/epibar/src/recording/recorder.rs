@@ -110,7 +110,8 @@ impl Recorder {
     /// # Errors
     /// [`Error::MaskSize`] for a mask of another size, [`Error::FrameTime`] where the time is not
     /// finite or not after that of the frame before. The recorder is then as it was and takes
-    /// further frames.
+    /// further frames. [`Error::Argument`] where the silhouettes outgrow their 2³² points; the
+    /// recorder is of no use after that.
     pub fn push(&mut self, mask: &[u8], time: f64) -> Result<()> {
         let frame = self.times.len();
         if mask.len() != self.size.pixels() {
