@@ -8,7 +8,9 @@
 #[non_exhaustive]
 pub enum Error {
     /// An image has no pixels or is too large to index.
-    #[error("image size {width}x{height} is not usable: both sides must be between 2 and 16384 pixels")]
+    #[error(
+        "image size {width}x{height} is not usable: both sides must be between 2 and 16384 pixels"
+    )]
     ImageSize {
         /// Width in pixels.
         width: usize,
@@ -16,7 +18,9 @@ pub enum Error {
         height: usize,
     },
     /// A mask does not have the size that its recorder was made for.
-    #[error("mask of frame {frame} has {actual} pixels, but the recording is {width}x{height}: every frame must have the same size")]
+    #[error(
+        "mask of frame {frame} has {actual} pixels, but the recording is {width}x{height}: every frame must have the same size"
+    )]
     MaskSize {
         /// Frame index, from 0.
         frame: usize,
@@ -28,7 +32,9 @@ pub enum Error {
         height: usize,
     },
     /// A frame time is not finite or does not increase.
-    #[error("time {time} s of frame {frame} is not after that of the frame before it: times must be finite and increase")]
+    #[error(
+        "time {time} s of frame {frame} is not after that of the frame before it: times must be finite and increase"
+    )]
     FrameTime {
         /// Frame index, from 0.
         frame: usize,

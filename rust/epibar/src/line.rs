@@ -136,7 +136,7 @@ impl Line {
                 high = high.min(t0.max(t1));
             }
         }
-        (low < high).then(|| Segment {
+        (low < high).then_some(Segment {
             x0: px + low * dx,
             y0: py + low * dy,
             x1: px + high * dx,
