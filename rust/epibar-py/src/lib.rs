@@ -1,1 +1,21 @@
 //! `epibar._core`: validate, slice, release the GIL, call, convert. No algorithm lives here.
+
+mod calibration;
+mod convert;
+mod lines;
+mod recording;
+mod watch;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<recording::Recorder>()?;
+    module.add_class::<recording::Recording>()?;
+    module.add_class::<calibration::Calibration>()?;
+    module.add_function(wrap_pyfunction!(calibration::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
+    module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;
+    module.add_function(wrap_pyfunction!(lines::motion_lines, module)?)?;
+    Ok(())
+}

@@ -1,0 +1,67 @@
+# The commands a newcomer and CI both use. Every one installs what it needs into .venv.
+#
+#   make demo    render videos of a crowd, calibrate them, compare with the known answer
+#   make test    every test, Rust and Python
+#   make check   formatting, lints, type stubs, documentation
+#   make bench   speed
+#   make paper   accuracy, in the settings of the paper
+
+VENV   := .venv
+BIN    := $(VENV)/bin
+PYTHON ?= $(shell for python in python3 python3.14 python3.13 python3.12 python3.11; do \
+	$$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$python && break; done)
+
+# One interpreter and one way of linking for cargo and maturin alike, so that neither undoes the other's build.
+export VIRTUAL_ENV := $(abspath $(VENV))
+export PYO3_PYTHON := $(abspath $(BIN))/python
+export PYO3_BUILD_EXTENSION_MODULE := 1
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+# The tests and benches of the crates are not part of the compiled module.
+RUST_SOURCES := $(shell find rust -path '*/src/*' -name '*.rs') $(wildcard rust/*/Cargo.toml) Cargo.toml Cargo.lock
+
+.DEFAULT_GOAL := help
+.PHONY: help build demo test check bench paper clean
+
+help:
+	@sed -n 's/^#   //p' Makefile
+
+$(VENV)/.created:
+	@test -n "$(PYTHON)" || { echo "epibar needs Python 3.11 or newer: set PYTHON=/path/to/python" >&2; exit 1; }
+	@command -v cargo >/dev/null || { echo "epibar needs Rust: see https://rustup.rs" >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	touch $@
+
+$(VENV)/.tools: pyproject.toml $(VENV)/.created
+	$(BIN)/python -m pip install --quiet 'maturin>=1.9.4,<2'
+	touch $@
+
+$(VENV)/.built: $(RUST_SOURCES) pyproject.toml $(VENV)/.tools
+	$(BIN)/maturin develop --release --locked --extras dev
+	touch $@
+
+build: $(VENV)/.built
+
+demo: build
+	$(BIN)/epibar demo --out demo
+
+test: build
+	cargo test --workspace --locked
+	$(BIN)/python -m pytest
+
+check: build
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/python -m mypy.stubtest epibar._core
+
+bench: build
+	cargo bench --workspace --locked
+
+paper: build
+	$(BIN)/python benchmarks/paper.py
+
+clean:
+	rm -rf target $(VENV) demo

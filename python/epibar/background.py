@@ -1,0 +1,97 @@
+"""The empty scene, estimated from frames that people walk through.
+
+A temporal median is right only where the background shows in more than half of the frames. Background repeats
+itself exactly and people do not, so at each pixel we take the shortest interval that holds a quarter of the
+samples (a robust estimate of the mode, after the *shorth*) and average the samples in it: background that shows
+in a quarter of the frames can be enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from .errors import EpibarError
+
+__all__ = ["collect", "median_background", "steady_background"]
+
+STEADY_SHARE = 0.25
+MEMORY_BYTES = 256 * 2**20
+STRIP_ROWS = 32
+
+
+def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES) -> np.ndarray:
+    """Up to ``limit`` frames, evenly spread over a stream of unknown length, in bounded memory.
+
+    When full, every second frame is dropped and from then on half as many are taken.
+
+    Returns
+    -------
+    ndarray, shape (N, H, W, 3), uint8
+
+    Raises
+    ------
+    EpibarError
+        No frames, or frames of two sizes.
+    """
+    kept: list[np.ndarray] = []
+    stride = 1
+    for index, frame in enumerate(frames):
+        if kept and frame.shape != kept[0].shape:
+            height, width = kept[0].shape[:2]
+            raise EpibarError(
+                f"background: a frame of {frame.shape[1]}x{frame.shape[0]} after frames of {width}x{height}"
+            )
+        if index % stride:
+            continue
+        kept.append(frame)
+        if len(kept) > max(5, min(limit, memory // frame.nbytes)):
+            kept = kept[::2]
+            stride *= 2
+    if not kept:
+        raise EpibarError("background: no frames to learn the background from")
+    return np.stack(kept)
+
+
+def steady_background(samples: np.ndarray, share: float = STEADY_SHARE) -> np.ndarray:
+    """The most repeated value of each pixel.
+
+    Parameters
+    ----------
+    samples : ndarray, shape (N, H, W, 3), uint8
+        Frames spread over time.
+    share : float
+        Share of the samples that must agree.
+
+    Returns
+    -------
+    ndarray, shape (H, W, 3), uint8
+    """
+    count = len(samples)
+    window = min(count, max(2, round(count * share)))
+    if count < 3:
+        return samples[0].copy()
+    background = np.empty(samples.shape[1:], np.uint8)
+    for top in range(0, samples.shape[1], STRIP_ROWS):
+        strip = samples[:, top : top + STRIP_ROWS]
+        blue, green, red = (strip[..., channel].astype(np.uint16) for channel in range(3))
+        grey = ((blue + 2 * green + red) >> 2).astype(np.uint8)
+        ordered = np.sort(grey, axis=0)
+        start = (ordered[window - 1 :] - ordered[: count - window + 1]).argmin(axis=0)[None]
+        low = np.take_along_axis(ordered, start, axis=0)
+        high = np.take_along_axis(ordered, start + window - 1, axis=0)
+        inside = (grey >= low) & (grey <= high)
+        total = np.einsum("nyxc,nyx->yxc", strip, inside, dtype=np.float32, casting="unsafe")
+        background[top : top + STRIP_ROWS] = np.rint(total / inside.sum(axis=0)[..., None])
+    return background
+
+
+def median_background(samples: np.ndarray) -> np.ndarray:
+    """The temporal median of (N, H, W, 3) uint8 samples, strip by strip; the upper of two middles."""
+    middle = len(samples) // 2
+    strips = [
+        np.partition(samples[:, top : top + STRIP_ROWS], middle, axis=0)[middle]
+        for top in range(0, samples.shape[1], STRIP_ROWS)
+    ]
+    return np.concatenate(strips)

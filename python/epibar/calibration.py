@@ -1,0 +1,252 @@
+"""Two recordings in, one fundamental matrix with its verdict out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .errors import EpibarError
+from .recording import Recording
+from .validation import MAX_SEED, as_whole_number, core_errors
+
+__all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "calibrate"]
+
+METHODS = ("frontier", "lines")
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Pairs of lines whose motion barcodes correlate.
+
+    Attributes
+    ----------
+    lines_a, lines_b : ndarray, shape (n, 3)
+        Lines (a, b, c) with a² + b² = 1, pixels.
+    correlation : ndarray, shape (n,)
+        Of their barcodes, falling.
+    inliers : ndarray, shape (n,), bool
+        Which of them are epipolar under F.
+    """
+
+    lines_a: Array
+    lines_b: Array
+    correlation: Array
+    inliers: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.correlation)
+
+
+@dataclass(frozen=True, eq=False)
+class FrontierPoints:
+    """Point correspondences: where epipolar planes touch a moving object, seen by both cameras.
+
+    Attributes
+    ----------
+    frame : ndarray, shape (m,), int
+        Frame of A; B's frame is this plus the time offset.
+    a, b : ndarray, shape (m, 2)
+        Pixels (x, y).
+    residual : ndarray, shape (m,)
+        Symmetric epipolar distance under F, pixels.
+    """
+
+    frame: NDArray[np.int64]
+    a: Array
+    b: Array
+    residual: Array
+
+    def __len__(self) -> int:
+        return len(self.frame)
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """What is known about a pair of cameras, and how far to trust it.
+
+    Attributes
+    ----------
+    F : ndarray, shape (3, 3), or None
+        Fundamental matrix, ``x_b^T F x_a = 0``, Frobenius norm 1. May be present though it is not accepted:
+        look at ``accepted`` before using it.
+    accepted : bool
+        Whether F passed every test.
+    kind : str
+        The verdict as one machine-readable word.
+    reason : str
+        The verdict as one sentence in plain English.
+    expected_error : float or None
+        Mean symmetric epipolar distance to expect over the volume where things moved, pixels.
+    time_offset : float
+        Frames: frame i of A is frame ``i + time_offset`` of B.
+    candidates : Candidates
+    frontier_points : FrontierPoints
+    counts : dict of str to int
+        What was counted on the way: lines, candidates, tangents, matches.
+    floor : ndarray, shape (3, 3), or None
+        Homography of the floor, ``x_b ~ floor x_a``, where one was found.
+    rivals : list of dict
+        Other geometries with about the same evidence.
+    evidence : dict of str to float
+        The statistics behind the verdict.
+    shift_curve : tuple of two ndarray
+        Shifts of B's frames, and the score of F at each.
+    method : str
+    seed : int
+    """
+
+    F: Array | None
+    accepted: bool
+    kind: str
+    reason: str
+    expected_error: float | None
+    time_offset: float
+    candidates: Candidates
+    frontier_points: FrontierPoints
+    counts: dict[str, int]
+    floor: Array | None = None
+    rivals: list[dict[str, Any]] = field(default_factory=list)
+    evidence: dict[str, float] = field(default_factory=dict)
+    shift_curve: tuple[Array, Array] = field(default_factory=lambda: (np.empty(0), np.empty(0)))
+    method: str = METHODS[0]
+    seed: int = 0
+
+    def __repr__(self) -> str:
+        error = "" if self.expected_error is None else f", expected error {self.expected_error:.2g} px"
+        return f"<Calibration {self.kind}{error}: {self.reason}>"
+
+
+def calibrate(
+    rec_a: Recording,
+    rec_b: Recording,
+    method: Literal["frontier", "lines"] = "frontier",
+    seed: int = 0,
+    time_offset: float | Literal["search"] = 0.0,
+    upright: bool = True,
+    *,
+    candidates: int = 1000,
+    draws: int = 10_000,
+    max_expected_error: float = 3.0,
+    progress: Callable[[str, float], None] | None = None,
+) -> Calibration:
+    """Find the fundamental matrix of two cameras from what moved before both.
+
+    Parameters
+    ----------
+    rec_a, rec_b : Recording
+        Of the two cameras, over the same time.
+    method : {"frontier", "lines"}
+        ``"lines"`` is the method of the paper, motion barcodes alone; ``"frontier"`` goes on with the points
+        where epipolar planes touch the silhouettes, and is more accurate.
+    seed : int
+        Of every random draw. The result depends on it and the recordings, not on the number of threads.
+    time_offset : float or "search"
+        Frames: frame i of A is frame ``i + time_offset`` of B. ``"search"`` finds it.
+    upright : bool
+        Both cameras are the right way up, rolled by less than a quarter turn. Upright walkers look nearly the
+        same upside down, and without this the mirrored geometry may have as much evidence as the true one.
+    candidates : int
+        How many of the best pairs of lines are candidates (paper, section 2: 1,000).
+    draws : int
+        How many hypotheses to draw from line pairs (paper, section 4.3: 10,000).
+    max_expected_error : float
+        Accept only below this, pixels.
+    progress : callable, optional
+        Called with the name of the stage and the share of it that is done, 0 to 1.
+
+    Returns
+    -------
+    Calibration
+        Also where no F could be found: then ``F`` is None and ``reason`` says why.
+
+    Raises
+    ------
+    EpibarError
+        An argument is of the wrong kind or out of its range.
+
+    References
+    ----------
+    Y. Kasten, G. Ben-Artzi, S. Peleg, M. Werman, "Fundamental Matrices from Moving Objects Using Line Motion
+    Barcodes", ECCV 2016.
+
+    Examples
+    --------
+    >>> import epibar
+    >>> rec_a, rec_b = epibar.Recording.load("a.npz"), epibar.Recording.load("b.npz")  # doctest: +SKIP
+    >>> cal = epibar.calibrate(rec_a, rec_b)  # doctest: +SKIP
+    >>> if cal.accepted:  # doctest: +SKIP
+    ...     print(cal.F, cal.expected_error)
+    """
+    for name, recording in (("rec_a", rec_a), ("rec_b", rec_b)):
+        if not isinstance(recording, Recording):
+            raise EpibarError(
+                f"{name} is a {type(recording).__name__}, expected a Recording, e.g. from epibar.record"
+            )
+    if method not in METHODS:
+        raise EpibarError(f"method = {method!r}: it must be one of {', '.join(METHODS)}")
+    seed = as_whole_number("seed", seed, 0, MAX_SEED)
+    if not (_is_number(max_expected_error) and max_expected_error > 0):
+        raise EpibarError(
+            f"max_expected_error = {max_expected_error!r}: it must be a positive number of pixels"
+        )
+    with core_errors():
+        result = _core.calibrate(
+            rec_a._core,
+            rec_b._core,
+            method,
+            seed,
+            _checked_offset(time_offset, min(rec_a.frames, rec_b.frames)),
+            bool(upright),
+            as_whole_number("candidates", candidates, 3),
+            as_whole_number("draws", draws, 1),
+            float(max_expected_error),
+            progress,
+        )
+    error = result.expected_error
+    return Calibration(
+        F=result.F,
+        accepted=result.accepted,
+        kind=result.kind,
+        reason=result.reason,
+        expected_error=error if error is not None and math.isfinite(error) else None,
+        time_offset=result.time_offset,
+        candidates=Candidates(result.lines_a, result.lines_b, result.correlation, result.inliers),
+        frontier_points=FrontierPoints(
+            result.frontier_frame, result.frontier_a, result.frontier_b, result.frontier_residual
+        ),
+        counts=dict(result.counts),
+        floor=result.floor,
+        rivals=list(result.rivals),
+        evidence=dict(result.evidence),
+        shift_curve=result.shift_curve,
+        method=method,
+        seed=seed,
+    )
+
+
+def _is_number(value: Any) -> bool:
+    """Whether a value is a finite real number, and not a truth value."""
+    return (
+        isinstance(value, (int, float, np.integer, np.floating))
+        and not isinstance(value, bool)
+        and bool(math.isfinite(value))
+    )
+
+
+def _checked_offset(time_offset: Any, frames: int) -> float | None:
+    """Return the offset in frames, None to search for it."""
+    if isinstance(time_offset, str) and time_offset == "search":
+        return None
+    if not _is_number(time_offset):
+        raise EpibarError(f"time_offset = {time_offset!r}: expected a finite number of frames, or 'search'")
+    if abs(time_offset) >= frames:
+        raise EpibarError(f"time_offset = {time_offset}: the shorter recording has only {frames} frames")
+    return float(time_offset)

@@ -1,0 +1,82 @@
+"""``epibar demo``: videos with a known answer, through the same path as a user's own."""
+
+from __future__ import annotations
+
+import time
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import EpibarError
+from .console import Console
+from .parser import build_parser
+
+if TYPE_CHECKING:
+    from ..synthetic import Camera, Scene
+
+__all__ = ["run"]
+
+CAMERAS = 3
+WALKERS = 6
+FRAMES = 350
+SIZE = (480, 360)
+
+
+def run(args: Namespace) -> int:
+    """Run the command."""
+    from ..synthetic import people, render_video
+    from . import calibrate, evaluate
+
+    console = Console(args.quiet)
+    out = Path(args.out)
+    videos = out / "videos"
+    try:
+        videos.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise EpibarError(f"--out {out}: cannot be made ({error.strerror})") from error
+
+    started = time.perf_counter()
+    scene = people(seed=args.seed, cameras=CAMERAS, walkers=WALKERS, frames=FRAMES, size=SIZE)
+    console.note(f"rendering {CAMERAS} noisy videos of {WALKERS} walking people, {FRAMES} frames each ...")
+    try:
+        sources = [
+            render_video(scene, index, videos / f"cam{index + 1}.mp4", seed=args.seed)
+            for index in range(CAMERAS)
+        ]
+    except OSError as error:
+        raise EpibarError(str(error)) from error
+    known = _write_cameras(out / "cameras.toml", scene)
+    console.note(f"rendered ({time.perf_counter() - started:.1f} s)")
+
+    words = ["calibrate", *map(str, sources), "--out", str(out), "--seed", str(args.seed)]
+    console.note("the same as: epibar " + " ".join(words))
+    code = calibrate.run(build_parser().parse_args(words + ["--quiet"] * args.quiet))
+    if code:
+        return code
+
+    console.result("\nagainst the known answer:")
+    evaluate.run(Namespace(calibration=str(out / "calibration.json"), cameras=str(known)))
+    console.result(f"\nthe pictures of matched epipolar lines: {out}/cam1_cam2.png, ...")
+    console.result(f"everything else, F included: {out / 'calibration.json'}")
+    return 0
+
+
+def _write_cameras(path: Path, scene: Scene) -> Path:
+    """Write the known cameras the way ``--intrinsics`` and ``--cameras`` read them."""
+    head = "# The known answer. World to camera: X_c = R X + t, rotation as a Rodrigues vector, metres and pixels.\n"
+    tables = [_table(index, camera) for index, camera in enumerate(scene.cameras)]
+    path.write_text(head + "".join(tables), encoding="utf-8")
+    return path
+
+
+def _table(index: int, camera: Camera) -> str:
+    import cv2
+
+    rotation = np.asarray(cv2.Rodrigues(camera.R)[0]).ravel()
+    return (
+        f'\n[cam_{index}]\nname = "cam{index + 1}"\nsize = {list(camera.size)}\nmatrix = {camera.K.tolist()}\n'
+        f"distortions = [0.0, 0.0, 0.0, 0.0, 0.0]\nrotation = {rotation.tolist()}\n"
+        f"translation = {camera.t.tolist()}\n"
+    )

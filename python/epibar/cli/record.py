@@ -1,0 +1,39 @@
+"""``epibar record``: one camera's video in, a small file out."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+
+from ..errors import EpibarError
+from ..intrinsics import find_camera, load_cameras
+from .calibrate import Camera, record_camera
+from .console import Console
+
+__all__ = ["run"]
+
+
+def run(args: Namespace) -> int:
+    """Run the command."""
+    out = Path(args.out)
+    if out.suffix.lower() != ".npz":
+        raise EpibarError(f"--out {out}: the name of a recording ends in .npz")
+    if not out.parent.is_dir():
+        raise EpibarError(f"--out {out}: there is no folder {out.parent}")
+    path = Path(args.video)
+    if out.resolve() == path.resolve():
+        raise EpibarError(f"--out {out}: this is the input itself")
+    name = path.resolve().name if path.is_dir() else path.stem
+    intrinsics = find_camera(load_cameras(args.intrinsics), name, 0) if args.intrinsics else None
+    camera = Camera(
+        name=name,
+        source=args.video,
+        index=0,
+        background=args.background[0] if args.background else None,
+        ignore=args.ignore[0] if args.ignore else None,
+        intrinsics=intrinsics,
+    )
+    console = Console(args.quiet)
+    record_camera(camera, args, console).save(out)
+    console.result(f"written: {out}")
+    return 0

@@ -1,0 +1,354 @@
+"""What moves: a streamed background model and the cleaning of its mask.
+
+Models: MOG2 (Zivkovic 2004) and KNN (Zivkovic and van der Heijden 2006) from OpenCV with their shadow test, and a
+selective temporal median with the HSV shadow test of Cucchiara et al. 2003.
+
+A model must know the empty scene before frame 0, or the first seconds are lost. So it is *primed* with frames
+spread over the whole video, or with a background clip, in which everything far from :func:`steady_background` is
+painted over: nobody is learnt who does not stand still for most of the video. Afterwards it learns slowly.
+
+Pitfall: who never moves during the whole video is background. A clip of the empty scene is the cure.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from .background import collect, median_background, steady_background
+from .camera_health import FLOOD_SHARE, CameraHealth
+from .errors import EpibarError
+from .video import Frames
+
+__all__ = ["CameraHealth", "Foreground", "ForegroundOptions"]
+
+METHODS = ("mog2", "knn", "median")
+REFERENCE_HEIGHT = 480.0
+SMOOTHING = (
+    0.8  # standard deviation in pixels at 480 lines; takes the sensor's noise off before any model sees it
+)
+FLOOD_PATIENCE = 3  # flooded frames in a row before the model learns anew
+FLOOD_LEARNING_RATE = 0.05
+
+
+@dataclass(frozen=True)
+class ForegroundOptions:
+    """How masks are made. Sizes are pixels in an image 480 lines high and grow with the image.
+
+    Parameters
+    ----------
+    method : {"mog2", "knn", "median"}
+        Background model.
+    warm_up : int
+        Frames that teach the model: the number sampled over the video when primed, or else the number of first
+        frames whose masks stay empty.
+    shadows : bool
+        Drop what is only darker than the background.
+    ignore : ndarray, shape (H, W), bool, optional
+        True where motion does not count: a clock in the picture, a screen, trees.
+    median_filter, closing : float
+        Diameter of the median filter that removes specks and of the closing that joins parts; 0 switches off.
+    min_area : float
+        Components below this share of the image are removed.
+    threshold : float
+        Squared distance to the background, in variances (MOG2) or grey levels (KNN, median); 0 is the method's
+        default: 25, 400, 625.
+    memory : int
+        Frames over which the model adapts to slow changes. With a background clip ten times as slow.
+    background : str or path, optional
+        Video, picture or folder of the empty scene.
+    """
+
+    method: str = "mog2"
+    warm_up: int = 60
+    shadows: bool = True
+    ignore: np.ndarray | None = None
+    median_filter: float = 5.0
+    closing: float = 7.0
+    min_area: float = 0.0005
+    threshold: float = 0.0
+    memory: int = 2000
+    background: str | os.PathLike[str] | None = None
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise EpibarError(f"foreground method {self.method!r}: choose one of {', '.join(METHODS)}")
+        if self.warm_up < 1 or self.memory < 1:
+            raise EpibarError(
+                f"warm_up is {self.warm_up}, memory is {self.memory}: both must be at least 1 frame"
+            )
+        if not 0 <= self.min_area < 1:
+            raise EpibarError(f"min_area is {self.min_area}: it is a share of the image, from 0 to below 1")
+        if not all(0 <= value < 100 for value in (self.median_filter, self.closing)):
+            raise EpibarError(
+                f"median_filter {self.median_filter}, closing {self.closing}: 0 (off) to 100 pixels"
+            )
+        if not 0 <= self.threshold < float("inf"):
+            raise EpibarError(
+                f"threshold is {self.threshold}: it must be positive, or 0 for the method's default"
+            )
+        if self.ignore is not None and np.ndim(self.ignore) != 2:
+            raise EpibarError(f"ignore mask has shape {np.shape(self.ignore)}, expected (height, width)")
+
+
+class _Model(Protocol):
+    def learn(self, frame: np.ndarray, number: int) -> None: ...
+
+    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray: ...
+
+
+class _OpenCvModel:
+    """MOG2 or KNN; their mask is 0, 127 (shadow) or 255."""
+
+    def __init__(self, options: ForegroundOptions) -> None:
+        import cv2
+
+        self._is_knn = options.method == "knn"
+        if self._is_knn:
+            threshold = options.threshold or 400.0
+            self._model = cv2.createBackgroundSubtractorKNN(options.warm_up, threshold, options.shadows)
+        else:
+            threshold = options.threshold or 25.0
+            self._model = cv2.createBackgroundSubtractorMOG2(500, threshold, options.shadows)
+            # A new thing becomes background when it has shown for 40 % of the memory, not for 10 %.
+            self._model.setBackgroundRatio(0.6)
+        self._model.setShadowThreshold(0.4)
+
+    def learn(self, frame: np.ndarray, number: int) -> None:
+        # 1 / (n + 1) weighs all samples alike; KNN counts by itself.
+        self._model.apply(frame, learningRate=-1 if self._is_knn else 1.0 / (number + 1))
+
+    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
+        return (self._model.apply(frame, learningRate=rate) == 255).astype(np.uint8)
+
+
+class _MedianModel:
+    """Selective temporal median, and the shadow test of Cucchiara et al. 2003, equation (6)."""
+
+    SAMPLES, INTERVAL, REFRESH = 25, 25, 10
+    DARKEST, LIGHTEST = 0.4, 0.95  # α and β: the brightness of a shadow, as a share of the background's
+    SATURATION, HUE = 50, 20  # τS of 255 and τH of 180
+
+    def __init__(self, options: ForegroundOptions) -> None:
+        self._difference = (options.threshold or 625.0) ** 0.5
+        self._shadows = options.shadows
+        self._interval = max(1, round(options.memory / (2 * self.SAMPLES * self.INTERVAL)) * self.INTERVAL)
+        self._samples: deque[np.ndarray] = deque(maxlen=self.SAMPLES)
+        self._seen = self._taken = 0
+        self._background: np.ndarray | None = None
+
+    def learn(self, frame: np.ndarray, number: int) -> None:
+        self._samples.append(frame)
+        self._background = None
+
+    def _refresh(self) -> np.ndarray:
+        import cv2
+
+        self._background = median_background(np.stack(self._samples))
+        self._hsv = cv2.cvtColor(self._background, cv2.COLOR_BGR2HSV).astype(np.int16)
+        return self._background
+
+    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
+        import cv2
+
+        background = self._refresh() if self._background is None else self._background
+        moving = cv2.absdiff(frame, background).max(axis=2) > self._difference
+        if self._shadows:
+            moving &= ~self._shadow(frame)
+        self._update(frame, moving, rate)
+        return moving.astype(np.uint8)
+
+    def _shadow(self, frame: np.ndarray) -> np.ndarray:
+        import cv2
+
+        hsv = cv2.cvtColor(frame, cv2.COLOR_BGR2HSV).astype(np.int16)
+        value, ground = hsv[..., 2], self._hsv[..., 2]
+        hue = np.abs(hsv[..., 0] - self._hsv[..., 0])
+        return (
+            (value >= self.DARKEST * ground)
+            & (value <= self.LIGHTEST * ground)
+            & (np.abs(hsv[..., 1] - self._hsv[..., 1]) <= self.SATURATION)
+            & (np.minimum(hue, 180 - hue) <= self.HUE)
+        )
+
+    def _update(self, frame: np.ndarray, moving: np.ndarray, rate: float) -> None:
+        self._seen += 1
+        if rate >= FLOOD_LEARNING_RATE:
+            if self._samples.maxlen == self.SAMPLES:
+                self._samples = deque(maxlen=9)
+            self._samples.append(frame.copy())
+            self._refresh()
+            return
+        if self._samples.maxlen != self.SAMPLES:
+            self._samples = deque(self._samples, maxlen=self.SAMPLES)
+        if self._seen % self._interval == 0 and self._background is not None:
+            self._samples.append(np.where(moving[..., None], self._background, frame))
+            self._taken += 1
+            if self._taken % self.REFRESH == 0:
+                self._refresh()
+
+
+class Foreground:
+    """Masks of what moves in the frames of one stationary camera, one frame at a time.
+
+    Parameters
+    ----------
+    options : ForegroundOptions, optional
+
+    Examples
+    --------
+    >>> with Frames("hall.mp4") as frames:  # doctest: +SKIP
+    ...     foreground = Foreground.for_frames(frames)
+    ...     for index, time, frame in frames:
+    ...         mask = foreground.apply(frame)
+    """
+
+    def __init__(self, options: ForegroundOptions | None = None) -> None:
+        self.options = options or ForegroundOptions()
+        self.background: np.ndarray | None = None
+        self._model: _Model = self._new_model()
+        self._size: tuple[int, int] | None = None
+        self._learned = 0
+        self._primed = False
+        self._flooded = 0
+        slow = 10 if self.options.background is not None else 1
+        self._rate = 1.0 / (slow * self.options.memory)
+
+    @classmethod
+    def for_frames(cls, frames: Frames, options: ForegroundOptions | None = None) -> Foreground:
+        """A model primed from the background clip if the options name one, or else from the whole of ``frames``."""
+        foreground = cls(options)
+        clip = foreground.options.background
+        if clip is None:
+            foreground.prime(frames.sample(foreground.options.warm_up))
+            return foreground
+        with Frames(clip) as empty:
+            if empty.size != frames.size:
+                raise EpibarError(
+                    f"{empty.path}: {empty.width}x{empty.height}, but {frames.path} is "
+                    f"{frames.width}x{frames.height}; the background must be filmed by the same camera at the same size"
+                )
+            foreground.prime(empty.sample(foreground.options.warm_up))
+        return foreground
+
+    def _new_model(self) -> _Model:
+        return _MedianModel(self.options) if self.options.method == "median" else _OpenCvModel(self.options)
+
+    def prime(self, frames: Iterable[np.ndarray]) -> None:
+        """Learn the empty scene before the first frame.
+
+        Parameters
+        ----------
+        frames : iterable of ndarray, shape (H, W, 3), uint8
+            BGR frames spread over time; people in them are painted over.
+
+        Raises
+        ------
+        EpibarError
+            No frames, or frames of two sizes.
+        """
+        samples = collect((self._smooth(frame) for frame in frames), self.options.warm_up)
+        self._set_size(samples[0])
+        self.background = steady_background(samples)
+        self._model = self._new_model()
+        # MOG2 weighs late samples a little more, so their order must not be that of time.
+        order = np.random.default_rng(0).permutation(len(samples))
+        for number in range(max(len(order), 20)):
+            sample = samples[order[number % len(order)]]
+            self._model.learn(self._painted(sample, self.background), number)
+        self._primed = True
+
+    def _painted(self, sample: np.ndarray, background: np.ndarray) -> np.ndarray:
+        """A sample with people replaced by background; flicker, which is small, stays for the model to learn."""
+        import cv2
+
+        far = (cv2.absdiff(sample, background).max(axis=2) > 30).astype(np.uint8)
+        margin = 2 * self._odd(2.0) + 1
+        far = cv2.dilate(self._clean(far, ignore=False), np.ones((margin, margin), np.uint8))
+        return np.where(far[..., None] > 0, background, sample)
+
+    def apply(self, frame: np.ndarray) -> np.ndarray:
+        """The mask of the next frame.
+
+        Parameters
+        ----------
+        frame : ndarray, shape (H, W, 3), uint8
+            BGR.
+
+        Returns
+        -------
+        ndarray, shape (H, W), uint8
+            1 where something moves, 0 elsewhere.
+
+        Raises
+        ------
+        EpibarError
+            The frame's size or type differs from what came before, or from the ignore mask.
+        """
+        smooth = self._smooth(frame)
+        self._set_size(smooth)
+        if not self._primed and self._learned < self.options.warm_up:
+            self._model.learn(smooth, self._learned)
+            self._learned += 1
+            return np.zeros(smooth.shape[:2], np.uint8)
+        rate = FLOOD_LEARNING_RATE if self._flooded >= FLOOD_PATIENCE else self._rate
+        moving = self._model.moving(smooth, rate)
+        self._flooded = self._flooded + 1 if moving.mean() > FLOOD_SHARE else 0
+        return self._clean(moving)
+
+    def _set_size(self, frame: np.ndarray) -> None:
+        height, width = frame.shape[:2]
+        if self._size is None:
+            self._size = width, height
+            ignore = self.options.ignore
+            if ignore is not None and ignore.shape != (height, width):
+                raise EpibarError(
+                    f"ignore mask: {ignore.shape[1]}x{ignore.shape[0]}, but the frames are {width}x{height}"
+                )
+        elif self._size != (width, height):
+            raise EpibarError(f"a frame of {width}x{height} after frames of {self._size[0]}x{self._size[1]}")
+
+    def _odd(self, size: float, height: int | None = None) -> int:
+        """A size at 480 lines as the nearest odd number of pixels of this image; 1 does nothing."""
+        lines = height or (self._size[1] if self._size else REFERENCE_HEIGHT)
+        return max(1, 2 * round((size * lines / REFERENCE_HEIGHT - 1) / 2) + 1) if size else 1
+
+    def _smooth(self, frame: Any) -> np.ndarray:
+        import cv2
+
+        if (
+            not isinstance(frame, np.ndarray)
+            or frame.dtype != np.uint8
+            or frame.ndim != 3
+            or frame.shape[2] != 3
+        ):
+            found = f"{frame.dtype} {frame.shape}" if isinstance(frame, np.ndarray) else type(frame).__name__
+            raise EpibarError(f"a frame must be a (height, width, 3) uint8 BGR image, not {found}")
+        return cv2.GaussianBlur(frame, (0, 0), max(0.3, SMOOTHING * frame.shape[0] / REFERENCE_HEIGHT))
+
+    def _clean(self, mask: np.ndarray, ignore: bool = True) -> np.ndarray:
+        import cv2
+
+        hidden = self.options.ignore.astype(bool) if ignore and self.options.ignore is not None else None
+        if hidden is not None:
+            mask[hidden] = 0
+        size = self._odd(self.options.median_filter)
+        if size > 1:
+            mask = cv2.medianBlur(mask, size)
+        size = self._odd(self.options.closing)
+        if size > 1:
+            disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+            mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disc)
+        if hidden is not None:
+            mask[hidden] = 0
+        if self.options.min_area:
+            _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+            keep = (stats[:, cv2.CC_STAT_AREA] >= self.options.min_area * mask.size).astype(np.uint8)
+            keep[0] = 0
+            mask = keep[labels]
+        return mask

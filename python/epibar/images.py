@@ -1,0 +1,59 @@
+"""Single images, and OpenCV itself: imported late, kept quiet."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .errors import EpibarError
+
+__all__ = ["IMAGE_SUFFIXES", "as_bgr", "natural_order", "opencv", "read_image"]
+
+IMAGE_SUFFIXES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"}
+
+
+def opencv() -> Any:
+    """OpenCV, imported late because it is slow, with its chatter on stderr switched off."""
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
+    import cv2
+
+    logging = getattr(getattr(cv2, "utils", None), "logging", None)
+    if logging is not None:
+        logging.setLogLevel(logging.LOG_LEVEL_SILENT)
+    return cv2
+
+
+def natural_order(path: Path) -> list[tuple[int, int, str]]:
+    """Sort key that puts ``frame2`` before ``frame10``."""
+    parts = re.split(r"(\d+)", path.name.lower())
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
+
+
+def as_bgr(image: np.ndarray) -> np.ndarray:
+    cv2 = opencv()
+    if image.ndim == 2 or image.shape[2] == 1:
+        return cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+    return image if image.shape[2] == 3 else cv2.cvtColor(image, cv2.COLOR_BGRA2BGR)
+
+
+def read_image(path: Path) -> np.ndarray:
+    """One image as BGR uint8; the bytes are read by Python because OpenCV cannot open every file name."""
+    cv2 = opencv()
+    try:
+        data = np.frombuffer(path.read_bytes(), np.uint8)
+    except OSError as error:
+        raise EpibarError(f"{path}: cannot be read ({error.strerror or error})") from error
+    image = None
+    if data.size:
+        try:
+            image = cv2.imdecode(data, cv2.IMREAD_COLOR)
+        except cv2.error:
+            image = None
+    if image is None:
+        raise EpibarError(f"{path}: not an image that OpenCV can decode; remove it or save it again")
+    return image

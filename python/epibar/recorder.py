@@ -1,0 +1,177 @@
+"""From one camera's video to a :class:`~epibar.recording.Recording`, streamed.
+
+decode (a thread of its own) -> foreground -> health check -> undistort -> pack. One frame is in memory at a time, a
+few more in the queue; the compiled recorder keeps one block of packed bits.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterable, Iterator
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import EpibarError
+from .foreground import CameraHealth, Foreground, ForegroundOptions
+from .images import read_image
+from .intrinsics import Intrinsics, MaskUndistorter, find_camera, load_cameras
+from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder
+from .validation import core_errors
+from .video import Frames, MaskFrames, prefetched
+
+__all__ = ["record"]
+
+Mask = NDArray[np.uint8]
+
+
+def record(
+    path: str | os.PathLike[str],
+    lines: int = DEFAULT_LINES,
+    seed: int = 0,
+    *,
+    name: str | None = None,
+    masks: bool = False,
+    foreground: str | ForegroundOptions = "mog2",
+    background: str | os.PathLike[str] | None = None,
+    ignore: str | os.PathLike[str] | NDArray[Any] | None = None,
+    intrinsics: Intrinsics | str | os.PathLike[str] | None = None,
+    fps: float | None = None,
+    progress: bool | None = None,
+) -> Recording:
+    """Turn the video of one stationary camera into a recording.
+
+    Parameters
+    ----------
+    path : str or path
+        A video, a folder of images, or whatever OpenCV opens.
+    lines : int
+        How many random lines to draw.
+    seed : int
+        Of the lines.
+    name : str, optional
+        Of the camera; the file's stem by default. Its intrinsics are looked up under it.
+    masks : bool
+        The input already is black and white, white = moving. Then it may also be an ``.npz`` with key ``masks``.
+    foreground : {"mog2", "knn", "median"} or ForegroundOptions
+        How to tell what moves.
+    background : str or path, optional
+        Video or picture of the empty scene by the same camera.
+    ignore : str or path or ndarray, shape (H, W), optional
+        Image or array, non-zero where motion does not count: a clock in the picture, a screen, trees. In pixels of
+        the video, also where intrinsics are given.
+    intrinsics : Intrinsics or str or path, optional
+        Camera matrix and distortion, or the ``.toml`` file to look them up in. Lens distortion bends lines: with it
+        everything in the recording is in undistorted pixels of the same matrix.
+    fps : float, optional
+        Frames per second, instead of the times in the file.
+    progress : bool, optional
+        Show a progress bar on stderr; by default where that is a terminal.
+
+    Returns
+    -------
+    Recording
+        What was bearable but wrong (a camera that moved, a light that was switched) is in its ``warnings``.
+
+    Raises
+    ------
+    EpibarError
+        The video cannot be read, or does not fit its intrinsics, background or ignore mask.
+
+    Examples
+    --------
+    >>> import epibar
+    >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)  # doctest: +SKIP
+    """
+    with MaskFrames(path, fps=fps) if masks else Frames(path, fps=fps) as source:
+        name = name or source.name
+        if isinstance(intrinsics, (str, os.PathLike)):
+            intrinsics = find_camera(load_cameras(intrinsics), name, 0)
+        hidden = _ignore_mask(ignore, source.size)
+        undistort = None
+        if intrinsics is not None:
+            undistort = MaskUndistorter(intrinsics, source.size)
+        recorder = new_recorder(source.width, source.height, lines, seed, MIN_COMPONENT_AREA)
+        health = CameraHealth(name, ignore=hidden)
+        if masks:
+            stream = _ready_masks(source, hidden)
+        else:
+            stream = _moving(source, _options(foreground, background, hidden), health)
+        with closing(stream):
+            for time, mask in _watched(stream, source.frame_count, name, progress):
+                straight = np.ascontiguousarray(undistort(mask) if undistort else mask)
+                with core_errors():
+                    recorder.push(straight, time)
+        with core_errors():
+            core = recorder.finish()
+        return Recording(
+            core,
+            name=name,
+            warnings=[*source.warnings, *health.warnings],
+            matrix=None if intrinsics is None else intrinsics.matrix,
+        )
+
+
+def _options(
+    foreground: str | ForegroundOptions, background: str | os.PathLike[str] | None, hidden: Mask | None
+) -> ForegroundOptions:
+    options = (
+        foreground if isinstance(foreground, ForegroundOptions) else ForegroundOptions(method=foreground)
+    )
+    if background is not None:
+        options = replace(options, background=background)
+    return options if hidden is None else replace(options, ignore=hidden)
+
+
+def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) -> Iterator[tuple[float, Mask]]:
+    """Time and mask of each frame of a colour video."""
+    foreground = Foreground.for_frames(frames, options)
+    with closing(prefetched(frames)) as ahead:
+        for index, time, frame in ahead:
+            yield time, health.update(index, frame, foreground.apply(frame))
+
+
+def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Iterator[tuple[float, Mask]]:
+    """Time and mask of each frame that already is a mask."""
+    with closing(prefetched(frames)) as ahead:
+        for _, time, mask in ahead:
+            if hidden is not None:
+                mask = np.where(hidden, np.uint8(0), mask)
+            yield time, mask
+
+
+def _watched(
+    stream: Iterable[tuple[float, Mask]], total: int | None, name: str, progress: bool | None
+) -> Iterable[tuple[float, Mask]]:
+    """Put a progress bar around a stream where somebody watches."""
+    if progress is None:
+        progress = sys.stderr.isatty()
+    if not progress:
+        return stream
+    from tqdm import tqdm
+
+    bar: Iterable[tuple[float, Mask]] = tqdm(
+        stream, total=total, desc=name, unit=" frames", file=sys.stderr, leave=False
+    )
+    return bar
+
+
+def _ignore_mask(ignore: str | os.PathLike[str] | NDArray[Any] | None, size: tuple[int, int]) -> Mask | None:
+    """Load an ignore mask and check its size; 1 where motion does not count."""
+    if ignore is None:
+        return None
+    where = "ignore mask"
+    if isinstance(ignore, (str, os.PathLike)):
+        where = os.fspath(ignore)
+        image = read_image(Path(ignore)).max(axis=2)
+    else:
+        image = np.asarray(ignore)
+    if image.shape != size[::-1]:
+        found = "x".join(map(str, image.shape[::-1]))
+        raise EpibarError(f"{where}: {found} pixels, but the frames are {size[0]}x{size[1]}")
+    return (image != 0).astype(np.uint8)

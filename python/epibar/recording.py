@@ -1,0 +1,250 @@
+"""One camera over time: all that a pair needs, and nothing of a second camera.
+
+A :class:`Recording` holds no image: lines with their motion barcodes, silhouettes, a motion heat map, frame
+times. It is small, can be saved, sent to another machine and matched with any other.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _core
+from .archive import read_archive, write_archive
+from .errors import EpibarError
+from .validation import MAX_SEED, as_masks, as_whole_number, core_errors
+
+__all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "new_recorder"]
+
+DEFAULT_LINES = 20_000
+"""Random lines per camera: the number of true candidate pairs grows with it."""
+
+MIN_COMPONENT_AREA = 0
+"""Pixels; masks given by the caller are taken as they are, those of a video were filtered before."""
+
+FORMAT = 1
+"""Version of the saved file; a file of a newer one is refused."""
+
+KIND = "a recording saved by epibar"
+PREFIX = "core_"
+MAX_LINES = 10_000_000
+
+
+class Recording:
+    """Lines with motion barcodes, silhouettes and motion heat map of one camera.
+
+    Made by :func:`epibar.record`, :meth:`from_masks` or :meth:`load`.
+
+    Attributes
+    ----------
+    name : str
+        Of the camera; used in messages and file names.
+    warnings : list of str
+        What was wrong with the video but bearable, in plain English.
+    matrix : ndarray, shape (3, 3), or None
+        Camera matrix of the undistorted pixels that all is in; None where no intrinsics were given.
+    """
+
+    def __init__(
+        self,
+        core: _core.Recording,
+        *,
+        name: str = "",
+        warnings: Sequence[str] = (),
+        matrix: ArrayLike | None = None,
+    ) -> None:
+        self._core = core
+        self.name = name
+        self.warnings = list(warnings)
+        self.matrix = None if matrix is None else np.array(matrix, dtype=np.float64)
+
+    @classmethod
+    def from_masks(
+        cls,
+        masks: ArrayLike,
+        fps: float = 25.0,
+        lines: int = DEFAULT_LINES,
+        seed: int = 0,
+        *,
+        name: str = "",
+        min_component_area: int = MIN_COMPONENT_AREA,
+    ) -> Recording:
+        """Make a recording of ready masks.
+
+        Parameters
+        ----------
+        masks : array_like, shape (T, H, W), bool or uint8
+            Non-zero where something moves.
+        fps : float
+            Frames per second.
+        lines : int
+            How many random lines to draw; more find more true candidate pairs, and take longer.
+        seed : int
+            Of the lines. Two cameras may share it.
+        name : str
+            Of the camera, for messages.
+        min_component_area : int
+            Connected components of fewer pixels give no silhouette.
+
+        Raises
+        ------
+        EpibarError
+            Wrong rank, dtype or size of the masks, or a number out of its range.
+
+        Examples
+        --------
+        >>> import numpy as np, epibar
+        >>> masks = np.zeros((100, 48, 64), bool)
+        >>> for t in range(100):
+        ...     masks[t, 10:20, t % 50 : t % 50 + 8] = True
+        >>> epibar.Recording.from_masks(masks, lines=200)
+        <Recording 64x48, 100 frames, 200 lines>
+        """
+        stack = as_masks(masks)
+        try:
+            fps = float(fps)
+        except (TypeError, ValueError):
+            raise EpibarError(f"fps = {fps!r}: expected a number") from None
+        if not (math.isfinite(fps) and fps > 0):
+            raise EpibarError(f"fps = {fps}: it must be positive and finite")
+        recorder = new_recorder(stack.shape[2], stack.shape[1], lines, seed, min_component_area)
+        with core_errors():
+            for index, mask in enumerate(stack):
+                recorder.push(mask, index / fps)
+            return cls(recorder.finish(), name=name)
+
+    @property
+    def width(self) -> int:
+        """Pixels."""
+        return self._core.width
+
+    @property
+    def height(self) -> int:
+        """Pixels."""
+        return self._core.height
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return self._core.frames
+
+    @property
+    def seed(self) -> int:
+        """Seed of the lines."""
+        return self._core.seed
+
+    @property
+    def informative(self) -> int:
+        """Lines whose barcode says enough to be matched."""
+        return self._core.informative
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """Seconds of each frame since frame 0, (T,)."""
+        return self._core.times
+
+    @property
+    def segments(self) -> NDArray[np.float64]:
+        """Lines as (x0, y0, x1, y1) on the image border, (n, 4), pixels."""
+        return self._core.segments
+
+    @property
+    def barcodes(self) -> NDArray[np.uint64]:
+        """Packed motion barcodes of the lines, (n, words)."""
+        return self._core.barcodes
+
+    @property
+    def heat(self) -> NDArray[np.uint32]:
+        """In how many frames each pixel moved, (H, W)."""
+        return self._core.heat
+
+    @property
+    def moving_pixels(self) -> NDArray[np.uint32]:
+        """Moving pixels of each frame, (T,)."""
+        return self._core.moving_pixels
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height, pixels."""
+        return self._core.width, self._core.height
+
+    def hulls(self, frame: int) -> list[NDArray[np.float64]]:
+        """Convex hulls of the silhouettes of a frame, each (k, 2) corners in pixels."""
+        index = as_whole_number("frame", frame, 0, self._core.frames - 1)
+        with core_errors():
+            return self._core.hulls(index)
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return (
+            f"<Recording{name} {self.width}x{self.height}, {self.frames} frames, {len(self.segments)} lines>"
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to one compressed ``.npz`` file, whole or not at all.
+
+        Raises
+        ------
+        EpibarError
+            The file cannot be written.
+        """
+        arrays: dict[str, Any] = {PREFIX + key: value for key, value in self._core.to_arrays().items()}
+        arrays["epibar_recording"] = np.int64(FORMAT)
+        arrays["name"] = np.array(self.name)
+        arrays["warnings"] = np.array(self.warnings, dtype=np.str_)
+        if self.matrix is not None:
+            arrays["matrix"] = self.matrix
+        write_archive(path, arrays)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Recording:
+        """Read what :meth:`save` wrote. No pickle is involved: the file may come from anyone.
+
+        Raises
+        ------
+        EpibarError
+            The file is missing, damaged, something else, or of a newer format.
+        """
+        where = os.fspath(path)
+        arrays = read_archive(path, KIND)
+        if "epibar_recording" not in arrays:
+            hint = "; its key 'masks' says that it holds masks" if "masks" in arrays else ""
+            raise EpibarError(f"{where}: not {KIND}{hint}")
+        try:
+            version = int(arrays["epibar_recording"])
+            if version != FORMAT:
+                raise EpibarError(
+                    f"{where}: format {version}, but this epibar reads format {FORMAT}; update epibar"
+                )
+            matrix = arrays.get("matrix")
+            if matrix is not None and (matrix.shape != (3, 3) or not np.isfinite(matrix).all()):
+                raise EpibarError("the camera matrix is not a finite 3x3 array")
+            core = {
+                key.removeprefix(PREFIX): value for key, value in arrays.items() if key.startswith(PREFIX)
+            }
+            return cls(
+                _core.Recording.from_arrays(core),
+                name=str(arrays["name"]),
+                warnings=[str(text) for text in np.atleast_1d(arrays["warnings"])],
+                matrix=matrix,
+            )
+        except (ValueError, TypeError, KeyError, OverflowError) as error:
+            text = str(error)
+            raise EpibarError(text if text.startswith(where) else f"{where}: damaged ({text})") from error
+
+
+def new_recorder(width: int, height: int, lines: int, seed: int, min_component_area: int) -> _core.Recorder:
+    """Make a recorder, with every argument checked."""
+    with core_errors():
+        return _core.Recorder(
+            width,
+            height,
+            as_whole_number("lines", lines, 1, MAX_LINES),
+            as_whole_number("seed", seed, 0, MAX_SEED),
+            as_whole_number("min_component_area", min_component_area, 0),
+        )

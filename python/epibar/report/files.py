@@ -1,0 +1,173 @@
+"""calibration.json and the frontier points as CSV.
+
+The JSON holds no numpy type, no NaN and no infinity: a number that is not known is null.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+from argparse import Namespace
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..archive import write_atomically
+from ..calibration import Calibration
+from ..errors import EpibarError
+from ..recording import Recording
+
+__all__ = [
+    "camera_entry",
+    "pair_entry",
+    "read_frontier_points",
+    "read_json",
+    "run_entry",
+    "write_frontier_points",
+    "write_json",
+]
+
+FORMAT = 1
+COLUMNS = "frame_a,x_a,y_a,x_b,y_b,residual"
+
+
+def run_entry(args: Namespace) -> dict[str, Any]:
+    """Start a calibration.json: the settings that the result depends on, and empty lists to fill."""
+    return {
+        "format": FORMAT,
+        "convention": "x_b^T F x_a = 0; pixels, pixel centres at integers; "
+        + ("undistorted with the matrix of each camera" if args.intrinsics else "as in the video"),
+        "seed": args.seed,
+        "method": args.method,
+        "lines": args.lines,
+        "foreground": None if args.masks else args.foreground,
+        "upright": not args.any_way_up,
+        "intrinsics": args.intrinsics,
+        "versions": {
+            "python": platform.python_version(),
+            **{name: _version(name) for name in ("epibar", "numpy", "opencv-python-headless")},
+        },
+        "cameras": [],
+        "pairs": [],
+        "errors": [],
+    }
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def camera_entry(name: str, source: str, index: int, recording: Recording) -> dict[str, Any]:
+    """Describe one camera for calibration.json."""
+    return {
+        "name": name,
+        "index": index,
+        "file": source,
+        "width": recording.width,
+        "height": recording.height,
+        "frames": recording.frames,
+        "lines": len(recording.segments),
+        "informative_lines": recording.informative,
+        "matrix": recording.matrix,
+        "warnings": recording.warnings,
+    }
+
+
+def pair_entry(a: str, b: str, calibration: Calibration, seconds: float) -> dict[str, Any]:
+    """Describe one pair for calibration.json."""
+    return {
+        "a": a,
+        "b": b,
+        "accepted": calibration.accepted,
+        "kind": calibration.kind,
+        "reason": calibration.reason,
+        "F": calibration.F,
+        "expected_error": calibration.expected_error,
+        "time_offset": calibration.time_offset,
+        "method": calibration.method,
+        "seed": calibration.seed,
+        "counts": calibration.counts,
+        "evidence": calibration.evidence,
+        "floor": calibration.floor,
+        "rivals": calibration.rivals,
+        "seconds": round(seconds, 2),
+    }
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON knows it; a number that is not finite becomes None."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def write_json(path: Path, result: dict[str, Any]) -> None:
+    """Write the result, whole or not at all."""
+    text = json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False)
+    write_atomically(path, lambda stream: stream.write(text.encode() + b"\n"))
+
+
+def read_json(path: Path) -> dict[str, Any]:
+    """Read a calibration.json.
+
+    Raises
+    ------
+    EpibarError
+        Missing, not JSON, or not what this program writes.
+    """
+    try:
+        result = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise EpibarError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except ValueError as error:
+        raise EpibarError(f"{path}: not JSON ({error})") from error
+    if not isinstance(result, dict) or not isinstance(result.get("pairs"), list) or "cameras" not in result:
+        raise EpibarError(f"{path}: not a calibration written by 'epibar calibrate'")
+    if result.get("format") != FORMAT:
+        raise EpibarError(f"{path}: format {result.get('format')!r}, but this epibar reads format {FORMAT}")
+    return result
+
+
+def write_frontier_points(path: Path, calibration: Calibration) -> Path:
+    """Write the frontier points of a pair as CSV, one per line."""
+    points = calibration.frontier_points
+    table = np.column_stack([points.frame, points.a, points.b, points.residual])
+    write_atomically(
+        path,
+        lambda stream: np.savetxt(
+            stream,
+            table,
+            fmt=["%d"] + 5 * ["%.4f"],
+            delimiter=",",
+            header=COLUMNS,
+            comments="",
+            encoding="utf-8",
+        ),
+    )
+    return path
+
+
+def read_frontier_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Read the points of A and of B, (n, 2) each, pixels."""
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+        if not lines or lines[0] != COLUMNS:
+            raise ValueError(f"the first line is not {COLUMNS}")
+        table = np.array([[float(number) for number in line.split(",")] for line in lines[1:]]).reshape(-1, 6)
+    except (OSError, ValueError) as error:
+        raise EpibarError(f"{path}: the frontier points cannot be read ({error})") from error
+    return table[:, 1:3], table[:, 3:5]

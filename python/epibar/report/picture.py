@@ -1,0 +1,245 @@
+"""A picture of a pair: both views with matched epipolar lines in matching colours."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..archive import write_atomically
+from ..calibration import Calibration
+from ..errors import EpibarError
+from ..evaluation import clip_lines, epipoles
+from ..recording import Recording
+
+if TYPE_CHECKING:
+    from ..intrinsics import Intrinsics
+
+__all__ = ["draw_pair", "write_pair_picture"]
+
+Image = NDArray[np.uint8]
+Array = NDArray[np.float64]
+
+PANEL_HEIGHT = 600
+LINES = 8
+MARGIN = 12
+# Told apart by most colour-blind eyes too (Okabe and Ito), blue-green-red, the dark ones lightened.
+COLOURS = [
+    (0, 159, 230),
+    (233, 180, 86),
+    (115, 190, 0),
+    (66, 228, 240),
+    (220, 130, 30),
+    (40, 94, 235),
+    (190, 121, 204),
+    (245, 245, 245),
+]
+
+
+def write_pair_picture(
+    path: Path,
+    names: tuple[str, str],
+    sources: tuple[str, str],
+    recordings: tuple[Recording, Recording],
+    calibration: Calibration,
+    intrinsics: tuple[Intrinsics | None, Intrinsics | None] = (None, None),
+) -> Path:
+    """Draw a pair over a real frame of each video and write it as PNG.
+
+    Parameters
+    ----------
+    path : Path
+        The file to write.
+    names, sources : two of str
+        Of the cameras and of the files they were recorded from. Where a frame cannot be read again, e.g.
+        because the source is a saved recording, the motion heat map takes its place.
+    recordings : two of Recording
+    calibration : Calibration
+        Of the pair.
+    intrinsics : two of Intrinsics or None
+        With which the frames are undistorted.
+    """
+    import cv2
+
+    frames = _frames_to_show(recordings, calibration)
+    images = [_view(*view) for view in zip(sources, frames, recordings, intrinsics, strict=True)]
+    captions = [f"{name}, frame {frame}" for name, frame in zip(names, frames, strict=True)]
+    picture = draw_pair((images[0], images[1]), (captions[0], captions[1]), calibration, frames[0])
+    ok, data = cv2.imencode(".png", picture)
+    if not ok:
+        raise EpibarError(f"{path}: the picture cannot be encoded")
+    write_atomically(path, lambda stream: stream.write(data.tobytes()))
+    return path
+
+
+def draw_pair(
+    images: tuple[Image, Image], captions: tuple[str, str], calibration: Calibration, frame: int
+) -> Image:
+    """Put two views side by side, with the verdict above and matched epipolar lines in matching colours.
+
+    Parameters
+    ----------
+    images : two of ndarray, shape (H, W, 3), uint8
+        Blue, green, red.
+    captions : two of str
+        Below the views.
+    calibration : Calibration
+        Of the pair.
+    frame : int
+        Frame of A that is shown; its frontier points come first and are marked.
+    """
+    views = [_scaled(image) for image in images]
+    if calibration.F is not None:
+        _draw_lines(views, images, calibration, frame)
+    height = PANEL_HEIGHT
+    gap = np.full((height, MARGIN, 3), 255, np.uint8)
+    body = np.hstack([gap, views[0][0], gap, views[1][0], gap])
+    verdict = "accepted" if calibration.accepted else f"REFUSED ({calibration.kind})"
+    if calibration.expected_error is not None:
+        verdict += f", expected error {calibration.expected_error:.2g} px"
+    head = [verdict, *textwrap.wrap(calibration.reason, max(30, body.shape[1] // 11))]
+    left = MARGIN + views[0][0].shape[1] + MARGIN
+    heading = _text_band(body.shape[1], [(MARGIN, line) for line in head], heading=True)
+    caption = _text_band(body.shape[1], [(MARGIN, captions[0]), (left, captions[1])], heading=False)
+    return np.vstack([heading, body, caption])
+
+
+def _frames_to_show(recordings: tuple[Recording, Recording], calibration: Calibration) -> tuple[int, int]:
+    """Frame of A with the most frontier points, or else the most motion, and B's frame of that moment."""
+    a, b = recordings
+    points = calibration.frontier_points.frame
+    counts = np.bincount(points, minlength=a.frames) if len(points) else a.moving_pixels
+    moment = np.arange(a.frames) + round(calibration.time_offset)
+    shown = np.where((moment >= 0) & (moment < b.frames), counts[: a.frames].astype(np.int64), -1)
+    frame = int(shown.argmax())
+    return frame, int(np.clip(moment[frame], 0, b.frames - 1))
+
+
+def _view(source: str, frame: int, recording: Recording, intrinsics: Intrinsics | None) -> Image:
+    """Read one frame, undistorted where the recording is; the heat map where there is no such frame."""
+    from ..video import read_frame
+
+    try:
+        image = read_frame(source, frame)
+    except EpibarError:
+        return _heat_map(recording)
+    if image.shape[:2] != (recording.height, recording.width):
+        return _heat_map(recording)
+    if image.max() <= 1:
+        image = image * np.uint8(255)
+    return image if intrinsics is None else intrinsics.undistort_image(image)
+
+
+def _heat_map(recording: Recording) -> Image:
+    import cv2
+
+    heat = np.sqrt(recording.heat / max(1, int(recording.heat.max())))
+    return cv2.applyColorMap((255 * heat).astype(np.uint8), cv2.COLORMAP_INFERNO)  # type: ignore[return-value]
+
+
+def _scaled(image: Image) -> tuple[Image, float]:
+    """Scale to the height of a panel; also returns the factor."""
+    import cv2
+
+    scale = PANEL_HEIGHT / image.shape[0]
+    size = (max(1, round(image.shape[1] * scale)), PANEL_HEIGHT)
+    method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+    return cv2.resize(image, size, interpolation=method), scale  # type: ignore[return-value]
+
+
+def _draw_lines(
+    views: list[tuple[Image, float]], images: tuple[Image, Image], calibration: Calibration, frame: int
+) -> None:
+    """Draw the epipolar lines of a few points, and the points of the frame that is shown."""
+    assert calibration.F is not None
+    sizes = [(image.shape[1], image.shape[0]) for image in images]
+    points = calibration.frontier_points
+    in_frame = points.frame == frame
+    if len(points):
+        lines_b = _homogeneous(points.a) @ calibration.F.T
+        lines_a = _homogeneous(points.b) @ calibration.F
+    else:
+        grid = np.linspace(0.15, 0.85, 2 * LINES)[:, None] * (np.array(sizes[0]) - 1.0)
+        lines_b = _homogeneous(grid) @ calibration.F.T
+        lines_a = np.cross(epipoles(calibration.F)[0], _homogeneous(grid))
+        in_frame = np.zeros(len(grid), bool)
+    segments_a, hit_a = clip_lines(lines_a, sizes[0])
+    segments_b, hit_b = clip_lines(lines_b, sizes[1])
+    shape = np.hstack([_unit_lines(lines_a, sizes[0]), _unit_lines(lines_b, sizes[1])])
+    chosen = _spread(shape, np.flatnonzero(hit_a & hit_b & in_frame), np.flatnonzero(hit_a & hit_b))
+    for colour, index in zip(COLOURS, chosen, strict=False):
+        for (view, scale), segment in zip(views, (segments_a[index], segments_b[index]), strict=True):
+            _line(view, segment, scale, colour)
+    for colour, index in zip(COLOURS, chosen, strict=False):
+        if in_frame[index]:
+            for (view, scale), point in zip(views, (points.a[index], points.b[index]), strict=True):
+                _dot(view, point, scale, colour)
+
+
+def _spread(shape: Array, preferred: NDArray[np.intp], others: NDArray[np.intp]) -> list[int]:
+    """Choose lines far from each other, farthest first; ``others`` only when ``preferred`` runs out."""
+    chosen: list[int] = []
+    for pool in (preferred, others):
+        while len(pool) and len(chosen) < LINES:
+            if not chosen:
+                chosen.append(int(pool[0]))
+                continue
+            distance = np.abs(shape[pool][:, None] - shape[chosen][None]).max(axis=2).min(axis=1)
+            best = int(distance.argmax())
+            if distance[best] < 0.04:
+                break
+            chosen.append(int(pool[best]))
+    return chosen
+
+
+def _unit_lines(lines: Array, size: tuple[int, int]) -> Array:
+    """Direction modulo half a turn and distance from the image's middle, both of order one."""
+    middle = np.array([(size[0] - 1) / 2, (size[1] - 1) / 2, 1.0])
+    norm = np.maximum(np.hypot(lines[:, 0], lines[:, 1]), 1e-300)
+    angle = 2 * np.arctan2(lines[:, 1], lines[:, 0])
+    sign = np.where(np.abs(lines[:, 1]) > np.abs(lines[:, 0]), np.sign(lines[:, 1]), np.sign(lines[:, 0]))
+    return np.column_stack([np.cos(angle), np.sin(angle), sign * (lines @ middle) / norm / max(size)])
+
+
+def _homogeneous(points: Array) -> Array:
+    return np.column_stack([points, np.ones(len(points))])
+
+
+def _at(point: Any, scale: float) -> tuple[int, int]:
+    """Pixel centres at integers, before and after scaling; in sixteenths of a pixel, for drawing."""
+    x, y = (16 * ((np.asarray(point) + 0.5) * scale - 0.5)).round().astype(int)
+    return int(x), int(y)
+
+
+def _line(view: Image, segment: Array, scale: float, colour: tuple[int, int, int]) -> None:
+    import cv2
+
+    ends = _at(segment[0], scale), _at(segment[1], scale)
+    cv2.line(view, *ends, (0, 0, 0), 4, cv2.LINE_AA, 4)
+    cv2.line(view, *ends, colour, 2, cv2.LINE_AA, 4)
+
+
+def _dot(view: Image, point: Array, scale: float, colour: tuple[int, int, int]) -> None:
+    import cv2
+
+    cv2.circle(view, _at(point, scale), 16 * 7, (0, 0, 0), -1, cv2.LINE_AA, 4)
+    cv2.circle(view, _at(point, scale), 16 * 5, colour, -1, cv2.LINE_AA, 4)
+
+
+def _text_band(width: int, texts: list[tuple[int, str]], heading: bool) -> Image:
+    """White band with text: lines below each other in a heading, beside each other in a caption."""
+    import cv2
+
+    step = 26
+    band = np.full((step * (len(texts) if heading else 1) + 14, width, 3), 255, np.uint8)
+    for row, (x, text) in enumerate(texts):
+        readable = text.encode("ascii", "replace").decode()  # OpenCV's letters are ASCII only
+        baseline = 6 + step * (row + 1 if heading else 1)
+        bold = 2 if heading and row == 0 else 1
+        cv2.putText(
+            band, readable, (x, baseline), cv2.FONT_HERSHEY_SIMPLEX, 0.6, (20, 20, 20), bold, cv2.LINE_AA
+        )
+    return band

@@ -1,0 +1,31 @@
+"""Made-up scenes with known cameras: masks exact to sub-pixel, videos, and dirt on demand.
+
+>>> from epibar import synthetic
+>>> scene = synthetic.people(seed=1, walkers=2, frames=3)
+>>> scene.masks(0).shape
+(3, 480, 640)
+>>> scene.fundamental(0, 1).shape
+(3, 3)
+"""
+
+from .camera import Camera, true_fundamental
+from .dirt import Dirt, noisy
+from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
+from .scene import Scene, Solids
+from .video import render_frames, render_video
+
+__all__ = [
+    "HIGH_CAMERAS",
+    "LOW_CAMERAS",
+    "Camera",
+    "Dirt",
+    "Scene",
+    "Solids",
+    "cubes",
+    "noisy",
+    "people",
+    "render_frames",
+    "render_video",
+    "thin_cubes",
+    "true_fundamental",
+]

@@ -1,0 +1,79 @@
+"""A pinhole camera in a world with z up, in metres: ``X_c = R X + t``, ``x ~ K X_c``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..evaluation import fundamental_from_cameras, project, projection_matrix
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """A known, stationary, undistorted camera.
+
+    Attributes
+    ----------
+    K : (3, 3) array
+        Pixels.
+    R, t : (3, 3) and (3,) array
+        World to camera, metres.
+    size : (width, height)
+    name : str
+    """
+
+    K: Array
+    R: Array
+    t: Array
+    size: tuple[int, int]
+    name: str = ""
+
+    @classmethod
+    def look_at(
+        cls,
+        position: ArrayLike,
+        target: ArrayLike,
+        focal: float,
+        size: tuple[int, int],
+        roll_deg: float = 0.0,
+        name: str = "",
+    ) -> Camera:
+        """Place a camera at ``position`` that looks at ``target``, the right way up, then roll it.
+
+        Positions are in metres, ``focal`` is in pixels; the principal point is the middle of the image. A
+        positive roll turns the picture clockwise.
+        """
+        position, target = np.asarray(position, dtype=np.float64), np.asarray(target, dtype=np.float64)
+        forward = (target - position) / np.linalg.norm(target - position)
+        # Straight up or down no direction is upright: take +y as the top of the image.
+        up = np.array([0.0, 0.0, 1.0]) if abs(forward[2]) < 1 - 1e-9 else np.array([0.0, 1.0, 0.0])
+        right = np.cross(forward, up)
+        right /= np.linalg.norm(right)
+        upright = np.stack([right, np.cross(forward, right), forward])
+        cos, sin = np.cos(np.deg2rad(roll_deg)), np.sin(np.deg2rad(roll_deg))
+        R = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ upright
+        K = np.array([[focal, 0.0, (size[0] - 1) / 2], [0.0, focal, (size[1] - 1) / 2], [0.0, 0.0, 1.0]])
+        return cls(K, R, -R @ position, (int(size[0]), int(size[1])), name)
+
+    @property
+    def centre(self) -> Array:
+        """Where the camera stands, (3,), metres."""
+        return -self.R.T @ self.t
+
+    @property
+    def P(self) -> Array:
+        """Projection matrix ``K [R | t]``, (3, 4)."""
+        return projection_matrix(self)
+
+    def project(self, points: ArrayLike) -> tuple[Array, Array]:
+        """Project (n, 3) world points: (n, 2) pixels, NaN behind the camera, and (n,) depths in metres."""
+        return project(self, points)
+
+
+def true_fundamental(cam_a: Camera, cam_b: Camera) -> Array:
+    """Return the fundamental matrix of two known cameras, Frobenius norm 1, ``x_bᵀ F x_a = 0``."""
+    return fundamental_from_cameras(cam_a, cam_b)

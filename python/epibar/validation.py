@@ -1,0 +1,58 @@
+"""Checks of what a caller passes in, shared by the public functions; every message names the argument."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import EpibarError
+
+__all__ = ["MAX_SEED", "as_masks", "as_whole_number", "core_errors"]
+
+MAX_SEED = 2**64 - 1
+
+
+@contextmanager
+def core_errors() -> Iterator[None]:
+    """Turn what the compiled module refuses into :class:`EpibarError`."""
+    try:
+        yield
+    except EpibarError:
+        raise
+    except (ValueError, OverflowError) as error:
+        raise EpibarError(str(error)) from error
+
+
+def as_whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
+    """Return ``value`` as an int within [least, most]; bool and float are refused."""
+    try:
+        if isinstance(value, (bool, np.bool_)):
+            raise TypeError
+        number = operator.index(value)
+    except TypeError:
+        raise EpibarError(f"{name} = {value!r}: expected a whole number") from None
+    if number < least or (most is not None and number > most):
+        bound = f"at least {least}" if most is None else f"between {least} and {most}"
+        raise EpibarError(f"{name} = {number}: it must be {bound}")
+    return number
+
+
+def as_masks(masks: Any) -> NDArray[np.uint8]:
+    """Return masks as a C-contiguous (T, H, W) array of uint8, or say what is wrong with them."""
+    array = np.asarray(masks)
+    if array.dtype != np.bool_ and array.dtype != np.uint8:
+        raise EpibarError(
+            f"masks have dtype {array.dtype}, expected bool or uint8, non-zero = moving; "
+            "threshold them first, e.g. masks > 0.5"
+        )
+    if array.ndim != 3:
+        raise EpibarError(f"masks have shape {array.shape}, expected (frames, height, width)")
+    if array.size == 0:
+        raise EpibarError(f"masks have shape {array.shape}: no frames or no pixels")
+    array = np.ascontiguousarray(array)
+    return array.view(np.uint8)

@@ -1,0 +1,228 @@
+//! Two recordings in, one calibration out.
+
+use epibar::calibrate::TimeOffset;
+use epibar::matching::Candidate;
+use epibar::{CalibrateOptions, Line, Method};
+use numpy::{IntoPyArray, PyArray1, PyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{matrix, rows, to_python_error};
+use crate::recording::Recording;
+use crate::watch::PythonWatch;
+
+/// Seconds either way that a search for the time offset covers.
+const OFFSET_SECONDS: f64 = 21.0;
+
+/// What is known about a pair of cameras.
+#[pyclass(module = "epibar._core", frozen)]
+pub struct Calibration {
+    inner: epibar::Calibration,
+}
+
+/// Runs the whole job with the GIL released; Python's signals are looked at between batches.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "the Python layer names them")]
+pub fn calibrate(
+    py: Python<'_>,
+    a: &Recording,
+    b: &Recording,
+    method: &str,
+    seed: u64,
+    time_offset: Option<f64>,
+    upright: bool,
+    candidates: usize,
+    draws: usize,
+    max_expected_error: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Calibration> {
+    let method = match method {
+        "frontier" => Method::Frontier,
+        "lines" => Method::Lines,
+        other => {
+            return Err(PyValueError::new_err(format!("method = {other:?}: expected \"frontier\" or \"lines\"")));
+        }
+    };
+    let mut options = CalibrateOptions {
+        method,
+        seed,
+        time_offset: time_offset
+            .map_or(TimeOffset::Search { seconds: OFFSET_SECONDS }, TimeOffset::Known),
+        upright,
+        draws,
+        max_expected_error,
+        ..CalibrateOptions::default()
+    };
+    options.candidates.limit = candidates;
+    options.candidates.reserve = options.candidates.reserve.max(candidates);
+    let mut watch = PythonWatch::new(progress);
+    let (a, b) = (&a.inner, &b.inner);
+    let found = py.detach(|| epibar::calibrate(a, b, &options, &mut watch));
+    match (found, watch.raised) {
+        (Ok(inner), None) => Ok(Calibration { inner }),
+        (_, Some(raised)) => Err(raised),
+        (Err(error), None) => Err(to_python_error(&error)),
+    }
+}
+
+impl Calibration {
+    fn lines<'py>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Candidate) -> Line,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let best = self.inner.candidates.best();
+        rows(py, best.iter().map(|c| of(c)).map(|l| [l.a, l.b, l.c]))
+    }
+}
+
+#[pymethods]
+impl Calibration {
+    #[getter(F)]
+    fn fundamental<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
+        self.inner.fundamental.map(|f| matrix(f.matrix()).into_pyarray(py))
+    }
+
+    #[getter]
+    fn accepted(&self) -> bool {
+        self.inner.verdict.accepted()
+    }
+
+    #[getter]
+    fn kind(&self) -> &'static str {
+        self.inner.verdict.kind.word()
+    }
+
+    #[getter]
+    fn reason(&self) -> &str {
+        &self.inner.verdict.reason
+    }
+
+    #[getter]
+    fn expected_error(&self) -> Option<f64> {
+        Some(self.inner.expected_error).filter(|e| e.is_finite())
+    }
+
+    #[getter]
+    fn time_offset(&self) -> f64 {
+        self.inner.time_offset
+    }
+
+    #[getter]
+    fn source(&self) -> &'static str {
+        self.inner.source
+    }
+
+    #[getter]
+    fn lines_a<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.lines(py, |c| c.lines.a)
+    }
+
+    #[getter]
+    fn lines_b<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        self.lines(py, |c| c.lines.b)
+    }
+
+    #[getter]
+    fn correlation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let values: Vec<f64> = self.inner.candidates.best().iter().map(|c| c.correlation).collect();
+        values.into_pyarray(py)
+    }
+
+    #[getter]
+    fn inliers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        self.inner.inliers.clone().into_pyarray(py)
+    }
+
+    #[getter]
+    fn frontier_frame<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let values: Vec<i64> = self.inner.frontier_points.iter().map(|p| i64::from(p.frame)).collect();
+        values.into_pyarray(py)
+    }
+
+    #[getter]
+    fn frontier_a<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, self.inner.frontier_points.iter().map(|p| p.a))
+    }
+
+    #[getter]
+    fn frontier_b<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, self.inner.frontier_points.iter().map(|p| p.b))
+    }
+
+    /// Symmetric epipolar distances, pixels.
+    #[getter]
+    fn frontier_residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let f = self.inner.fundamental;
+        let distance = |p: &epibar::estimate::frontier::FrontierPoint| {
+            f.map_or(f64::NAN, |f| epibar::geometry::symmetric_epipolar_distance(&f, p.a, p.b))
+        };
+        let values: Vec<f64> = self.inner.frontier_points.iter().map(distance).collect();
+        values.into_pyarray(py)
+    }
+
+    #[getter]
+    fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let counts = PyDict::new(py);
+        let found = &self.inner;
+        for (name, value) in [
+            ("frames", found.frames),
+            ("informative_a", found.candidates.informative_a),
+            ("informative_b", found.candidates.informative_b),
+            ("on_motion_lines", found.candidates.on_motion_lines),
+            ("mutual_pairs", found.candidates.pairs.len()),
+            ("candidates", found.candidates.best().len()),
+            ("line_inliers", found.inliers.iter().filter(|i| **i).count()),
+            ("frontier_points", found.frontier_points.len()),
+        ] {
+            counts.set_item(name, value)?;
+        }
+        Ok(counts)
+    }
+
+    #[getter]
+    fn floor<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
+        self.inner.floor.map(|h| matrix(&h).into_pyarray(py))
+    }
+
+    #[getter]
+    fn rivals<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.inner
+            .rivals
+            .iter()
+            .map(|rival| {
+                let entry = PyDict::new(py);
+                entry.set_item("F", matrix(rival.fundamental.matrix()).into_pyarray(py))?;
+                entry.set_item("evidence_share", rival.share)?;
+                entry.set_item("distance", rival.distance)?;
+                entry.set_item("source", rival.source)?;
+                Ok(entry)
+            })
+            .collect()
+    }
+
+    #[getter]
+    fn evidence<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let evidence = PyDict::new(py);
+        let e = &self.inner.evidence;
+        for (name, value) in [
+            ("z", e.z),
+            ("z_tops", e.z_tops),
+            ("z_bottoms", e.z_bottoms),
+            ("explained", e.explained),
+            ("explained_by_chance", e.explained_by_chance),
+        ] {
+            evidence.set_item(name, value)?;
+        }
+        Ok(evidence)
+    }
+
+    /// Shifts in frames and the evidence at each.
+    #[getter]
+    fn shift_curve<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
+        let shifts: Vec<f64> = self.inner.shift_curve.iter().map(|s| s.shift as f64).collect();
+        let scores: Vec<f64> = self.inner.shift_curve.iter().map(|s| s.score.total()).collect();
+        (shifts.into_pyarray(py), scores.into_pyarray(py))
+    }
+}

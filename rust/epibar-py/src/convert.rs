@@ -1,0 +1,53 @@
+//! Between numpy (row-major) and the crate's types, each direction in one place.
+
+use nalgebra::Matrix3;
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyValueError};
+use pyo3::prelude::*;
+
+/// The one place where errors of the crate become Python's.
+pub fn to_python_error(error: &epibar::Error) -> PyErr {
+    match error {
+        epibar::Error::Interrupted => PyKeyboardInterrupt::new_err(error.to_string()),
+        other => PyValueError::new_err(other.to_string()),
+    }
+}
+
+/// Releases the GIL, runs `work`, maps its error: every call into the crate goes through here.
+pub fn enter<T: Send>(py: Python<'_>, work: impl FnOnce() -> epibar::Result<T> + Send) -> PyResult<T> {
+    py.detach(work).map_err(|error| to_python_error(&error))
+}
+
+/// A 3×3 matrix, rows first (nalgebra stores columns first).
+pub fn matrix(m: &Matrix3<f64>) -> Array2<f64> {
+    Array2::from_shape_fn((3, 3), |(i, j)| m[(i, j)])
+}
+
+/// Rows of `N` numbers as an `(n, N)` array.
+pub fn rows<'py, T: numpy::Element + Copy, const N: usize>(
+    py: Python<'py>,
+    rows: impl Iterator<Item = [T; N]>,
+) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let flat: Vec<T> = rows.flatten().collect();
+    Array2::from_shape_vec((flat.len() / N, N), flat)
+        .map(|array| array.into_pyarray(py))
+        .map_err(|error| PyMemoryError::new_err(error.to_string()))
+}
+
+/// A C-contiguous slice of an argument with the given number of dimensions.
+pub fn slice<'a, T: numpy::Element>(
+    name: &str,
+    array: &'a PyReadonlyArrayDyn<'_, T>,
+    dimensions: usize,
+) -> PyResult<&'a [T]> {
+    if array.ndim() != dimensions {
+        return Err(PyValueError::new_err(format!(
+            "{name} has {} dimensions, expected {dimensions}",
+            array.ndim()
+        )));
+    }
+    array
+        .as_slice()
+        .map_err(|_| PyValueError::new_err(format!("{name} must be C-contiguous: use numpy.ascontiguousarray")))
+}

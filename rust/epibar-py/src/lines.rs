@@ -1,0 +1,86 @@
+//! Barcodes, their matches, and motion lines.
+
+use epibar::matching::{MotionLineOptions, mutual_matches};
+use epibar::{Barcodes, ImageSize, Segment};
+use numpy::ndarray::Array2;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::convert::{enter, rows, slice, to_python_error};
+use crate::recording::Recording;
+
+/// Motion barcodes of segments in masks (T, H, W).
+#[pyfunction]
+pub fn barcodes<'py>(
+    py: Python<'py>,
+    masks: PyReadonlyArrayDyn<'py, u8>,
+    segments: PyReadonlyArrayDyn<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<u64>>> {
+    let pixels = slice("masks", &masks, 3)?;
+    let ends = slice("segments", &segments, 2)?;
+    if segments.shape()[1] != 4 {
+        return Err(PyValueError::new_err("segments must have four columns: x0, y0, x1, y1"));
+    }
+    let frames = masks.shape()[0];
+    let size =
+        ImageSize::new(masks.shape()[2], masks.shape()[1]).map_err(|error| to_python_error(&error))?;
+    let segments: Vec<Segment> = ends
+        .chunks_exact(4)
+        .map(|s| Segment { x0: s[0], y0: s[1], x1: s[2], y1: s[3] })
+        .collect();
+    let found = enter(py, || epibar::barcodes_of_segments(pixels, frames, size, &segments))?;
+    bits(py, found)
+}
+
+/// Barcodes as an (n, words) array.
+pub fn bits(py: Python<'_>, barcodes: Barcodes) -> PyResult<Bound<'_, PyArray2<u64>>> {
+    Array2::from_shape_vec((barcodes.count, barcodes.words_per), barcodes.bits)
+        .map(|array| array.into_pyarray(py))
+        .map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// An (n, words) array as barcodes of `frames` frames.
+pub fn as_barcodes(name: &str, bits: &PyReadonlyArrayDyn<'_, u64>, frames: usize) -> PyResult<Barcodes> {
+    let words = slice(name, bits, 2)?;
+    let (count, words_per) = (bits.shape()[0], bits.shape()[1]);
+    if words_per != frames.div_ceil(64) {
+        return Err(PyValueError::new_err(format!(
+            "{name} has {words_per} words per barcode, but {frames} frames need {}",
+            frames.div_ceil(64)
+        )));
+    }
+    let tail = frames % 64;
+    if tail != 0 && words.chunks_exact(words_per).any(|row| row[words_per - 1] >> tail != 0) {
+        return Err(PyValueError::new_err(format!("{name} has bits set beyond its {frames} frames")));
+    }
+    Ok(Barcodes { count, frames, words_per, bits: words.to_vec() })
+}
+
+type Matches<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
+
+/// Pairs in the mutual top of each other, best first.
+#[pyfunction]
+pub fn match_barcodes<'py>(
+    py: Python<'py>,
+    bits_a: PyReadonlyArrayDyn<'py, u64>,
+    bits_b: PyReadonlyArrayDyn<'py, u64>,
+    frames: usize,
+    mutual: usize,
+    limit: usize,
+) -> PyResult<Matches<'py>> {
+    let (a, b) = (as_barcodes("bits_a", &bits_a, frames)?, as_barcodes("bits_b", &bits_b, frames)?);
+    let found = enter(py, || mutual_matches(&a, &b, mutual, limit))?;
+    let index_a: Vec<i64> = found.iter().map(|m| i64::from(m.a)).collect();
+    let index_b: Vec<i64> = found.iter().map(|m| i64::from(m.b)).collect();
+    let correlation: Vec<f64> = found.iter().map(|m| f64::from(m.correlation)).collect();
+    Ok((index_a.into_pyarray(py), index_b.into_pyarray(py), correlation.into_pyarray(py)))
+}
+
+/// Motion lines of a recording, (n, 3).
+#[pyfunction]
+pub fn motion_lines<'py>(py: Python<'py>, rec: &Recording) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let found =
+        enter(py, || Ok(epibar::matching::motion_lines(&rec.inner, &MotionLineOptions::default())))?;
+    rows(py, found.into_iter().map(|l| [l.a, l.b, l.c]))
+}

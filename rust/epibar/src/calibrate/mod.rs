@@ -1,0 +1,269 @@
+//! The whole job: two recordings in, one calibration out.
+//!
+//! Common time line → candidates → `F` by the chosen method → verdict.
+
+mod alignment;
+mod verdict;
+
+use nalgebra::Matrix3;
+
+pub use alignment::{TimeOffset, common_frames, search_offset};
+pub use verdict::{Kind, Verdict};
+
+use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
+use crate::estimate::line_model::LineModel;
+use crate::estimate::ransac::{Watch, ransac};
+use crate::estimate::refine::refine;
+use crate::estimate::search::{Found, SearchOptions, pixel_scale, search};
+use crate::estimate::views::{Views, busy_frames};
+use crate::geometry::Fundamental;
+use crate::matching::candidates::find_candidates;
+use crate::matching::{Candidate, CandidateOptions, Candidates};
+use crate::recording::Recording;
+use crate::verify::{Evidence, ShiftScore};
+use crate::{Error, Result};
+
+/// How `F` is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// Frontier points: every source of hypotheses, the tangent score, sub-pixel refinement (DESIGN §6).
+    #[default]
+    Frontier,
+    /// Line pairs alone, as in the paper.
+    Lines,
+}
+
+/// Options of [`calibrate`].
+#[derive(Debug, Clone)]
+pub struct CalibrateOptions {
+    /// Which method.
+    pub method: Method,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Which frames belong together.
+    pub time_offset: TimeOffset,
+    /// Both cameras are the right way up (DESIGN §6, the mirror).
+    pub upright: bool,
+    /// How candidates are chosen.
+    pub candidates: CandidateOptions,
+    /// RANSAC draws of `Method::Lines`, and of each line source of `Method::Frontier` (paper §4.3: 10,000).
+    pub draws: usize,
+    /// A result with a larger expected error, pixels, is refused.
+    pub max_expected_error: f64,
+}
+
+impl Default for CalibrateOptions {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            seed: 0,
+            time_offset: TimeOffset::Known(0.0),
+            upright: true,
+            candidates: CandidateOptions::default(),
+            draws: 10_000,
+            max_expected_error: 3.0,
+        }
+    }
+}
+
+/// Another geometry that the search found.
+#[derive(Debug, Clone)]
+pub struct Rival {
+    /// The matrix.
+    pub fundamental: Fundamental,
+    /// Its evidence as a share of the winner's.
+    pub share: f64,
+    /// Mean symmetric epipolar distance under it of the winner's frontier points, pixels.
+    pub distance: f64,
+    /// What its hypotheses came from.
+    pub source: &'static str,
+}
+
+/// What [`calibrate`] found, good or bad.
+#[derive(Debug, Clone)]
+pub struct Calibration {
+    /// The fundamental matrix, `x_bᵀ F x_a = 0`; `None` where nothing could be estimated.
+    pub fundamental: Option<Fundamental>,
+    /// Whether it can be relied on, and why.
+    pub verdict: Verdict,
+    /// Expected symmetric epipolar distance over the volume where things moved, pixels; NaN where unknown.
+    pub expected_error: f64,
+    /// Frame `i` of A is frame `i + time_offset` of B.
+    pub time_offset: f64,
+    /// Candidates with the counts of their filters.
+    pub candidates: Candidates,
+    /// Which of the best candidates fit the result (area below 3 × image width).
+    pub inliers: Vec<bool>,
+    /// Matched tangent points; `frame` is a frame of A.
+    pub frontier_points: Vec<FrontierPoint>,
+    /// Homography of the floor from A to B, where many candidates fit one.
+    pub floor: Option<Matrix3<f64>>,
+    /// Other geometries with evidence, most first.
+    pub rivals: Vec<Rival>,
+    /// Numbers behind the verdict.
+    pub evidence: Evidence,
+    /// Evidence on held-out frames as B is shifted in time.
+    pub shift_curve: Vec<ShiftScore>,
+    /// Common frames used.
+    pub frames: usize,
+    /// Which kind of hypothesis the winner grew from.
+    pub source: &'static str,
+}
+
+impl Calibration {
+    /// A refusal before anything could be estimated.
+    fn refused(verdict: Verdict, time_offset: f64, frames: usize, candidates: Candidates) -> Self {
+        Self {
+            fundamental: None,
+            verdict,
+            expected_error: f64::NAN,
+            time_offset,
+            inliers: vec![false; candidates.best().len()],
+            candidates,
+            frontier_points: Vec::new(),
+            floor: None,
+            rivals: Vec::new(),
+            evidence: Evidence::default(),
+            shift_curve: Vec::new(),
+            frames,
+            source: "none",
+        }
+    }
+}
+
+/// Fewest common frames that can be calibrated at all.
+const MIN_FRAMES: usize = 16;
+/// Fewest candidates that make a pencil.
+const MIN_CANDIDATES: usize = 3;
+
+/// Finds the fundamental matrix between two cameras.
+///
+/// Refusing is a result, not an error: see [`Calibration::verdict`].
+///
+/// # Errors
+/// [`Error::Interrupted`] where `watch` says so, [`Error::Argument`] for options out of range.
+pub fn calibrate(
+    a: &Recording,
+    b: &Recording,
+    options: &CalibrateOptions,
+    watch: &mut dyn Watch,
+) -> Result<Calibration> {
+    check(options)?;
+    let offset = match options.time_offset {
+        TimeOffset::Known(offset) => offset,
+        TimeOffset::Search { seconds } => search_offset(a, b, seconds, watch)?,
+    };
+    let pairs = common_frames(a, b, offset);
+    let refuse = |verdict, candidates| Ok(Calibration::refused(verdict, offset, pairs.len(), candidates));
+    if pairs.len() < MIN_FRAMES {
+        return refuse(Verdict::too_few_frames(pairs.len(), MIN_FRAMES), Candidates::default());
+    }
+    if !watch.keep_going("candidates", 0.0) {
+        return Err(Error::Interrupted);
+    }
+    let candidates = find_candidates(a, b, &pairs, &options.candidates)?;
+    if let Some(verdict) = Verdict::too_little_motion(&candidates) {
+        return refuse(verdict, candidates);
+    }
+    if candidates.pairs.len() < MIN_CANDIDATES {
+        return refuse(Verdict::no_candidates(), candidates);
+    }
+
+    let views = Views::new(a, b, &pairs);
+    let busy = busy_frames(a, b, &pairs, usize::MAX);
+    // Fit on blocks of frames, test on every third block.
+    let block = (busy.len() / 24).clamp(4, 64);
+    let (train, test): (Vec<_>, Vec<_>) = busy.iter().enumerate().partition(|(i, _)| i / block % 3 != 2);
+    let strip = |v: Vec<(usize, &(u32, u32))>| v.into_iter().map(|(_, p)| *p).collect::<Vec<_>>();
+    let (train, test) = (strip(train), strip(test));
+    let train_views = Views::new(a, b, &train);
+
+    let found = match options.method {
+        Method::Frontier => {
+            let subset = |limit| Views::new(a, b, &busy_frames(a, b, &train, limit));
+            let search_options =
+                SearchOptions { upright: options.upright, draws: options.draws, ..SearchOptions::default() };
+            search(&train_views, subset, &candidates, &search_options, options.seed, watch)?
+        }
+        Method::Lines => by_lines(&candidates, &views, options, watch)?,
+    };
+    let Some(winner) = found.solutions.first() else {
+        return refuse(Verdict::no_hypothesis(), candidates);
+    };
+    // The final matrix uses all frames; the verdict tests the one fitted to the training frames.
+    let scale = pixel_scale(&views);
+    let fundamental = match options.method {
+        Method::Frontier => {
+            let radii = [2.5, 1.5].map(|r| r * scale);
+            refine(&views, &winner.fundamental, &radii, options.upright).unwrap_or(winner.fundamental)
+        }
+        Method::Lines => winner.fundamental,
+    };
+    let test_views = Views::new(a, b, &test);
+    let judged = verdict::judge(&verdict::Case {
+        views: &views,
+        test_views: &test_views,
+        fundamental: &fundamental,
+        fitted: &winner.fundamental,
+        found: &found,
+        options,
+        frame_rate: a.frame_rate(),
+    });
+    let model = LineModel::new(candidates.best(), views.sizes());
+    let inliers = model.inliers(&fundamental);
+    let mut frontier_points = judged.points;
+    for p in &mut frontier_points {
+        p.frame = pairs[p.frame as usize].0;
+    }
+    Ok(Calibration {
+        fundamental: Some(fundamental),
+        verdict: judged.verdict,
+        expected_error: judged.expected_error,
+        time_offset: offset,
+        inliers,
+        frontier_points,
+        floor: found.floor.as_ref().filter(|f| verdict::is_floor(f, candidates.best().len())).map(|f| f.homography),
+        rivals: judged.rivals,
+        evidence: judged.evidence,
+        shift_curve: judged.curve,
+        frames: pairs.len(),
+        source: winner.source.name(),
+        candidates,
+    })
+}
+
+fn check(options: &CalibrateOptions) -> Result<()> {
+    let positive = options.max_expected_error > 0.0;
+    if !positive {
+        return Err(Error::Argument {
+            name: "max_expected_error",
+            value: options.max_expected_error.to_string(),
+            expected: "a positive number of pixels",
+        });
+    }
+    if options.draws == 0 {
+        return Err(Error::Argument { name: "draws", value: "0".into(), expected: "at least 1" });
+    }
+    options.time_offset.check()
+}
+
+/// The paper's method: line inliers decide, local optimisation on the inliers.
+fn by_lines(candidates: &Candidates, views: &Views, options: &CalibrateOptions, watch: &mut dyn Watch) -> Result<Found> {
+    let pairs: &[Candidate] = candidates.best();
+    let model = LineModel::new(pairs, views.sizes());
+    let best = ransac(&model, options.draws, 1, options.seed, "lines", watch)?;
+    let solutions = best
+        .into_iter()
+        .map(|scored| crate::estimate::search::Solution {
+            fundamental: model.optimise(&scored.model),
+            evidence: scored.score,
+            source: crate::estimate::search::Source::BestLines,
+        })
+        .collect();
+    Ok(Found { solutions, floor: None })
+}
+
+/// Matched tangents of all frames under `f` at a radius in pixels.
+fn matched(views: &Views, f: &Fundamental, radius: f64, upright: bool) -> Vec<FrontierPoint> {
+    compare(views, f, &FrontierOptions { radius, upright, shift: 0 }).points
+}

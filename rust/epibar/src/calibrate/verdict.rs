@@ -1,0 +1,267 @@
+//! The verdict: accepted, or refused with a reason in plain English (DESIGN §7).
+
+use super::{CalibrateOptions, Method, Rival, matched};
+use crate::estimate::floor::Floor;
+use crate::estimate::frontier::FrontierPoint;
+use crate::estimate::optimise::SevenParameters;
+use crate::estimate::search::{Found, disagreement, evidence, pixel_scale};
+use crate::estimate::views::Views;
+use crate::geometry::Fundamental;
+use crate::matching::Candidates;
+use crate::verify::{
+    Evidence, ShiftScore, covariance, evidence_of, expected_error, moving_correspondences, plane_residual, shift_curve,
+};
+
+/// What a verdict says, for programs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Kind {
+    /// The matrix can be relied on.
+    Accepted,
+    /// A camera saw too little motion.
+    TooLittleMotion,
+    /// Nothing suggests that the two cameras see the same moving things.
+    NoCommonScene,
+    /// The motion leaves the matrix undetermined: one line, one plane, or no baseline.
+    Undetermined,
+    /// A different geometry has about the same evidence.
+    Ambiguous,
+    /// The expected error is above the limit.
+    Inaccurate,
+}
+
+impl Kind {
+    /// The word in reports and files.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Accepted => "accepted",
+            Self::TooLittleMotion => "too_little_motion",
+            Self::NoCommonScene => "no_common_scene",
+            Self::Undetermined => "undetermined",
+            Self::Ambiguous => "ambiguous",
+            Self::Inaccurate => "inaccurate",
+        }
+    }
+}
+
+/// Whether a calibration can be relied on, and why.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// For programs.
+    pub kind: Kind,
+    /// One sentence in plain English.
+    pub reason: String,
+}
+
+impl Verdict {
+    fn new(kind: Kind, reason: impl Into<String>) -> Self {
+        Self { kind, reason: reason.into() }
+    }
+
+    /// Whether the matrix can be relied on.
+    pub fn accepted(&self) -> bool {
+        self.kind == Kind::Accepted
+    }
+
+    pub(super) fn too_few_frames(frames: usize, least: usize) -> Self {
+        Self::new(
+            Kind::TooLittleMotion,
+            format!("Only {frames} frames are common to both cameras; at least {least} are needed."),
+        )
+    }
+
+    /// Refuses where a camera has hardly any informative line.
+    pub(super) fn too_little_motion(candidates: &Candidates) -> Option<Self> {
+        let (a, b) = (candidates.informative_a, candidates.informative_b);
+        let which = match (a < 2, b < 2) {
+            (false, false) => return None,
+            (true, true) => "either camera",
+            (true, false) => "camera A",
+            (false, true) => "camera B",
+        };
+        Some(Self::new(
+            Kind::TooLittleMotion,
+            format!(
+                "Too little changes in {which}: {a} lines of A and {b} of B are crossed by motion in some frames and \
+                 free of it in others, and at least 2 are needed in each."
+            ),
+        ))
+    }
+
+    pub(super) fn no_candidates() -> Self {
+        Self::new(
+            Kind::NoCommonScene,
+            "No lines of the two cameras are crossed by motion at the same moments, so nothing suggests that they see \
+             the same moving things at the same time.",
+        )
+    }
+
+    pub(super) fn no_hypothesis() -> Self {
+        Self::new(
+            Kind::NoCommonScene,
+            "No epipolar geometry explains what moves in both cameras, so nothing suggests that they see the same \
+             moving things at the same time.",
+        )
+    }
+}
+
+/// A floor worth reporting: many candidates fit it, and not because they all pass through one point.
+pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
+    floor.inliers * 5 >= candidates && floor.spread * 8 >= candidates && floor.spread >= 30
+}
+
+/// Evidence below this standard score on held-out frames is none.
+const MIN_Z: f64 = 8.0;
+/// A different geometry with more than this share of the winner's evidence is a rival.
+const RIVAL_SHARE: f64 = 0.85;
+
+pub(super) struct Case<'a> {
+    pub views: &'a Views,
+    pub test_views: &'a Views,
+    /// Fitted to all frames.
+    pub fundamental: &'a Fundamental,
+    /// Fitted to the training frames only.
+    pub fitted: &'a Fundamental,
+    pub found: &'a Found,
+    pub options: &'a CalibrateOptions,
+    pub frame_rate: f64,
+}
+
+pub(super) struct Judged {
+    pub verdict: Verdict,
+    pub expected_error: f64,
+    pub evidence: Evidence,
+    pub curve: Vec<ShiftScore>,
+    pub rivals: Vec<Rival>,
+    pub points: Vec<FrontierPoint>,
+}
+
+/// Robust spread of the residuals, pixels.
+fn spread(points: &[FrontierPoint]) -> f64 {
+    let mut distances: Vec<f64> = points.iter().map(|p| p.distance).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(distances.len() / 2).map_or(f64::NAN, |m| 1.4826 * m)
+}
+
+pub(super) fn judge(case: &Case) -> Judged {
+    let Case { views, test_views, fundamental, fitted, found, options, frame_rate } = case;
+    let scale = pixel_scale(views);
+    let upright = options.upright;
+    // The radius follows the masks: three times the spread of what matches at a generous one.
+    let generous = matched(views, fundamental, 6.0 * scale, upright);
+    let radius = (3.0 * spread(&generous)).clamp(1.0 * scale, 6.0 * scale);
+    let radius = if radius.is_nan() { 3.0 * scale } else { radius };
+    let points = matched(views, fundamental, radius, upright);
+
+    let guard = (test_views.frames() / 12).max(2);
+    let curve = shift_curve(test_views, fitted, radius.max(2.0 * scale), upright, guard, 60);
+    let evidence_now = evidence_of(&curve);
+
+    let second = if frame_rate.is_finite() { frame_rate.round().max(1.0) as usize } else { 25 };
+    let parameters = SevenParameters::new(fundamental, views.sizes());
+    let error = parameters
+        .as_ref()
+        .and_then(|at| {
+            let covariance = covariance(at, &points, second.min((views.frames() / 12).max(1)))?;
+            let where_moving = moving_correspondences(fundamental, &points, 400);
+            Some(expected_error(at, &covariance, &where_moving))
+        })
+        .unwrap_or(f64::NAN);
+
+    let own = evidence(views, fundamental, upright).max(1e-9);
+    let mut rivals: Vec<Rival> = if options.method == Method::Frontier {
+        found
+            .solutions
+            .iter()
+            .skip(1)
+            .map(|s| Rival {
+                fundamental: s.fundamental,
+                share: evidence(views, &s.fundamental, upright) / own,
+                distance: disagreement(&points, &s.fundamental),
+                source: s.source.name(),
+            })
+            .collect()
+    } else {
+        Vec::new()
+    };
+    rivals.sort_by(|p, q| q.share.total_cmp(&p.share));
+
+    let verdict = decide(case, &evidence_now, &points, error, &rivals, radius);
+    Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points }
+}
+
+fn decide(case: &Case, evidence: &Evidence, points: &[FrontierPoint], error: f64, rivals: &[Rival], radius: f64) -> Verdict {
+    let limit = case.options.max_expected_error;
+    if evidence.z < MIN_Z {
+        return Verdict::new(
+            Kind::NoCommonScene,
+            format!(
+                "Nothing suggests that the two cameras see the same moving things at the same time: on frames kept \
+                 aside the geometry stands {:.1} standard deviations above its own score with the clocks shifted, and {MIN_Z:.0} \
+                 are needed.",
+                evidence.z
+            ),
+        );
+    }
+    if !evidence.explained.is_finite() || evidence.explained < 0.15 {
+        return Verdict::new(
+            Kind::NoCommonScene,
+            format!(
+                "Only {:.0} % of the outlines' tangents in camera A meet one in camera B, too few to be the geometry of \
+                 the scene.",
+                100.0 * evidence.explained
+            ),
+        );
+    }
+    if evidence.z_tops < 3.0 || evidence.z_bottoms < 3.0 {
+        let which = if evidence.z_tops < evidence.z_bottoms { "upper" } else { "lower" };
+        return Verdict::new(
+            Kind::Undetermined,
+            format!(
+                "The motion leaves the geometry undetermined: the {which} edges of what moves match no better than \
+                 chance, so only part of the geometry is supported."
+            ),
+        );
+    }
+    let plane = plane_residual(case.views, points);
+    if plane < 1.5 * radius {
+        return Verdict::new(
+            Kind::Undetermined,
+            format!(
+                "The motion leaves the geometry undetermined: one plane, or one viewpoint turned, explains all matched \
+                 points to {plane:.1} px."
+            ),
+        );
+    }
+    if let Some(rival) = rivals.iter().find(|r| r.share > RIVAL_SHARE && r.distance > limit.max(2.0 * radius)) {
+        return Verdict::new(
+            Kind::Ambiguous,
+            format!(
+                "A different geometry, {:.0} px away, explains the motion nearly as well ({:.0} % of the evidence); more \
+                 varied motion would tell them apart.",
+                rival.distance,
+                100.0 * rival.share
+            ),
+        );
+    }
+    if error.is_nan() || error > limit {
+        return Verdict::new(
+            Kind::Inaccurate,
+            if error.is_nan() {
+                "Too few points of the outlines match to say how accurate the geometry is.".to_string()
+            } else {
+                format!("The expected error of {error:.1} px is above the limit of {limit:.1} px.")
+            },
+        );
+    }
+    Verdict::new(
+        Kind::Accepted,
+        format!(
+            "{} matched outline points, {:.0} % of all in camera A, agree to {radius:.1} px; on frames kept aside the \
+             geometry stands {:.0} standard deviations above chance, and the expected error is {error:.2} px.",
+            points.len(),
+            100.0 * evidence.explained,
+            evidence.z
+        ),
+    )
+}

@@ -1,0 +1,411 @@
+//! The frontier score: epipolar tangents of A that meet tangents of B, over chance (DESIGN §6).
+//!
+//! For a proposed `F`, every silhouette has two tangents from the epipole. A tangent of A, sent to B, should
+//! meet a tangent of B that has its object on the corresponding side. A match counts by how unlikely it was: with
+//! `q` the chance that *some* tangent of B lies that near at any other time, a tangent of A contributes
+//! `(m − ⅔ q) · (−ln q)`, where `m = max(0, 1 − d²/r²)` for the Sampson distance `d` of its match. Under chance
+//! the expectation is nought wherever the epipoles lie: where everything is tangent at one place all the time (heads
+//! on the horizon, an epipole on the border) `q ≈ 1` and nothing is gained. Tops and bottoms are summed apart.
+//!
+//! *Orientation.* Epipolar rays, not just lines, correspond (Laveau and Faugeras 1996): seen from both
+//! cameras a point in front of both lies on one half of its epipolar line. The map of rays is `± F`; the map of
+//! sides is fixed by `F` alone: it is the orientation of the 1-D homography.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Matrix3x2, Vector2, Vector3};
+
+use super::views::{View, Views};
+use crate::geometry::fundamental::{Fundamental, denormaliser, normaliser};
+use crate::geometry::tangent::epipolar_tangents;
+use crate::line::{Homogeneous, ImageSize};
+
+/// What a silhouette's tangent is the edge of: below a *top* is its object, above a *bottom*.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Class {
+    /// The object lies below (larger y).
+    Top,
+    /// The object lies above.
+    Bottom,
+}
+
+/// A tangent point in one view.
+#[derive(Debug, Clone, Copy)]
+struct Tangent {
+    point: Homogeneous,
+    /// The object lies on the positive side of `e × point`.
+    positive: bool,
+    class: Class,
+    /// The tangent is too near the vertical for its class to mean anything.
+    steep: bool,
+}
+
+/// Below this share of the vertical in a tangent's normal, top and bottom mean nothing (12°).
+const STEEP: f64 = 0.2;
+
+/// Tangents of all frames from one epipole.
+struct Tangents {
+    frame_start: Vec<u32>,
+    all: Vec<Tangent>,
+}
+
+impl Tangents {
+    fn new(view: &View, epipole: &Homogeneous) -> Self {
+        let mut frame_start = Vec::with_capacity(view.frames() + 1);
+        let mut all = Vec::with_capacity(2 * view.hulls());
+        frame_start.push(0);
+        for frame in 0..view.frames() {
+            for hull in view.hulls_of(frame) {
+                for tangent in epipolar_tangents(hull, epipole).into_iter().flatten() {
+                    if view.on_border(tangent.point) {
+                        continue;
+                    }
+                    let point = Vector3::new(tangent.point[0], tangent.point[1], 1.0);
+                    let line = epipole.cross(&point);
+                    let norm = line.x.hypot(line.y);
+                    let towards = if tangent.positive { line.y } else { -line.y };
+                    all.push(Tangent {
+                        point,
+                        positive: tangent.positive,
+                        class: if towards > 0.0 { Class::Top } else { Class::Bottom },
+                        steep: line.y.abs() < STEEP * norm,
+                    });
+                }
+            }
+            frame_start.push(all.len() as u32);
+        }
+        Self { frame_start, all }
+    }
+
+    fn of(&self, frame: usize) -> &[Tangent] {
+        &self.all[self.frame_start[frame] as usize..self.frame_start[frame + 1] as usize]
+    }
+}
+
+/// A tangent point of A that meets one of B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrontierPoint {
+    /// Index of the common frame.
+    pub frame: u32,
+    /// Point in A, pixels.
+    pub a: [f64; 2],
+    /// Point in B, pixels.
+    pub b: [f64; 2],
+    /// Sampson distance, pixels.
+    pub distance: f64,
+    /// `−ln` of the chance of a match this near.
+    pub surprise: f64,
+    /// Top or bottom, as seen in A.
+    pub class: Class,
+}
+
+/// Evidence of one class of tangents.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ClassScore {
+    /// Tangents of A in the frames used.
+    pub tangents: usize,
+    /// Those that met a tangent of B.
+    pub matches: usize,
+    /// How many would by chance.
+    pub expected: f64,
+    /// Excess over chance, each match weighed by how unlikely it was.
+    pub excess: f64,
+}
+
+/// Evidence for an `F`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrontierScore {
+    /// Tangents with the object below.
+    pub tops: ClassScore,
+    /// Tangents with the object above.
+    pub bottoms: ClassScore,
+}
+
+impl FrontierScore {
+    /// Evidence of both classes together.
+    pub fn total(&self) -> f64 {
+        self.tops.excess + self.bottoms.excess
+    }
+
+    /// Matches of both classes.
+    pub fn matches(&self) -> usize {
+        self.tops.matches + self.bottoms.matches
+    }
+
+    /// Tangents of both classes.
+    pub fn tangents(&self) -> usize {
+        self.tops.tangents + self.bottoms.tangents
+    }
+}
+
+/// How tangents are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrontierOptions {
+    /// Two tangents meet below this Sampson distance, pixels.
+    pub radius: f64,
+    /// Both cameras are the right way up: a top meets a top (DESIGN §6, the mirror).
+    pub upright: bool,
+    /// Frame `t` of A is compared with common frame `t + shift` of B (cyclically), for tests of chance.
+    pub shift: usize,
+}
+
+/// Oriented angle of lines in the pencil of B.
+struct PencilAngle {
+    basis: Matrix3x2<f64>,
+    to_normalised: nalgebra::Matrix3<f64>,
+}
+
+impl PencilAngle {
+    fn new(epipole: &Homogeneous, size: ImageSize) -> Self {
+        let e = (normaliser(size) * epipole).normalize();
+        // The first line is the one through the image centre, so that a far epipole's few visible lines lie
+        // near angle 0 or π and do not wrap. (In normalised coordinates the centre is the origin.)
+        let centre = e.cross(&Vector3::z()).try_normalize(1e-12);
+        let first = centre.unwrap_or_else(|| e.cross(&Vector3::x()).normalize());
+        let second = e.cross(&first);
+        Self {
+            basis: Matrix3x2::from_columns(&[first, second]),
+            to_normalised: denormaliser(size).transpose(),
+        }
+    }
+
+    fn coordinates(&self, line: &Homogeneous) -> Vector2<f64> {
+        self.basis.tr_mul(&(self.to_normalised * line))
+    }
+}
+
+/// How often tangents of each side lie at each angle, over all frames.
+struct AngleHistogram {
+    low: f64,
+    scale: f64,
+    wraps: bool,
+    /// Running sums, one more than bins.
+    sums: [Vec<f32>; 2],
+}
+
+const BINS: usize = 768;
+
+impl AngleHistogram {
+    fn new(angles: &[(f64, bool)]) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &(angle, _) in angles {
+            low = low.min(angle);
+            high = high.max(angle);
+        }
+        let wraps = high - low > PI;
+        if wraps || angles.is_empty() {
+            (low, high) = (-PI, PI);
+        }
+        let scale = BINS as f64 / (high - low).max(1e-12);
+        let mut sums = [vec![0f32; BINS + 1], vec![0f32; BINS + 1]];
+        for &(angle, positive) in angles {
+            let bin = (((angle - low) * scale) as usize).min(BINS - 1);
+            sums[usize::from(positive)][bin + 1] += 1.0;
+        }
+        for side in &mut sums {
+            for i in 0..BINS {
+                side[i + 1] += side[i];
+            }
+        }
+        Self { low, scale, wraps, sums }
+    }
+
+    fn below(&self, position: f64, side: usize) -> f64 {
+        let position = position.clamp(0.0, BINS as f64);
+        let bin = (position as usize).min(BINS - 1);
+        let (p, q) = (f64::from(self.sums[side][bin]), f64::from(self.sums[side][bin + 1]));
+        p + (q - p) * (position - bin as f64)
+    }
+
+    /// Tangents within `half` of `angle`.
+    fn count(&self, angle: f64, half: f64, positive: bool) -> f64 {
+        let side = usize::from(positive);
+        if half >= PI {
+            return self.below(BINS as f64, side);
+        }
+        let from = (angle - half - self.low) * self.scale;
+        let to = (angle + half - self.low) * self.scale;
+        let mut count = self.below(to, side) - self.below(from, side);
+        if self.wraps {
+            let turn = TAU * self.scale;
+            count += self.below(to - turn, side) - self.below((from - turn).min(to - turn), side);
+            count += self.below(to + turn, side) - self.below(from + turn, side);
+        }
+        count.max(0.0)
+    }
+}
+
+/// Whether the 1-D homography of `F` keeps the sense of rotation between oriented pencils `e × x` and `F x`.
+fn keeps_side(f: &Fundamental, size_a: ImageSize) -> bool {
+    let (e, e_b) = (f.epipole_a(), f.epipole_b());
+    // Two points whose epipolar lines differ: of three corners some pair always does.
+    let (x, y) = (size_a.x_max(), size_a.y_max());
+    let corners = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(x, 0.0, 1.0), Vector3::new(0.0, y, 1.0)];
+    let mut best = (0.0f64, true);
+    for (p, q) in [(0, 1), (1, 2), (2, 0)] {
+        let (p, q) = (corners[p], corners[q]);
+        let in_a = e.dot(&p.cross(&q));
+        let in_b = f.line_in_b(&p).cross(&f.line_in_b(&q)).dot(e_b);
+        if in_a.abs() > best.0 {
+            best = (in_a.abs(), in_a * in_b > 0.0);
+        }
+    }
+    best.1
+}
+
+/// The comparison of all tangents under one `F`.
+pub struct Comparison {
+    /// Evidence for `F`.
+    pub score: FrontierScore,
+    /// The tangents that met.
+    pub points: Vec<FrontierPoint>,
+}
+
+/// Compares all tangents of two views under `F`.
+pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Comparison {
+    let a = Tangents::new(&views.a, f.epipole_a());
+    let b = Tangents::new(&views.b, f.epipole_b());
+    let same_side = keeps_side(f, views.a.size);
+    let pencil = PencilAngle::new(f.epipole_b(), views.b.size);
+    let mut angles = Vec::with_capacity(b.all.len());
+    // Lines of B's tangents, with their angle and how many pixels the line moves at the point per radian.
+    let lines_b: Vec<(Homogeneous, f64)> = b
+        .all
+        .iter()
+        .map(|t| {
+            let line = f.epipole_b().cross(&t.point);
+            let c = pencil.coordinates(&line);
+            angles.push((c.y.atan2(c.x), t.positive));
+            let turned = pencil.basis * Vector2::new(-c.y, c.x);
+            let back = normaliser(views.b.size).transpose() * turned;
+            (line, back.dot(&t.point).abs() / line.x.hypot(line.y).max(1e-300))
+        })
+        .collect();
+    let histogram = AngleHistogram::new(&angles);
+    let frames = views.frames();
+
+    let mut best: Option<Comparison> = None;
+    for sign in [1.0, -1.0] {
+        let mut score = FrontierScore::default();
+        let mut points = Vec::new();
+        let mut scratch = Scratch::default();
+        for frame in 0..frames {
+            let frame_b = (frame + options.shift) % frames;
+            let base = b.frame_start[frame_b] as usize;
+            let (tangents_a, tangents_b) = (a.of(frame), b.of(frame_b));
+            scratch.nearest(f, tangents_a, tangents_b, &lines_b[base..], sign, same_side, options);
+            for (i, t) in tangents_a.iter().enumerate() {
+                let line = scratch.lines[i] * sign;
+                let c = pencil.coordinates(&line);
+                let class = match t.class {
+                    Class::Top => &mut score.tops,
+                    Class::Bottom => &mut score.bottoms,
+                };
+                class.tangents += 1;
+                let (distance, j) = scratch.best_a[i];
+                let matched = distance < options.radius && scratch.best_b[j].1 == i;
+                // The lever of the match, else that of the middle of the image along the line.
+                let lever = if matched { lines_b[base + j].1 } else { pencil_lever(&pencil, &c, &line, views.b.size) };
+                let half = options.radius * std::f64::consts::SQRT_2 / lever.max(1e-9);
+                let near = histogram.count(c.y.atan2(c.x), half, t.positive == same_side);
+                // Poisson: the chance that at least one tangent of another moment lies this near.
+                let rate = (near + 0.5) / frames as f64;
+                let q = 1.0 - (-rate).exp();
+                let surprise = -q.ln();
+                let m = if matched { 1.0 - (distance / options.radius).powi(2) } else { 0.0 };
+                class.expected += q;
+                class.excess += (m - q * 2.0 / 3.0) * surprise;
+                if matched {
+                    class.matches += 1;
+                    let (p, r) = (&t.point, &tangents_b[j].point);
+                    points.push(FrontierPoint {
+                        frame: frame as u32,
+                        a: [p.x, p.y],
+                        b: [r.x, r.y],
+                        distance,
+                        surprise,
+                        class: t.class,
+                    });
+                }
+            }
+        }
+        if best.as_ref().is_none_or(|b| score.total() > b.score.total()) {
+            best = Some(Comparison { score, points });
+        }
+    }
+    best.unwrap_or(Comparison { score: FrontierScore::default(), points: Vec::new() })
+}
+
+/// Pixels per radian at the point of `line` nearest the image centre, clamped into the image.
+fn pencil_lever(pencil: &PencilAngle, c: &Vector2<f64>, line: &Homogeneous, size: ImageSize) -> f64 {
+    let turned = pencil.basis * Vector2::new(-c.y, c.x);
+    let back = normaliser(size).transpose() * turned;
+    let norm2 = (line.x * line.x + line.y * line.y).max(1e-300);
+    let (cx, cy) = (0.5 * size.x_max(), 0.5 * size.y_max());
+    let d = (line.x * cx + line.y * cy + line.z) / norm2;
+    let (x, y) = (cx - d * line.x, cy - d * line.y);
+    (back.x * x.clamp(0.0, size.x_max()) + back.y * y.clamp(0.0, size.y_max()) + back.z).abs() / norm2.sqrt()
+}
+
+/// Buffers of the nearest-tangent search of one frame.
+#[derive(Default)]
+struct Scratch {
+    lines: Vec<Homogeneous>,
+    best_a: Vec<(f64, usize)>,
+    best_b: Vec<(f64, usize)>,
+}
+
+impl Scratch {
+    /// For each tangent of A the nearest of B that it may meet, and the reverse.
+    #[allow(clippy::too_many_arguments, reason = "one inner loop, split from its caller to be read alone")]
+    fn nearest(
+        &mut self,
+        f: &Fundamental,
+        a: &[Tangent],
+        b: &[Tangent],
+        lines_b: &[(Homogeneous, f64)],
+        sign: f64,
+        same_side: bool,
+        options: &FrontierOptions,
+    ) {
+        self.lines.clear();
+        self.best_a.clear();
+        self.best_b.clear();
+        self.best_b.resize(b.len(), (f64::INFINITY, usize::MAX));
+        for (i, t) in a.iter().enumerate() {
+            let line = f.line_in_b(&t.point);
+            let norm = line.x * line.x + line.y * line.y;
+            let mut nearest = (f64::INFINITY, 0);
+            for (j, u) in b.iter().enumerate() {
+                if (t.positive == u.positive) != same_side {
+                    continue;
+                }
+                if options.upright && t.class != u.class && !t.steep && !u.steep {
+                    continue;
+                }
+                if lines_b[j].0.dot(&line) * sign <= 0.0 {
+                    continue;
+                }
+                let algebraic = u.point.dot(&line);
+                // Cheap refusal before the line in A is needed: Sampson ≥ |algebraic| / (norm_b + norm_a) is not
+                // bounded without it, so compute it only where the distance in B alone is near.
+                let back = f.line_in_a(&u.point);
+                let denominator = norm + back.x * back.x + back.y * back.y;
+                let distance = (algebraic * algebraic / denominator.max(1e-300)).sqrt();
+                if distance < nearest.0 {
+                    nearest = (distance, j);
+                }
+                if distance < self.best_b[j].0 {
+                    self.best_b[j] = (distance, i);
+                }
+            }
+            self.lines.push(line);
+            self.best_a.push(nearest);
+        }
+    }
+}
+
+/// The evidence for `F` alone.
+pub fn frontier_score(views: &Views, f: &Fundamental, options: &FrontierOptions) -> FrontierScore {
+    compare(views, f, options).score
+}

@@ -1,0 +1,14 @@
+//! From candidates to a fundamental matrix: hypotheses, scores, refinement.
+//!
+//! [`ransac`] is the loop, and knows no geometry; [`line_model`] is the paper's estimator (§3). The frontier
+//! method scores with [`frontier`], draws from [`line_model`] and [`floor`], refines in [`refine`] and
+//! puts it together in [`search`].
+
+pub mod floor;
+pub mod frontier;
+pub mod line_model;
+pub mod optimise;
+pub mod ransac;
+pub mod refine;
+pub mod search;
+pub mod views;

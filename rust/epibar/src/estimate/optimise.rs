@@ -1,0 +1,147 @@
+//! Seven parameters of a fundamental matrix, and least squares over them.
+//!
+//! In normalised coordinates `F = U diag(cos θ, sin θ, 0) Vᵀ` with rotations `U` and `V` (the orthonormal
+//! representation of Bartoli and Sturm 2004): rank 2 and unit norm by construction, seven parameters, no
+//! singularity. A step multiplies `U` and `V` from the right by small rotations and adds to `θ`.
+
+use nalgebra::{Matrix3, Rotation3, SMatrix, SVector, Vector3};
+
+use crate::geometry::Fundamental;
+use crate::geometry::fundamental::{denormaliser, normaliser};
+use crate::line::ImageSize;
+
+/// A step in the seven parameters: rotation of U (3), rotation of V (3), angle of the singular values.
+pub type Step = SVector<f64, 7>;
+/// A 7×7 matrix over the parameters: normal equations, covariance.
+pub type Information = SMatrix<f64, 7, 7>;
+
+/// A fundamental matrix on its seven-dimensional manifold.
+#[derive(Debug, Clone)]
+pub struct SevenParameters {
+    u: Matrix3<f64>,
+    v: Matrix3<f64>,
+    theta: f64,
+    sizes: [ImageSize; 2],
+}
+
+impl SevenParameters {
+    /// The parameters of `f`; `None` where the decomposition fails.
+    pub fn new(f: &Fundamental, sizes: [ImageSize; 2]) -> Option<Self> {
+        let normalised = denormaliser(sizes[1]).transpose() * f.matrix() * denormaliser(sizes[0]);
+        let svd = (normalised / normalised.norm()).try_svd(true, true, 1e-15, 200)?;
+        let (u, vt) = (svd.u?, svd.v_t?);
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| svd.singular_values[j].total_cmp(&svd.singular_values[i]));
+        let pick = |m: &Matrix3<f64>| Matrix3::from_columns(&order.map(|i| m.column(i).into_owned()));
+        let (mut u, mut v) = (pick(&u), pick(&vt.transpose()));
+        // The third columns are free in sign, so both can be made rotations.
+        if u.determinant() < 0.0 {
+            u.column_mut(2).neg_mut();
+        }
+        if v.determinant() < 0.0 {
+            v.column_mut(2).neg_mut();
+        }
+        let theta = svd.singular_values[order[1]].atan2(svd.singular_values[order[0]]);
+        Some(Self { u, v, theta, sizes })
+    }
+
+    /// Back to a matrix in pixels; `None` where it is not finite.
+    pub fn fundamental(&self) -> Option<Fundamental> {
+        let sigma = Matrix3::from_diagonal(&Vector3::new(self.theta.cos(), self.theta.sin(), 0.0));
+        let normalised = self.u * sigma * self.v.transpose();
+        Fundamental::from_parts(
+            self.to_pixels(&normalised),
+            denormaliser(self.sizes[0]) * self.v.column(2),
+            denormaliser(self.sizes[1]) * self.u.column(2),
+        )
+    }
+
+    /// The parameters moved by a step.
+    #[must_use]
+    pub fn stepped(&self, step: &Step) -> Self {
+        let du = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
+        let dv = Rotation3::new(Vector3::new(step[3], step[4], step[5]));
+        Self {
+            u: self.u * du.matrix(),
+            v: self.v * dv.matrix(),
+            theta: self.theta + step[6],
+            sizes: self.sizes,
+        }
+    }
+
+    /// `∂F/∂parameter`, in pixels and in the scale of [`SevenParameters::unscaled`].
+    pub fn derivatives(&self) -> [Matrix3<f64>; 7] {
+        let (sin, cos) = self.theta.sin_cos();
+        let sigma = Matrix3::from_diagonal(&Vector3::new(cos, sin, 0.0));
+        let turned = Matrix3::from_diagonal(&Vector3::new(-sin, cos, 0.0));
+        std::array::from_fn(|k| {
+            let normalised = match k {
+                0..=2 => self.u * Vector3::ith(k, 1.0).cross_matrix() * sigma * self.v.transpose(),
+                3..=5 => {
+                    self.u * sigma * Vector3::ith(k - 3, 1.0).cross_matrix().transpose() * self.v.transpose()
+                }
+                _ => self.u * turned * self.v.transpose(),
+            };
+            self.to_pixels(&normalised)
+        })
+    }
+
+    /// `F` in pixels with unit norm in *normalised* coordinates, the scale in which steps act.
+    pub fn unscaled(&self) -> Matrix3<f64> {
+        let sigma = Matrix3::from_diagonal(&Vector3::new(self.theta.cos(), self.theta.sin(), 0.0));
+        self.to_pixels(&(self.u * sigma * self.v.transpose()))
+    }
+
+    fn to_pixels(&self, normalised: &Matrix3<f64>) -> Matrix3<f64> {
+        normaliser(self.sizes[1]).transpose() * normalised * normaliser(self.sizes[0])
+    }
+}
+
+/// A least-squares problem over the seven parameters.
+pub trait Problem {
+    /// Robust cost, `JᵀWJ` and `JᵀWr` at a point.
+    fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step);
+
+    /// Robust cost alone.
+    fn cost(&self, at: &SevenParameters) -> f64;
+}
+
+/// Levenberg–Marquardt: at most `iterations` accepted or refused steps, ends where the cost no longer falls.
+pub fn minimise<P: Problem>(problem: &P, start: SevenParameters, iterations: usize) -> (SevenParameters, f64) {
+    let mut at = start;
+    let (mut cost, mut normal, mut gradient) = problem.linearise(&at);
+    let mut damping = 1e-4;
+    for _ in 0..iterations {
+        let mut damped = normal;
+        for k in 0..7 {
+            damped[(k, k)] += damping * (normal[(k, k)] + 1e-12);
+        }
+        let Some(step) = damped.cholesky().map(|c| c.solve(&-gradient)) else {
+            damping *= 10.0;
+            continue;
+        };
+        let tried = at.stepped(&step);
+        let new_cost = problem.cost(&tried);
+        if new_cost < cost {
+            let gain = (cost - new_cost) / cost.max(f64::MIN_POSITIVE);
+            at = tried;
+            (cost, normal, gradient) = problem.linearise(&at);
+            damping = (damping * 0.3).max(1e-9);
+            if gain < 1e-7 {
+                break;
+            }
+        } else {
+            damping *= 8.0;
+            if damping > 1e8 {
+                break;
+            }
+        }
+    }
+    (at, cost)
+}
+
+/// Cauchy loss `½ s² ln(1 + r²/s²)` and its weight `1 / (1 + r²/s²)`.
+pub fn cauchy(residual: f64, scale: f64) -> (f64, f64) {
+    let q = 1.0 + (residual / scale).powi(2);
+    (0.5 * scale * scale * q.ln(), 1.0 / q)
+}

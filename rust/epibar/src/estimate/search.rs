@@ -1,0 +1,297 @@
+//! The search of the frontier method: many hypotheses, few different starts, refinement, restarts.
+//!
+//! Every source of hypotheses is an [`Estimator`] for the one loop in [`super::ransac`]; all are scored by
+//! tangents on a subset of frames. Of the best a few dozen *different* ones are refined with a shrinking
+//! radius, and compared on more frames; the best are shaken and refined again. What remains is a list of
+//! different geometries with their evidence: a winner and its rivals.
+
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::floor::{Floor, FloorEpipoles, find_floors};
+use super::frontier::{FrontierOptions, FrontierPoint, compare, frontier_score};
+use super::line_model::LineModel;
+use super::optimise::{SevenParameters, Step};
+use super::ransac::{Estimator, Scored, Watch, generator, ransac};
+use super::refine::refine;
+use super::views::Views;
+use crate::geometry::{Fundamental, symmetric_epipolar_distance};
+use crate::matching::{Candidate, Candidates};
+use crate::{Error, Result};
+
+/// Where a hypothesis came from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Pairs among the best candidates, as in the paper.
+    BestLines,
+    /// Pairs among all mutual candidates.
+    AllLines,
+    /// The floor's homography and heads.
+    Floor,
+    /// A shaken copy of another solution.
+    Restart,
+}
+
+impl Source {
+    /// A word for reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BestLines => "best_lines",
+            Self::AllLines => "all_lines",
+            Self::Floor => "floor",
+            Self::Restart => "restart",
+        }
+    }
+}
+
+/// Options of the search.
+#[derive(Debug, Clone)]
+pub struct SearchOptions {
+    /// Hypotheses of each line source.
+    pub draws: usize,
+    /// Hypotheses per floor homography.
+    pub floor_draws: usize,
+    /// Frames that score hypotheses.
+    pub scoring_frames: usize,
+    /// Frames that compare refined solutions.
+    pub comparing_frames: usize,
+    /// Different starts that are refined.
+    pub starts: usize,
+    /// Rounds of shaking the best.
+    pub restarts: usize,
+    /// Both cameras are the right way up.
+    pub upright: bool,
+}
+
+impl Default for SearchOptions {
+    fn default() -> Self {
+        Self {
+            draws: 10_000,
+            floor_draws: 1500,
+            scoring_frames: 80,
+            comparing_frames: 240,
+            starts: 48,
+            restarts: 2,
+            upright: true,
+        }
+    }
+}
+
+/// A refined geometry with its evidence.
+#[derive(Debug, Clone)]
+pub struct Solution {
+    /// The matrix.
+    pub fundamental: Fundamental,
+    /// Excess over chance of its tangents, at the radius that gives most.
+    pub evidence: f64,
+    /// The hypotheses it grew from.
+    pub source: Source,
+}
+
+/// What the search found.
+#[derive(Debug, Clone, Default)]
+pub struct Found {
+    /// Different geometries, most evidence first.
+    pub solutions: Vec<Solution>,
+    /// The plane that many candidates fit, if there is one.
+    pub floor: Option<Floor>,
+}
+
+/// Line pairs as hypotheses, tangents as the score.
+struct TangentScored<'a> {
+    lines: LineModel<'a>,
+    views: &'a Views,
+    options: FrontierOptions,
+}
+
+impl Estimator for TangentScored<'_> {
+    type Model = Fundamental;
+
+    fn generate(&self, index: usize, random: &mut rand_pcg::Pcg64Mcg) -> Option<Fundamental> {
+        self.lines.generate(index, random)
+    }
+
+    fn score(&self, model: &Fundamental) -> f64 {
+        frontier_score(self.views, model, &self.options).total()
+    }
+}
+
+/// Pixels of an 800-pixel diagonal (640×480) in these images.
+pub fn pixel_scale(views: &Views) -> f64 {
+    let [a, b] = views.sizes();
+    (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
+}
+
+/// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
+pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> f64 {
+    let scale = pixel_scale(views);
+    [1.5, 3.0, 6.0]
+        .iter()
+        .map(|r| frontier_score(views, f, &FrontierOptions { radius: r * scale, upright, shift: 0 }).total())
+        .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Mean symmetric epipolar distance under `other` of the tangents that meet under `f`, pixels.
+pub fn disagreement(points: &[FrontierPoint], other: &Fundamental) -> f64 {
+    if points.is_empty() {
+        return f64::INFINITY;
+    }
+    let step = points.len().div_ceil(200);
+    let sample: Vec<_> = points.iter().step_by(step).collect();
+    // Capped, so that one point near an epipole does not decide.
+    let sum: f64 = sample.iter().map(|p| symmetric_epipolar_distance(other, p.a, p.b).min(100.0)).sum();
+    sum / sample.len() as f64
+}
+
+struct Searcher<'a> {
+    all: &'a Views,
+    scoring: Views,
+    comparing: Views,
+    scale: f64,
+    options: &'a SearchOptions,
+}
+
+impl Searcher<'_> {
+    fn coarse(&self) -> FrontierOptions {
+        FrontierOptions { radius: 5.0 * self.scale, upright: self.options.upright, shift: 0 }
+    }
+
+    fn points(&self, f: &Fundamental) -> Vec<FrontierPoint> {
+        compare(&self.scoring, f, &self.coarse()).points
+    }
+
+    /// The best hypotheses that differ from one another by at least `apart` pixels.
+    fn different(&self, scored: &[(Scored<Fundamental>, Source)], limit: usize, apart: f64) -> Vec<(Fundamental, Source)> {
+        let mut kept: Vec<(Fundamental, Vec<FrontierPoint>, Source)> = Vec::new();
+        for (hypothesis, source) in scored {
+            if kept.len() >= limit {
+                break;
+            }
+            let f = hypothesis.model;
+            if kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart) {
+                kept.push((f, self.points(&f), *source));
+            }
+        }
+        kept.into_iter().map(|(f, _, source)| (f, source)).collect()
+    }
+
+    /// Refines in parallel and scores on the comparing frames.
+    fn refined(&self, starts: &[(Fundamental, Source)], radii: &[f64]) -> Vec<Solution> {
+        let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
+        starts
+            .par_iter()
+            .filter_map(|(f, source)| {
+                let refined = refine(&self.comparing, f, &radii, self.options.upright)?;
+                let evidence = evidence(&self.comparing, &refined, self.options.upright);
+                Some(Solution { fundamental: refined, evidence, source: *source })
+            })
+            .collect()
+    }
+
+    /// Sorted by evidence, near copies of a better one dropped.
+    fn distinct(&self, mut solutions: Vec<Solution>, apart: f64, limit: usize) -> Vec<Solution> {
+        solutions.retain(|s| s.evidence.is_finite());
+        solutions.sort_by(|p, q| q.evidence.total_cmp(&p.evidence));
+        let mut kept: Vec<(Solution, Vec<FrontierPoint>)> = Vec::new();
+        for solution in solutions {
+            if kept.len() >= limit {
+                break;
+            }
+            if kept.iter().all(|(_, points)| disagreement(points, &solution.fundamental) > apart) {
+                let points = self.points(&solution.fundamental);
+                kept.push((solution, points));
+            }
+        }
+        kept.into_iter().map(|(s, _)| s).collect()
+    }
+
+    /// Copies of a solution moved at random, several sizes of move, the best few by tangents.
+    fn shaken(&self, solution: &Solution, seed: u64) -> Vec<(Fundamental, Source)> {
+        const COPIES: usize = 160;
+        const KEPT: usize = 5;
+        let Some(parameters) = SevenParameters::new(&solution.fundamental, self.all.sizes()) else {
+            return Vec::new();
+        };
+        let options = self.coarse();
+        let mut copies: Vec<(f64, usize, Fundamental)> = (0..COPIES)
+            .into_par_iter()
+            .filter_map(|k| {
+                let mut random = generator(seed, k as u64);
+                let size = 0.2 * 0.5f64.powi((k % 6) as i32);
+                let step = Step::from_fn(|_, _| size * (2.0 * random.random::<f64>() - 1.0));
+                let f = parameters.stepped(&step).fundamental()?;
+                Some((frontier_score(&self.scoring, &f, &options).total(), k, f))
+            })
+            .collect();
+        copies.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
+        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, Source::Restart)).collect()
+    }
+}
+
+/// Searches with all sources.
+///
+/// # Errors
+/// [`Error::Interrupted`].
+pub fn search(
+    views: &Views,
+    subset: impl Fn(usize) -> Views,
+    candidates: &Candidates,
+    options: &SearchOptions,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Found> {
+    let searcher = Searcher {
+        all: views,
+        scoring: subset(options.scoring_frames),
+        comparing: subset(options.comparing_frames),
+        scale: pixel_scale(views),
+        options,
+    };
+    let mut scored: Vec<(Scored<Fundamental>, Source)> = Vec::new();
+    let line_sources: [(&[Candidate], Source); 2] =
+        [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
+    for (pairs, source) in line_sources {
+        let estimator = TangentScored {
+            lines: LineModel::new(pairs, views.sizes()),
+            views: &searcher.scoring,
+            options: searcher.coarse(),
+        };
+        let best = ransac(&estimator, options.draws, 300, seed ^ source as u64, source.name(), watch)?;
+        scored.extend(best.into_iter().map(|s| (s, source)));
+    }
+    let floors = find_floors(candidates.best(), views.sizes(), seed, 3, watch)?;
+    for floor in &floors {
+        let estimator = FloorEpipoles::new(floor, &searcher.comparing, &searcher.scoring, searcher.coarse());
+        let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
+        scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
+    }
+    scored.sort_by(|p, q| q.0.score.total_cmp(&p.0.score));
+
+    let starts = searcher.different(&scored, options.starts, 4.0 * searcher.scale);
+    let mut going = |done: f64| if watch.keep_going("refine", done) { Ok(()) } else { Err(Error::Interrupted) };
+    going(0.0)?;
+    let mut solutions = searcher.distinct(searcher.refined(&starts, &[16.0, 8.0, 4.0]), searcher.scale, 16);
+    for round in 0..options.restarts {
+        going(0.3 + 0.5 * round as f64 / options.restarts as f64)?;
+        let mut shaken = Vec::new();
+        for (k, solution) in solutions.iter().take(6).enumerate() {
+            shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
+        }
+        solutions.extend(searcher.refined(&shaken, &[8.0, 4.0]));
+        solutions = searcher.distinct(solutions, searcher.scale, 16);
+    }
+    going(0.8)?;
+    // The few that remain, on all frames.
+    let finalists: Vec<Solution> = solutions
+        .par_iter()
+        .take(8)
+        .filter_map(|s| {
+            let radii = [4.0, 2.5, 1.5].map(|r| r * searcher.scale);
+            let f = refine(views, &s.fundamental, &radii, options.upright).unwrap_or(s.fundamental);
+            let evidence = evidence(views, &f, options.upright);
+            evidence.is_finite().then_some(Solution { fundamental: f, evidence, source: s.source })
+        })
+        .collect();
+    let solutions = searcher.distinct(finalists, searcher.scale, 8);
+    Ok(Found { solutions, floor: floors.into_iter().next() })
+}

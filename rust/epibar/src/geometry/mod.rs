@@ -1,0 +1,14 @@
+//! The geometry of two views: fundamental matrices, pencils of epipolar lines, tangents and distances.
+//!
+//! Equation and convention of the whole crate: `x_bᵀ F x_a = 0`; `F x_a` is a line in B, `Fᵀ x_b` a
+//! line in A; `F e = 0` and `Fᵀ e' = 0` (Hartley and Zisserman, *Multiple View Geometry*, ch. 9).
+
+pub mod distance;
+pub mod fundamental;
+pub mod pencil;
+pub mod tangent;
+
+pub use distance::{sampson_distance, symmetric_epipolar_distance};
+pub use fundamental::Fundamental;
+pub use pencil::{LinePair, PencilHomography};
+pub use tangent::{TangentPoint, epipolar_tangents};

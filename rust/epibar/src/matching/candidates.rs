@@ -1,0 +1,136 @@
+//! Candidate pairs of corresponding epipolar lines (paper §2 and §4.2).
+//!
+//! Informative lines of both recordings → mutual top 3 by correlation → pairs on motion lines in both views
+//! removed → the best 1,000. The pairs beyond the best are kept in reserve, because where people walk on a
+//! floor the most alike pairs are those of the floor and the epipolar ones come later.
+
+use super::correlation::mutual_matches;
+use super::motion_lines::{MotionLineOptions, motion_lines, overlaps};
+use crate::Result;
+use crate::geometry::LinePair;
+use crate::line::{Line, Segment};
+use crate::recording::{Barcodes, Informative, Recording};
+
+/// How candidates are chosen; the defaults are the paper's numbers.
+#[derive(Debug, Clone)]
+pub struct CandidateOptions {
+    /// A pair must be in the mutual top `mutual` of each other (paper §2: 3).
+    pub mutual: usize,
+    /// How many of the best pairs are candidates (paper §2: 1,000).
+    pub limit: usize,
+    /// How many mutual pairs are kept in all, candidates first (4,000: DESIGN §6).
+    pub reserve: usize,
+    /// What makes a line informative.
+    pub informative: Informative,
+    /// How motion lines are found; `None` keeps every pair.
+    pub motion_lines: Option<MotionLineOptions>,
+}
+
+impl Default for CandidateOptions {
+    fn default() -> Self {
+        Self {
+            mutual: 3,
+            limit: 1000,
+            reserve: 4000,
+            informative: Informative::default(),
+            motion_lines: Some(MotionLineOptions::default()),
+        }
+    }
+}
+
+/// A line of A and a line of B with similar motion barcodes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// The two lines.
+    pub lines: LinePair,
+    /// Line of A inside image A.
+    pub segment_a: Segment,
+    /// Line of B inside image B.
+    pub segment_b: Segment,
+    /// Index of the line in recording A.
+    pub index_a: u32,
+    /// Index of the line in recording B.
+    pub index_b: u32,
+    /// Normalised correlation of the two barcodes.
+    pub correlation: f64,
+}
+
+/// Candidates of a pair of recordings and what was left after each filter.
+#[derive(Debug, Clone, Default)]
+pub struct Candidates {
+    /// Pairs, best correlation first: the first [`Candidates::limit`] are the candidates of the paper.
+    pub pairs: Vec<Candidate>,
+    /// How many of `pairs` count as candidates; the rest is reserve.
+    pub limit: usize,
+    /// Informative lines of A.
+    pub informative_a: usize,
+    /// Informative lines of B.
+    pub informative_b: usize,
+    /// Pairs removed because both lines overlap motion lines.
+    pub on_motion_lines: usize,
+}
+
+impl Candidates {
+    /// The best pairs, at most the limit of the paper.
+    pub fn best(&self) -> &[Candidate] {
+        &self.pairs[..self.limit.min(self.pairs.len())]
+    }
+}
+
+/// Finds candidates between two recordings whose frames correspond by `frame_pairs` (frame of A, frame of B).
+///
+/// # Errors
+/// Those of [`mutual_matches`].
+pub fn find_candidates(
+    a: &Recording,
+    b: &Recording,
+    frame_pairs: &[(u32, u32)],
+    options: &CandidateOptions,
+) -> Result<Candidates> {
+    let aligned = |recording: &Recording, frames: Vec<u32>| -> (Vec<u32>, Barcodes) {
+        let selected = recording.barcodes.select_frames(&frames);
+        let rows = selected.informative(&options.informative);
+        let barcodes = selected.select_rows(&rows);
+        (rows, barcodes)
+    };
+    let (rows_a, bits_a) = aligned(a, frame_pairs.iter().map(|p| p.0).collect());
+    let (rows_b, bits_b) = aligned(b, frame_pairs.iter().map(|p| p.1).collect());
+    let matches = mutual_matches(&bits_a, &bits_b, options.mutual, usize::MAX)?;
+    let paths = options
+        .motion_lines
+        .as_ref()
+        .map(|options| (motion_lines(a, options), motion_lines(b, options)));
+
+    let mut found = Candidates {
+        limit: options.limit,
+        informative_a: rows_a.len(),
+        informative_b: rows_b.len(),
+        ..Candidates::default()
+    };
+    for pair in matches {
+        if found.pairs.len() >= options.reserve.max(options.limit) {
+            break;
+        }
+        let (index_a, index_b) = (rows_a[pair.a as usize], rows_b[pair.b as usize]);
+        let (segment_a, segment_b) = (a.segments[index_a as usize], b.segments[index_b as usize]);
+        let (Some(line_a), Some(line_b)) = (segment_a.line(), segment_b.line()) else {
+            continue;
+        };
+        if let Some((paths_a, paths_b)) = &paths {
+            let on = |line: &Line, paths: &[Line], size| paths.iter().any(|p| overlaps(line, p, size));
+            if on(&line_a, paths_a, a.size) && on(&line_b, paths_b, b.size) {
+                found.on_motion_lines += 1;
+                continue;
+            }
+        }
+        found.pairs.push(Candidate {
+            lines: LinePair { a: line_a, b: line_b },
+            segment_a,
+            segment_b,
+            index_a,
+            index_b,
+            correlation: f64::from(pair.correlation),
+        });
+    }
+    Ok(found)
+}

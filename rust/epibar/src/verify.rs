@@ -1,0 +1,206 @@
+//! Is it true, and how far off may it be? (DESIGN §7)
+//!
+//! A true `F` scores high at the true time offset and at chance level elsewhere. [`shift_curve`] scores `F` with B's
+//! frames moved against A's, on frames that `F` was not fitted to; [`Evidence`] sums it up. [`covariance`]
+//! turns the residuals of the frontier points into the uncertainty of the seven parameters, and
+//! [`expected_error`] carries it to pixels over the volume where things moved.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use rayon::prelude::*;
+
+use crate::estimate::frontier::{FrontierOptions, FrontierPoint, FrontierScore, frontier_score};
+use crate::estimate::optimise::{Information, SevenParameters, Step};
+use crate::estimate::refine::residual_row;
+use crate::estimate::views::Views;
+use crate::geometry::Fundamental;
+use crate::geometry::fundamental::normaliser;
+
+/// Score of `F` at one shift of B's frames.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ShiftScore {
+    /// Frames of shift, cyclic.
+    pub shift: usize,
+    /// Evidence at this shift.
+    pub score: FrontierScore,
+}
+
+/// How `F` stands out against time shifts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Evidence {
+    /// Standard scores over the shifts of both classes together, and of tops and of bottoms.
+    pub z: f64,
+    /// Standard score of tops.
+    pub z_tops: f64,
+    /// Standard score of bottoms.
+    pub z_bottoms: f64,
+    /// Share of A's tangents that met a tangent of B.
+    pub explained: f64,
+    /// The same at the mean of the shifts.
+    pub explained_by_chance: f64,
+}
+
+/// Scores `F` at shift 0 and at about `count` others, none within `guard` frames of 0.
+pub fn shift_curve(views: &Views, f: &Fundamental, radius: f64, upright: bool, guard: usize, count: usize) -> Vec<ShiftScore> {
+    let frames = views.frames();
+    let mut shifts = vec![0];
+    if frames > 2 * guard {
+        let span = frames - 2 * guard;
+        let count = count.min(span);
+        shifts.extend((0..count).map(|k| guard + k * span / count));
+    }
+    shifts
+        .into_par_iter()
+        .map(|shift| ShiftScore {
+            shift,
+            score: frontier_score(views, f, &FrontierOptions { radius, upright, shift }),
+        })
+        .collect()
+}
+
+/// Standard scores of the first entry of a curve against the others.
+pub fn evidence_of(curve: &[ShiftScore]) -> Evidence {
+    let z = |of: &dyn Fn(&FrontierScore) -> f64| -> f64 {
+        let rest: Vec<f64> = curve.iter().skip(1).map(|s| of(&s.score)).collect();
+        if rest.len() < 8 {
+            return 0.0;
+        }
+        let mean = rest.iter().sum::<f64>() / rest.len() as f64;
+        let variance = rest.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (rest.len() - 1) as f64;
+        // The floor of the deviation is that of a handful of counts: a curve without any chance matches is no proof.
+        (of(&curve[0].score) - mean) / variance.sqrt().max(3.0)
+    };
+    let share = |s: &FrontierScore| s.matches() as f64 / (s.tangents().max(1)) as f64;
+    let Some(first) = curve.first() else { return Evidence::default() };
+    Evidence {
+        z: z(&|s| s.total()),
+        z_tops: z(&|s| s.tops.excess),
+        z_bottoms: z(&|s| s.bottoms.excess),
+        explained: share(&first.score),
+        explained_by_chance: curve.iter().skip(1).map(|s| share(&s.score)).sum::<f64>()
+            / (curve.len().saturating_sub(1)).max(1) as f64,
+    }
+}
+
+/// Covariance of the seven parameters from frontier points, robust to points of one moment sharing their error.
+///
+/// `(JᵀJ)⁻¹ (Σ_blocks g gᵀ) (JᵀJ)⁻¹` with `g` the gradient of a block of consecutive frames (the sandwich
+/// estimator with clusters): a walker whose outline is off in one frame is off in the next as well. `None` where
+/// the points do not determine the parameters.
+pub fn covariance(at: &SevenParameters, points: &[FrontierPoint], block: usize) -> Option<Information> {
+    let mut normal = Information::zeros();
+    let mut blocks: std::collections::BTreeMap<u32, Step> = std::collections::BTreeMap::new();
+    for p in points {
+        let (residual, row) = residual_row(at, p);
+        normal.ger(1.0, &row, &row, 1.0);
+        blocks.entry(p.frame / block.max(1) as u32).or_insert_with(Step::zeros).axpy(residual, &row, 1.0);
+    }
+    let count = blocks.len() as f64;
+    if points.len() < 20 || count < 8.0 {
+        return None;
+    }
+    let inverse = normal.try_inverse()?;
+    let mut meat = Information::zeros();
+    for gradient in blocks.values() {
+        meat.ger(1.0, gradient, gradient, 1.0);
+    }
+    // Small-sample correction of clustered sandwiches: seven of the blocks' freedom went into the fit.
+    let correction = count / (count - 7.0).max(1.0);
+    let result = inverse * meat * inverse * correction;
+    result.iter().all(|v| v.is_finite()).then_some(result)
+}
+
+/// Points of both images where things moved, as correspondences under `F`.
+///
+/// Around each frontier point the epipolar line of a spot near it: the spot in A is moved along its
+/// image towards a neighbour, and its partner in B is the neighbour's, dropped on the epipolar line. The set spans what
+/// moved without leaving it.
+pub fn moving_correspondences(f: &Fundamental, points: &[FrontierPoint], limit: usize) -> Vec<([f64; 2], [f64; 2])> {
+    let n = points.len();
+    if n < 2 {
+        return Vec::new();
+    }
+    (0..limit)
+        .filter_map(|k| {
+            // Two points far apart in time, mixed half and half: a deterministic walk over pairs.
+            let p = &points[(k * 7919) % n];
+            let q = &points[(k * 104_729 + n / 2) % n];
+            let a = [0.5 * (p.a[0] + q.a[0]), 0.5 * (p.a[1] + q.a[1])];
+            let b = [0.5 * (p.b[0] + q.b[0]), 0.5 * (p.b[1] + q.b[1])];
+            let a = if k % 2 == 0 { p.a } else { a };
+            let b = if k % 2 == 0 { p.b } else { b };
+            let line = f.line_in_b(&Vector3::new(a[0], a[1], 1.0));
+            let norm2 = line.x * line.x + line.y * line.y;
+            if norm2 <= 0.0 {
+                return None;
+            }
+            let d = (line.x * b[0] + line.y * b[1] + line.z) / norm2;
+            Some((a, [b[0] - d * line.x, b[1] - d * line.y]))
+        })
+        .collect()
+}
+
+/// Expected symmetric epipolar distance over correspondences, pixels: mean over points of the mean of a folded normal.
+pub fn expected_error(at: &SevenParameters, covariance: &Information, correspondences: &[([f64; 2], [f64; 2])]) -> f64 {
+    let matrix = at.unscaled();
+    let derivatives = at.derivatives();
+    let mut sum = 0.0;
+    for (a, b) in correspondences {
+        let (xa, xb) = (Vector3::new(a[0], a[1], 1.0), Vector3::new(b[0], b[1], 1.0));
+        let (in_b, in_a) = (matrix * xa, matrix.tr_mul(&xb));
+        let scale = 0.5 * (1.0 / in_b.x.hypot(in_b.y).max(1e-300) + 1.0 / in_a.x.hypot(in_a.y).max(1e-300));
+        let row = Step::from_fn(|k, _| xb.dot(&(derivatives[k] * xa)) * scale);
+        sum += (row.dot(&(covariance * row)).max(0.0) * 2.0 / std::f64::consts::PI).sqrt();
+    }
+    sum / (correspondences.len().max(1)) as f64
+}
+
+/// Median transfer distance, pixels in B, of the best homography between matched points: small where a plane,
+/// or a camera that only turned, explains everything, and `F` is therefore not determined.
+pub fn plane_residual(views: &Views, points: &[FrontierPoint]) -> f64 {
+    let sizes = views.sizes();
+    let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
+    let step = points.len().div_ceil(2000).max(1);
+    let sample: Vec<_> = points
+        .iter()
+        .step_by(step)
+        .map(|p| (ta * Vector3::new(p.a[0], p.a[1], 1.0), tb * Vector3::new(p.b[0], p.b[1], 1.0)))
+        .collect();
+    if sample.len() < 12 {
+        return f64::INFINITY;
+    }
+    let mut weights = vec![1.0; sample.len()];
+    let mut median = f64::INFINITY;
+    for _ in 0..10 {
+        let Some(h) = weighted_homography(&sample, &weights) else { break };
+        let distances: Vec<f64> = sample
+            .iter()
+            .map(|(a, b)| {
+                let p = h * a;
+                (p.x / p.z - b.x).hypot(p.y / p.z - b.y)
+            })
+            .collect();
+        let mut sorted = distances.clone();
+        sorted.sort_by(f64::total_cmp);
+        median = median.min(sorted[sorted.len() / 2]);
+        let scale = sorted[sorted.len() / 2].max(1e-9);
+        weights = distances.iter().map(|d| 1.0 / (1.0 + (d / scale).powi(2))).collect();
+    }
+    median * 0.5 * sizes[1].diagonal()
+}
+
+fn weighted_homography(sample: &[(Vector3<f64>, Vector3<f64>)], weights: &[f64]) -> Option<Matrix3<f64>> {
+    let mut normal = nalgebra::SMatrix::<f64, 9, 9>::zeros();
+    for ((a, b), weight) in sample.iter().zip(weights) {
+        for (i, s) in [(0, b.x), (1, b.y)] {
+            let mut row = nalgebra::SVector::<f64, 9>::zeros();
+            for j in 0..3 {
+                row[3 * i + j] = a[j];
+                row[6 + j] = -s * a[j];
+            }
+            normal.ger(*weight, &row, &row, 1.0);
+        }
+    }
+    let eigen: SymmetricEigen<f64, nalgebra::Const<9>> = normal.try_symmetric_eigen(1e-14, 300)?;
+    let v = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+    Some(Matrix3::new(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]))
+}

@@ -1,0 +1,319 @@
+"""The public names: conventions that a swap or a transposition would break, saving and loading, clear errors."""
+
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+
+import epibar
+from epibar import synthetic
+
+LINES = 6000
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return synthetic.people(seed=3, cameras=2, walkers=6, frames=400, size=(400, 300), asymmetric=True)
+
+
+@pytest.fixture(scope="module")
+def recordings(scene):
+    return [
+        epibar.Recording.from_masks(scene.masks(i), lines=LINES, seed=i, name=f"cam{i + 1}") for i in range(2)
+    ]
+
+
+@pytest.fixture(scope="module")
+def calibration(recordings):
+    return epibar.calibrate(*recordings)
+
+
+def block(frames=80, height=48, width=64):
+    """One block that walks to the right, and back again."""
+    masks = np.zeros((frames, height, width), np.uint8)
+    for t in range(frames):
+        x = abs((2 * t) % 100 - 50)
+        masks[t, 20:32, x : x + 10] = 1
+    return masks
+
+
+# --- conventions ---
+
+
+def test_x_is_the_column_and_y_the_row():
+    masks = np.zeros((70, 20, 30), bool)
+    masks[65, 5, 25] = True  # y = 5, x = 25, in the second word
+    bits = epibar.barcodes(masks, [[0, 5, 29, 5], [25, 0, 25, 19], [5, 0, 5, 19], [0, 25, 29, 25]])
+    assert bits.dtype == np.uint64
+    assert bits.tolist() == [[0, 2], [0, 2], [0, 0], [0, 0]]
+
+
+def test_match_barcodes_finds_the_same_lines_best_first():
+    rng = np.random.default_rng(0)
+    bits = rng.integers(0, 2**63, (50, 2), dtype=np.uint64)
+    order = rng.permutation(50)
+    index_a, index_b, correlation = epibar.match_barcodes(bits, bits[order], frames=128, mutual=1)
+    exact = correlation > 0.999
+    assert exact.sum() == 50
+    assert (order[index_b[exact]] == index_a[exact]).all()
+    assert (np.diff(correlation) <= 0).all()
+
+
+def test_recording_describes_its_masks(scene, recordings):
+    masks, recording = scene.masks(1), recordings[1]
+    assert recording.size == (masks.shape[2], masks.shape[1])
+    assert recording.frames == len(recording.times) == len(masks)
+    assert recording.times[1] == pytest.approx(1 / 25)
+    assert (recording.heat == masks.sum(axis=0, dtype=np.int64)).all()
+    assert (recording.moving_pixels == masks.sum(axis=(1, 2), dtype=np.int64)).all()
+    assert len(recording.segments) == LINES
+    assert (epibar.barcodes(masks, recording.segments) == recording.barcodes).all()
+    ys, xs = np.nonzero(masks[7])
+    corners = np.vstack(recording.hulls(7))
+    assert np.abs(corners.min(axis=0) - (xs.min(), ys.min())).max() <= 1
+    assert np.abs(corners.max(axis=0) - (xs.max(), ys.max())).max() <= 1
+
+
+def test_F_maps_points_of_a_to_lines_of_b(scene, calibration):
+    a, b = scene.volume_correspondences(0, 1)
+    assert calibration.accepted, calibration.reason
+    error = epibar.symmetric_epipolar_distance(calibration.F, a, b).mean()
+    assert error < 1.0
+    assert epibar.symmetric_epipolar_distance(calibration.F.T, a, b).mean() > 10
+    assert np.linalg.norm(calibration.F) == pytest.approx(1)
+    assert abs(np.linalg.det(calibration.F)) < 1e-9
+    assert calibration.expected_error < 3.0
+
+
+def test_frontier_points_are_true_correspondences(scene, calibration):
+    points = calibration.frontier_points
+    true = scene.fundamental(0, 1)
+    assert len(points) > 100
+    assert points.a.shape == points.b.shape == (len(points), 2)
+    assert np.median(epibar.symmetric_epipolar_distance(true, points.a, points.b)) < 1.5
+    assert points.frame.max() < scene.frames
+
+
+def test_candidates_are_unit_lines_with_falling_correlation(calibration):
+    candidates = calibration.candidates
+    assert len(candidates) == len(candidates.lines_a) == len(candidates.lines_b) == len(candidates.inliers)
+    for lines in (candidates.lines_a, candidates.lines_b):
+        assert np.hypot(lines[:, 0], lines[:, 1]) == pytest.approx(1)
+    assert candidates.inliers.dtype == bool
+
+
+def test_same_seed_same_result(recordings, calibration):
+    again = epibar.calibrate(*recordings)
+    assert again.F.tobytes() == calibration.F.tobytes()
+    assert again.counts == calibration.counts
+
+
+def test_swapped_cameras_give_the_transposed_matrix(scene, recordings):
+    swapped = epibar.calibrate(recordings[1], recordings[0])
+    a, b = scene.volume_correspondences(0, 1)
+    assert epibar.symmetric_epipolar_distance(swapped.F, b, a).mean() < 1.0
+
+
+def test_unrelated_recordings_are_refused(recordings):
+    other = synthetic.people(seed=99, cameras=1, walkers=6, frames=400, size=(400, 300))
+    cal = epibar.calibrate(recordings[0], epibar.Recording.from_masks(other.masks(0), lines=LINES))
+    assert not cal.accepted
+    assert cal.reason.endswith(".") or len(cal.reason) > 20
+
+
+def test_without_motion_there_is_a_reason_and_no_F():
+    still = epibar.Recording.from_masks(np.zeros((60, 48, 64), bool), lines=200)
+    cal = epibar.calibrate(still, still)
+    assert not cal.accepted
+    assert cal.F is None
+    assert cal.kind
+    assert len(cal.reason) > 20
+
+
+# --- saving and loading ---
+
+
+def test_save_and_load_is_the_identity(recordings, tmp_path):
+    recording = recordings[0]
+    recording.warnings.append("the light switched at frame 3")
+    recording.matrix = np.diag([400.0, 410.0, 1.0])
+    recording.save(tmp_path / "cam1.npz")
+    loaded = epibar.Recording.load(tmp_path / "cam1.npz")
+    recording.matrix, recording.warnings = None, []
+    assert loaded.name == "cam1"
+    assert loaded.warnings == ["the light switched at frame 3"]
+    assert (loaded.matrix == np.diag([400.0, 410.0, 1.0])).all()
+    before, after = recording._core.to_arrays(), loaded._core.to_arrays()
+    assert before.keys() == after.keys()
+    for key, value in before.items():
+        assert value.dtype == after[key].dtype
+        assert value.tobytes() == after[key].tobytes(), key
+    assert [path.name for path in tmp_path.iterdir()] == ["cam1.npz"]
+
+
+def test_loaded_recordings_calibrate_to_the_same_bits(recordings, calibration, tmp_path):
+    loaded = []
+    for index, recording in enumerate(recordings):
+        recording.save(tmp_path / f"{index}.npz")
+        loaded.append(epibar.Recording.load(tmp_path / f"{index}.npz"))
+    assert epibar.calibrate(*loaded).F.tobytes() == calibration.F.tobytes()
+
+
+def test_a_damaged_file_is_an_error_that_names_it(recordings, tmp_path):
+    path = tmp_path / "cam1.npz"
+    recordings[0].save(path)
+    data = path.read_bytes()
+    rng = np.random.default_rng(0)
+    broken = [b"", b"PK", data[: len(data) // 2], data[:-40], b"not a zip at all" * 10]
+    for position in rng.integers(0, len(data), 30):
+        broken.append(data[:position] + bytes([data[position] ^ 0x5A]) + data[position + 1 :])
+    refused = 0
+    for case in broken:
+        path.write_bytes(case)
+        try:
+            epibar.Recording.load(path)  # a flipped bit in a zip header may be harmless
+        except epibar.EpibarError as error:
+            assert "cam1.npz" in str(error)
+            refused += 1
+    assert refused >= len(broken) // 2
+
+
+@pytest.mark.parametrize("change", ["missing", "shape", "dtype", "values", "format", "pickle"])
+def test_a_file_that_contradicts_itself_is_refused(recordings, tmp_path, change):
+    path = tmp_path / "cam1.npz"
+    recordings[0].save(path)
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    key = next(name for name in arrays if name.startswith("core_") and arrays[name].ndim == 2)
+    if change == "missing":
+        del arrays[key]
+    elif change == "shape":
+        arrays[key] = arrays[key][:-1]
+    elif change == "dtype":
+        arrays[key] = arrays[key].astype(np.complex128)
+    elif change == "values":
+        arrays["core_segments"] = np.full_like(arrays["core_segments"], np.nan)
+    elif change == "format":
+        arrays["epibar_recording"] = np.int64(99)
+    elif change == "pickle":
+        arrays[key] = np.array([[{"a": 1}]], dtype=object)
+    np.savez(path, **arrays)
+    with pytest.raises(epibar.EpibarError, match=r"cam1\.npz"):
+        epibar.Recording.load(path)
+
+
+def test_masks_are_not_taken_for_a_recording(tmp_path):
+    np.savez(tmp_path / "masks.npz", masks=block())
+    with pytest.raises(epibar.EpibarError, match="masks"):
+        epibar.Recording.load(tmp_path / "masks.npz")
+    with zipfile.ZipFile(tmp_path / "other.npz", "w") as archive:
+        archive.writestr("a.txt", "text")
+    with pytest.raises(epibar.EpibarError, match=r"other\.npz"):
+        epibar.Recording.load(tmp_path / "other.npz")
+
+
+def test_an_unwritable_place_is_an_error(recordings, tmp_path):
+    with pytest.raises(epibar.EpibarError, match="nowhere"):
+        recordings[0].save(tmp_path / "nowhere" / "cam1.npz")
+
+
+# --- errors ---
+
+
+@pytest.mark.parametrize(
+    ("masks", "words"),
+    [
+        (np.zeros((4, 8, 8)), "float64"),
+        (np.full((4, 8, 8), np.nan), "float64"),
+        (np.zeros((4, 8, 8), int), "int64"),
+        (np.zeros((8, 8), bool), "shape"),
+        (np.zeros((4, 8, 8, 3), np.uint8), "shape"),
+        (np.zeros((0, 8, 8), bool), "no frames"),
+        (np.zeros((4, 0, 8), bool), "no pixels"),
+        ([["text"]], "dtype"),
+        (None, "dtype"),
+    ],
+)
+def test_unusable_masks(masks, words):
+    with pytest.raises(epibar.EpibarError, match=words):
+        epibar.Recording.from_masks(masks)
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        ({"fps": 0}, "fps"),
+        ({"fps": np.nan}, "fps"),
+        ({"fps": "fast"}, "fps"),
+        ({"lines": 0}, "lines"),
+        ({"lines": 10.5}, "lines"),
+        ({"lines": True}, "lines"),
+        ({"seed": -1}, "seed"),
+        ({"seed": 2**64}, "seed"),
+        ({"min_component_area": -1}, "min_component_area"),
+    ],
+)
+def test_unusable_options_of_a_recording(options, name):
+    with pytest.raises(epibar.EpibarError, match=name):
+        epibar.Recording.from_masks(block(), **options)
+
+
+@pytest.mark.parametrize(
+    ("options", "name"),
+    [
+        ({"method": "magic"}, "method"),
+        ({"method": None}, "method"),
+        ({"seed": -1}, "seed"),
+        ({"seed": 0.5}, "seed"),
+        ({"time_offset": np.nan}, "time_offset"),
+        ({"time_offset": np.inf}, "time_offset"),
+        ({"time_offset": "soon"}, "time_offset"),
+        ({"time_offset": 1e6}, "time_offset"),
+        ({"max_expected_error": 0}, "max_expected_error"),
+        ({"max_expected_error": np.nan}, "max_expected_error"),
+        ({"candidates": -1}, "candidates"),
+        ({"draws": 1.5}, "draws"),
+    ],
+)
+def test_unusable_options_of_a_calibration(options, name):
+    recording = epibar.Recording.from_masks(block(), lines=100)
+    with pytest.raises(epibar.EpibarError, match=name):
+        epibar.calibrate(recording, recording, **options)
+
+
+def test_masks_given_to_calibrate_are_named():
+    recording = epibar.Recording.from_masks(block(), lines=100)
+    with pytest.raises(epibar.EpibarError, match="rec_b is a ndarray"):
+        epibar.calibrate(recording, block())
+
+
+def test_barcode_arguments():
+    with pytest.raises(epibar.EpibarError, match="segments"):
+        epibar.barcodes(block(), [[0, 0, 1]])
+    with pytest.raises(epibar.EpibarError, match="finite"):
+        epibar.barcodes(block(), [[0, 0, 1, np.nan]])
+    bits = np.zeros((3, 2), np.uint64)
+    with pytest.raises(epibar.EpibarError, match="bits_b"):
+        epibar.match_barcodes(bits, bits[:, :1], frames=128)
+    with pytest.raises(epibar.EpibarError, match="bits_a"):
+        epibar.match_barcodes(bits.astype(float), bits, frames=128)
+    with pytest.raises(epibar.EpibarError, match="mutual"):
+        epibar.match_barcodes(bits, bits, frames=128, mutual=0)
+
+
+def test_errors_are_value_errors():
+    assert issubclass(epibar.EpibarError, ValueError)
+
+
+def test_import_is_light():
+    code = "import sys, epibar; sys.exit(any(m in sys.modules for m in ('numpy', 'cv2', 'epibar._core')))"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_every_public_name_exists():
+    for name in epibar.__all__:
+        assert getattr(epibar, name) is not None
+    with pytest.raises(AttributeError):
+        epibar.nonsense  # noqa: B018
