@@ -7,8 +7,8 @@
 >>> cal.accepted, cal.reason, cal.F  # doctest: +SKIP
 
 Conventions: ``x_b^T F x_a = 0`` with F of Frobenius norm 1; points are (x, y) in pixels with pixel centres at
-integers; masks are (T, H, W), non-zero = moving; bit i of a motion barcode is frame i, packed little-endian in words
-of 64 bits.
+integers; masks are (T, H, W), non-zero = moving; bit i of a motion barcode is frame i, packed in words of 64
+bits, low bit first.
 
 Names are imported when they are first used, so that ``import epibar`` costs next to nothing.
 """

@@ -97,6 +97,8 @@ class Calibration:
         Other geometries with about the same evidence.
     evidence : dict of str to float
         The statistics behind the verdict.
+    source : str
+        What kind of hypothesis F grew from.
     shift_curve : tuple of two ndarray
         Shifts of B's frames, and the score of F at each.
     method : str
@@ -115,6 +117,7 @@ class Calibration:
     floor: Array | None = None
     rivals: list[dict[str, Any]] = field(default_factory=list)
     evidence: dict[str, float] = field(default_factory=dict)
+    source: str = "none"
     shift_curve: tuple[Array, Array] = field(default_factory=lambda: (np.empty(0), np.empty(0)))
     method: str = METHODS[0]
     seed: int = 0
@@ -226,6 +229,7 @@ def calibrate(
         floor=result.floor,
         rivals=list(result.rivals),
         evidence=dict(result.evidence),
+        source=result.source,
         shift_curve=result.shift_curve,
         method=method,
         seed=seed,

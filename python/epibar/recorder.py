@@ -1,7 +1,7 @@
 """From one camera's video to a :class:`~epibar.recording.Recording`, streamed.
 
-decode (a thread of its own) -> foreground -> health check -> undistort -> pack. One frame is in memory at a time, a
-few more in the queue; the compiled recorder keeps one block of packed bits.
+decode (a thread of its own) -> foreground -> health check -> undistort -> pack. One frame is in memory at a
+time, a few more in the queue; the compiled recorder keeps one block of packed bits.
 """
 
 from __future__ import annotations
@@ -57,17 +57,17 @@ def record(
     name : str, optional
         Of the camera; the file's stem by default. Its intrinsics are looked up under it.
     masks : bool
-        The input already is black and white, white = moving. Then it may also be an ``.npz`` with key ``masks``.
+        The input is black and white already, white = moving, or an ``.npz`` with key ``masks``.
     foreground : {"mog2", "knn", "median"} or ForegroundOptions
         How to tell what moves.
     background : str or path, optional
         Video or picture of the empty scene by the same camera.
     ignore : str or path or ndarray, shape (H, W), optional
-        Image or array, non-zero where motion does not count: a clock in the picture, a screen, trees. In pixels of
-        the video, also where intrinsics are given.
+        Image or array, non-zero where motion does not count: a clock in the picture, a screen, trees. In
+        pixels of the video, also where intrinsics are given.
     intrinsics : Intrinsics or str or path, optional
-        Camera matrix and distortion, or the ``.toml`` file to look them up in. Lens distortion bends lines: with it
-        everything in the recording is in undistorted pixels of the same matrix.
+        Camera matrix and distortion, or the ``.toml`` file to look them up in. Lens distortion bends lines:
+        with it everything in the recording is in undistorted pixels of the same matrix.
     fps : float, optional
         Frames per second, instead of the times in the file.
     progress : bool, optional

@@ -24,8 +24,8 @@ __all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "new_recorder"]
 DEFAULT_LINES = 20_000
 """Random lines per camera: the number of true candidate pairs grows with it."""
 
-MIN_COMPONENT_AREA = 0
-"""Pixels; masks given by the caller are taken as they are, those of a video were filtered before."""
+MIN_COMPONENT_AREA = 12
+"""Pixels. A smaller component is mostly noise, yet would have as many tangents as a walker."""
 
 FORMAT = 1
 """Version of the saved file; a file of a newer one is refused."""
@@ -89,7 +89,7 @@ class Recording:
         name : str
             Of the camera, for messages.
         min_component_area : int
-            Connected components of fewer pixels give no silhouette.
+            Connected components of fewer pixels give no silhouette; with 1 all do.
 
         Raises
         ------
@@ -246,5 +246,5 @@ def new_recorder(width: int, height: int, lines: int, seed: int, min_component_a
             height,
             as_whole_number("lines", lines, 1, MAX_LINES),
             as_whole_number("seed", seed, 0, MAX_SEED),
-            as_whole_number("min_component_area", min_component_area, 0),
+            as_whole_number("min_component_area", min_component_area, 1),
         )

@@ -11,12 +11,12 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+from .interrupt import INTERRUPTED, prompt_interrupt
 from .parser import build_parser
 
 __all__ = ["main"]
 
 BAD_INPUT = 2
-INTERRUPTED = 130
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -37,8 +37,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else BAD_INPUT
     try:
-        code: int = import_module(f".{args.command}", __name__).run(args)
-        sys.stdout.flush()
+        with prompt_interrupt():
+            code: int = import_module(f".{args.command}", __name__).run(args)
+            sys.stdout.flush()
         return code
     except KeyboardInterrupt:
         print("\nepibar: interrupted", file=sys.stderr)

@@ -9,8 +9,6 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..calibration import Calibration, calibrate
 from ..errors import EpibarError
 from ..intrinsics import Intrinsics, find_camera, load_cameras
@@ -182,7 +180,5 @@ def _calibrate_pair(a: Camera, b: Camera, args: Namespace, out: Path, console: C
 def summary(calibration: Calibration) -> str:
     """Say in one line what came out of a pair."""
     verdict = "accepted" if calibration.accepted else f"refused ({calibration.kind})"
-    error = calibration.expected_error
-    expected = f", expected error {error:.2g} px" if error is not None and np.isfinite(error) else ""
     offset = f", time offset {calibration.time_offset:+.2f} frames" if calibration.time_offset else ""
-    return f"{verdict}{expected}{offset}. {calibration.reason}"
+    return f"{verdict}{offset}. {calibration.reason}"

@@ -65,7 +65,7 @@ def run(args: Namespace) -> int:
 
 def _write_cameras(path: Path, scene: Scene) -> Path:
     """Write the known cameras the way ``--intrinsics`` and ``--cameras`` read them."""
-    head = "# The known answer. World to camera: X_c = R X + t, rotation as a Rodrigues vector, metres and pixels.\n"
+    head = "# The known answer. X_c = R X + t, rotation as a Rodrigues vector, metres and pixels.\n"
     tables = [_table(index, camera) for index, camera in enumerate(scene.cameras)]
     path.write_text(head + "".join(tables), encoding="utf-8")
     return path
@@ -76,7 +76,7 @@ def _table(index: int, camera: Camera) -> str:
 
     rotation = np.asarray(cv2.Rodrigues(camera.R)[0]).ravel()
     return (
-        f'\n[cam_{index}]\nname = "cam{index + 1}"\nsize = {list(camera.size)}\nmatrix = {camera.K.tolist()}\n'
-        f"distortions = [0.0, 0.0, 0.0, 0.0, 0.0]\nrotation = {rotation.tolist()}\n"
-        f"translation = {camera.t.tolist()}\n"
+        f'\n[cam_{index}]\nname = "cam{index + 1}"\nsize = {list(camera.size)}\n'
+        f"matrix = {camera.K.tolist()}\ndistortions = [0.0, 0.0, 0.0, 0.0, 0.0]\n"
+        f"rotation = {rotation.tolist()}\ntranslation = {camera.t.tolist()}\n"
     )

@@ -94,6 +94,7 @@ def pair_entry(a: str, b: str, calibration: Calibration, seconds: float) -> dict
         "seed": calibration.seed,
         "counts": calibration.counts,
         "evidence": calibration.evidence,
+        "source": calibration.source,
         "floor": calibration.floor,
         "rivals": calibration.rivals,
         "seconds": round(seconds, 2),

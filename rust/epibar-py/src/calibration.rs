@@ -41,14 +41,15 @@ pub fn calibrate(
         "frontier" => Method::Frontier,
         "lines" => Method::Lines,
         other => {
-            return Err(PyValueError::new_err(format!("method = {other:?}: expected \"frontier\" or \"lines\"")));
+            return Err(PyValueError::new_err(format!(
+                "method = {other:?}: expected \"frontier\" or \"lines\""
+            )));
         }
     };
     let mut options = CalibrateOptions {
         method,
         seed,
-        time_offset: time_offset
-            .map_or(TimeOffset::Search { seconds: OFFSET_SECONDS }, TimeOffset::Known),
+        time_offset: time_offset.map_or(TimeOffset::Search { seconds: OFFSET_SECONDS }, TimeOffset::Known),
         upright,
         draws,
         max_expected_error,

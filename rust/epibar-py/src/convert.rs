@@ -47,7 +47,7 @@ pub fn slice<'a, T: numpy::Element>(
             array.ndim()
         )));
     }
-    array
-        .as_slice()
-        .map_err(|_| PyValueError::new_err(format!("{name} must be C-contiguous: use numpy.ascontiguousarray")))
+    array.as_slice().map_err(|_| {
+        PyValueError::new_err(format!("{name} must be C-contiguous: use numpy.ascontiguousarray"))
+    })
 }

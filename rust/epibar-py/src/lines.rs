@@ -23,12 +23,9 @@ pub fn barcodes<'py>(
         return Err(PyValueError::new_err("segments must have four columns: x0, y0, x1, y1"));
     }
     let frames = masks.shape()[0];
-    let size =
-        ImageSize::new(masks.shape()[2], masks.shape()[1]).map_err(|error| to_python_error(&error))?;
-    let segments: Vec<Segment> = ends
-        .chunks_exact(4)
-        .map(|s| Segment { x0: s[0], y0: s[1], x1: s[2], y1: s[3] })
-        .collect();
+    let size = ImageSize::new(masks.shape()[2], masks.shape()[1]).map_err(|error| to_python_error(&error))?;
+    let segments: Vec<Segment> =
+        ends.chunks_exact(4).map(|s| Segment { x0: s[0], y0: s[1], x1: s[2], y1: s[3] }).collect();
     let found = enter(py, || epibar::barcodes_of_segments(pixels, frames, size, &segments))?;
     bits(py, found)
 }
@@ -80,7 +77,6 @@ pub fn match_barcodes<'py>(
 /// Motion lines of a recording, (n, 3).
 #[pyfunction]
 pub fn motion_lines<'py>(py: Python<'py>, rec: &Recording) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let found =
-        enter(py, || Ok(epibar::matching::motion_lines(&rec.inner, &MotionLineOptions::default())))?;
+    let found = enter(py, || Ok(epibar::matching::motion_lines(&rec.inner, &MotionLineOptions::default())))?;
     rows(py, found.into_iter().map(|l| [l.a, l.b, l.c]))
 }

@@ -25,7 +25,13 @@ fn finished() -> PyErr {
 #[pymethods]
 impl Recorder {
     #[new]
-    fn new(width: usize, height: usize, lines: usize, seed: u64, min_component_area: usize) -> PyResult<Self> {
+    fn new(
+        width: usize,
+        height: usize,
+        lines: usize,
+        seed: u64,
+        min_component_area: usize,
+    ) -> PyResult<Self> {
         let size = ImageSize::new(width, height).map_err(|error| to_python_error(&error))?;
         let options = RecorderOptions { lines, seed, min_component_area };
         let inner = epibar::Recorder::new(size, options).map_err(|error| to_python_error(&error))?;
@@ -152,7 +158,8 @@ impl Recording {
         let ([width, height], [seed]) = (size.as_slice(), seed.as_slice()) else {
             return Err(PyValueError::new_err("the stored recording is damaged: size or seed"));
         };
-        let size = ImageSize::new(*width as usize, *height as usize).map_err(|error| to_python_error(&error))?;
+        let size =
+            ImageSize::new(*width as usize, *height as usize).map_err(|error| to_python_error(&error))?;
         let times: Vec<f64> = flat(arrays, "times", 1)?;
         let words = array::<u64>(arrays, "barcodes")?;
         let barcodes: Barcodes = as_barcodes("barcodes", &words.readonly(), times.len())?;
@@ -182,13 +189,21 @@ impl Recording {
     }
 }
 
-fn array<'py, T: numpy::Element>(arrays: &Bound<'py, PyDict>, name: &str) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
-    let damaged = |what: &str| PyValueError::new_err(format!("the stored recording is damaged: {name} {what}"));
+fn array<'py, T: numpy::Element>(
+    arrays: &Bound<'py, PyDict>,
+    name: &str,
+) -> PyResult<Bound<'py, PyArrayDyn<T>>> {
+    let damaged =
+        |what: &str| PyValueError::new_err(format!("the stored recording is damaged: {name} {what}"));
     let item = arrays.get_item(name)?.ok_or_else(|| damaged("is missing"))?;
     item.cast_into::<PyArrayDyn<T>>().map_err(|_| damaged("is not an array of the expected type"))
 }
 
-fn flat<T: numpy::Element + Copy>(arrays: &Bound<'_, PyDict>, name: &str, dimensions: usize) -> PyResult<Vec<T>> {
+fn flat<T: numpy::Element + Copy>(
+    arrays: &Bound<'_, PyDict>,
+    name: &str,
+    dimensions: usize,
+) -> PyResult<Vec<T>> {
     let found = array::<T>(arrays, name)?;
     let found = found.readonly();
     Ok(slice(name, &found, dimensions)?.to_vec())

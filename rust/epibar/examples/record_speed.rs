@@ -24,27 +24,17 @@ fn main() -> epibar::Result<()> {
         100.0 * moving as f64 / masks.len() as f64,
         recording.silhouettes.len(),
         recording.silhouettes.points.len(),
-        recording
-            .barcodes
-            .informative(&epibar::Informative::default())
-            .len(),
+        recording.barcodes.informative(&epibar::Informative::default()).len(),
         recording.barcodes.count,
     );
     let started = Instant::now();
     let barcodes = barcodes_of_segments(&masks, FRAMES, size, &recording.segments)?;
-    println!(
-        "barcodes_of_segments: {:.3} s",
-        started.elapsed().as_secs_f64()
-    );
+    println!("barcodes_of_segments: {:.3} s", started.elapsed().as_secs_f64());
     assert!(barcodes == recording.barcodes);
     let started = Instant::now();
     let frames: Vec<u32> = (0..FRAMES as u32).filter(|frame| frame % 5 != 0).collect();
     let part = barcodes.select_frames(&frames);
-    println!(
-        "select_frames, {} of them: {:.3} s",
-        part.frames,
-        started.elapsed().as_secs_f64()
-    );
+    println!("select_frames, {} of them: {:.3} s", part.frames, started.elapsed().as_secs_f64());
     Ok(())
 }
 

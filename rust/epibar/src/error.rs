@@ -8,9 +8,7 @@
 #[non_exhaustive]
 pub enum Error {
     /// An image has no pixels or is too large to index.
-    #[error(
-        "image size {width}x{height} is not usable: both sides must be between 2 and 16384 pixels"
-    )]
+    #[error("image size {width}x{height} is not usable: both sides must be between 2 and 16384 pixels")]
     ImageSize {
         /// Width in pixels.
         width: usize,

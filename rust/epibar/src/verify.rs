@@ -40,7 +40,14 @@ pub struct Evidence {
 }
 
 /// Scores `F` at shift 0 and at about `count` others, none within `guard` frames of 0.
-pub fn shift_curve(views: &Views, f: &Fundamental, radius: f64, upright: bool, guard: usize, count: usize) -> Vec<ShiftScore> {
+pub fn shift_curve(
+    views: &Views,
+    f: &Fundamental,
+    radius: f64,
+    upright: bool,
+    guard: usize,
+    count: usize,
+) -> Vec<ShiftScore> {
     let frames = views.frames();
     let mut shifts = vec![0];
     if frames > 2 * guard {
@@ -114,7 +121,11 @@ pub fn covariance(at: &SevenParameters, points: &[FrontierPoint], block: usize) 
 /// Around each frontier point the epipolar line of a spot near it: the spot in A is moved along its
 /// image towards a neighbour, and its partner in B is the neighbour's, dropped on the epipolar line. The set spans what
 /// moved without leaving it.
-pub fn moving_correspondences(f: &Fundamental, points: &[FrontierPoint], limit: usize) -> Vec<([f64; 2], [f64; 2])> {
+pub fn moving_correspondences(
+    f: &Fundamental,
+    points: &[FrontierPoint],
+    limit: usize,
+) -> Vec<([f64; 2], [f64; 2])> {
     let n = points.len();
     if n < 2 {
         return Vec::new();
@@ -140,7 +151,11 @@ pub fn moving_correspondences(f: &Fundamental, points: &[FrontierPoint], limit: 
 }
 
 /// Expected symmetric epipolar distance over correspondences, pixels: mean over points of the mean of a folded normal.
-pub fn expected_error(at: &SevenParameters, covariance: &Information, correspondences: &[([f64; 2], [f64; 2])]) -> f64 {
+pub fn expected_error(
+    at: &SevenParameters,
+    covariance: &Information,
+    correspondences: &[([f64; 2], [f64; 2])],
+) -> f64 {
     let matrix = at.unscaled();
     let derivatives = at.derivatives();
     let mut sum = 0.0;

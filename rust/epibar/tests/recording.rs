@@ -3,9 +3,7 @@
 mod scene;
 
 use epibar::recording::{components::Components, hull::convex_hull, traversal};
-use epibar::{
-    Barcodes, ImageSize, Recorder, RecorderOptions, Recording, Segment, barcodes_of_segments,
-};
+use epibar::{Barcodes, ImageSize, Recorder, RecorderOptions, Recording, Segment, barcodes_of_segments};
 use scene::{Mask, Random, blob, noise};
 
 /// The barcodes by definition: frame by frame, pixel by pixel.
@@ -31,51 +29,30 @@ fn record(masks: &[Mask], size: ImageSize, options: RecorderOptions) -> Recordin
 }
 
 fn options(lines: usize) -> RecorderOptions {
-    RecorderOptions {
-        lines,
-        ..Default::default()
-    }
+    RecorderOptions { lines, ..Default::default() }
 }
 
 #[test]
 fn packed_barcodes_are_the_naive_ones() {
     let mut random = Random(1);
-    for (frames, width, height, density) in [
-        (1, 31, 17, 20),
-        (63, 17, 40, 10),
-        (512, 20, 13, 5),
-        (513, 23, 9, 8),
-        (1030, 12, 19, 6),
-    ] {
+    for (frames, width, height, density) in
+        [(1, 31, 17, 20), (63, 17, 40, 10), (512, 20, 13, 5), (513, 23, 9, 8), (1030, 12, 19, 6)]
+    {
         let size = ImageSize::new(width, height).unwrap();
-        let masks: Vec<Mask> = (0..frames)
-            .map(|_| noise(size, density, &mut random))
-            .collect();
+        let masks: Vec<Mask> = (0..frames).map(|_| noise(size, density, &mut random)).collect();
         let recording = record(&masks, size, options(60));
         let expected = naive_barcodes(&masks, size, &recording.segments);
         let ones: u32 = (0..60).map(|i| expected.ones(i)).sum();
-        assert!(
-            ones > 0 && (ones as usize) < 60 * frames,
-            "both bits must occur"
-        );
+        assert!(ones > 0 && (ones as usize) < 60 * frames, "both bits must occur");
         assert_eq!(recording.barcodes, expected, "{frames} frames");
         let whole = masks.concat();
         let again = barcodes_of_segments(&whole, frames, size, &recording.segments).unwrap();
         assert_eq!(again, expected, "{frames} frames");
 
         let heat = |pixel: usize| masks.iter().filter(|mask| mask[pixel] != 0).count() as u32;
-        assert!(
-            (0..size.pixels())
-                .map(heat)
-                .eq(recording.heat.iter().copied())
-        );
+        assert!((0..size.pixels()).map(heat).eq(recording.heat.iter().copied()));
         let moving = |mask: &Mask| mask.iter().filter(|&&v| v != 0).count() as u32;
-        assert!(
-            masks
-                .iter()
-                .map(moving)
-                .eq(recording.moving_pixels.iter().copied())
-        );
+        assert!(masks.iter().map(moving).eq(recording.moving_pixels.iter().copied()));
         recording.validate().unwrap();
     }
 }
@@ -186,10 +163,7 @@ fn barcodes_from_pixels_and_from_hulls_agree() {
     let mut random = Random(5);
     let size = ImageSize::new(90, 70).unwrap();
     let masks: Vec<Mask> = (0..150).map(|_| blob(size, &mut random)).collect();
-    let keep_all = RecorderOptions {
-        min_component_area: 1,
-        ..options(800)
-    };
+    let keep_all = RecorderOptions { min_component_area: 1, ..options(800) };
     let recording = record(&masks, size, keep_all);
     let (mut set, mut certain) = (0, 0);
     for (i, segment) in recording.segments.iter().enumerate() {
@@ -198,26 +172,15 @@ fn barcodes_from_pixels_and_from_hulls_agree() {
         // A negative half width asks for that distance on both sides.
         let crossed = recording.silhouettes.barcode_of_line(&line, -0.5 - 1e-9);
         for (word, traversed) in recording.barcodes.row(i).iter().enumerate() {
-            assert_eq!(
-                traversed & !near[word],
-                0,
-                "a traversed pixel without a hull"
-            );
-            assert_eq!(
-                crossed[word] & !traversed,
-                0,
-                "a hull across a line without a pixel"
-            );
+            assert_eq!(traversed & !near[word], 0, "a traversed pixel without a hull");
+            assert_eq!(crossed[word] & !traversed, 0, "a hull across a line without a pixel");
             set += traversed.count_ones();
             certain += crossed[word].count_ones();
         }
     }
     // What the bounds leave open is when a line grazes: across a blob w pixels wide about w + 1 lines
     // set the bit and w − 1 are certain to, which for w around 10 is a fifth.
-    assert!(
-        certain > 10_000 && set - certain < set / 4,
-        "{certain} of {set}"
-    );
+    assert!(certain > 10_000 && set - certain < set / 4, "{certain} of {set}");
 }
 
 #[test]
@@ -234,9 +197,7 @@ fn each_frame_stands_for_itself() {
     assert_eq!(backwards.heat, forwards.heat);
     let hulls = |recording: &Recording, frame: usize| -> Vec<Vec<[u16; 2]>> {
         let hulls = recording.silhouettes.hulls(frame);
-        hulls
-            .map(|i| recording.silhouettes.hull(i).to_vec())
-            .collect()
+        hulls.map(|i| recording.silhouettes.hull(i).to_vec()).collect()
     };
     for frame in 0..600 {
         assert_eq!(hulls(&forwards, frame), hulls(&backwards, 599 - frame));
@@ -255,10 +216,7 @@ fn small_components_are_no_silhouettes_but_still_move() {
     let mut mask = vec![0; 600];
     mask[5 * 30 + 5..5 * 30 + 16].fill(1);
     for (min_component_area, silhouettes) in [(12, 0), (11, 1), (1, 1), (0, 1)] {
-        let options = RecorderOptions {
-            min_component_area,
-            ..options(400)
-        };
+        let options = RecorderOptions { min_component_area, ..options(400) };
         let recording = record(std::slice::from_ref(&mask), size, options);
         assert_eq!(recording.silhouettes.len(), silhouettes);
         assert_eq!(recording.moving_pixels, [11]);

@@ -1,16 +1,11 @@
 //! What a recorder and a stored recording refuse, and that they say why.
 
-use epibar::{
-    Error, ImageSize, Recorder, RecorderOptions, Recording, Segment, barcodes_of_segments,
-};
+use epibar::{Error, ImageSize, Recorder, RecorderOptions, Recording, Segment, barcodes_of_segments};
 
 type Damage = fn(&mut Recording);
 
 fn recorder() -> Recorder {
-    let options = RecorderOptions {
-        lines: 20,
-        ..Default::default()
-    };
+    let options = RecorderOptions { lines: 20, ..Default::default() };
     Recorder::new(ImageSize::new(12, 9).unwrap(), options).unwrap()
 }
 
@@ -32,18 +27,10 @@ fn a_recorder_refuses_and_goes_on() {
     recorder.push(&[1; 108], 1.0).unwrap();
     assert!(matches!(
         recorder.push(&[1; 107], 2.0),
-        Err(Error::MaskSize {
-            frame: 1,
-            actual: 107,
-            width: 12,
-            height: 9
-        })
+        Err(Error::MaskSize { frame: 1, actual: 107, width: 12, height: 9 })
     ));
     for time in [1.0, 0.5, f64::NAN, f64::INFINITY] {
-        assert!(matches!(
-            recorder.push(&[1; 108], time),
-            Err(Error::FrameTime { frame: 1, .. })
-        ));
+        assert!(matches!(recorder.push(&[1; 108], time), Err(Error::FrameTime { frame: 1, .. })));
     }
     assert_eq!(recorder.frames(), 1);
     recorder.push(&[0; 108], 1.5).unwrap();
@@ -56,66 +43,29 @@ fn a_recorder_refuses_and_goes_on() {
 fn nothing_to_record() {
     assert_eq!(recorder().finish().unwrap_err(), Error::NoFrames);
     for lines in [0, 10_000_001] {
-        let options = RecorderOptions {
-            lines,
-            ..Default::default()
-        };
+        let options = RecorderOptions { lines, ..Default::default() };
         let made = Recorder::new(ImageSize::new(12, 9).unwrap(), options);
         assert!(matches!(made, Err(Error::Argument { name: "lines", .. })));
     }
-    let flat = ImageSize {
-        width: 12,
-        height: 1,
-    };
-    assert!(matches!(
-        Recorder::new(flat, RecorderOptions::default()),
-        Err(Error::ImageSize { .. })
-    ));
+    let flat = ImageSize { width: 12, height: 1 };
+    assert!(matches!(Recorder::new(flat, RecorderOptions::default()), Err(Error::ImageSize { .. })));
 }
 
 #[test]
 fn masks_and_segments_that_do_not_fit() {
     let size = ImageSize::new(12, 9).unwrap();
-    let segment = Segment {
-        x0: -3.0,
-        y0: 4.0,
-        x1: 20.0,
-        y1: 4.0,
-    };
+    let segment = Segment { x0: -3.0, y0: 4.0, x1: 20.0, y1: 4.0 };
     let barcodes = barcodes_of_segments(&[1; 216], 2, size, &[segment]).unwrap();
     assert_eq!(barcodes.bits, [0b11]);
-    assert_eq!(
-        barcodes_of_segments(&[], 0, size, &[segment])
-            .unwrap()
-            .count,
-        1
-    );
-    assert_eq!(
-        barcodes_of_segments(&[1; 216], 2, size, &[])
-            .unwrap()
-            .frames,
-        2
-    );
+    assert_eq!(barcodes_of_segments(&[], 0, size, &[segment]).unwrap().count, 1);
+    assert_eq!(barcodes_of_segments(&[1; 216], 2, size, &[]).unwrap().frames, 2);
     assert!(matches!(
         barcodes_of_segments(&[1; 215], 2, size, &[segment]),
-        Err(Error::Length {
-            left: 215,
-            right: 216,
-            ..
-        })
+        Err(Error::Length { left: 215, right: 216, .. })
     ));
-    let bad = Segment {
-        x1: f64::NAN,
-        ..segment
-    };
+    let bad = Segment { x1: f64::NAN, ..segment };
     let refused = barcodes_of_segments(&[1; 216], 2, size, &[segment, bad]);
-    assert!(matches!(
-        refused,
-        Err(Error::Argument {
-            name: "segments",
-            ..
-        })
-    ));
+    assert!(matches!(refused, Err(Error::Argument { name: "segments", .. })));
 }
 
 #[test]

@@ -27,7 +27,11 @@ impl TimeOffset {
                 (seconds, seconds.is_finite() && seconds > 0.0, "a positive number of seconds to search")
             }
         };
-        if ok { Ok(()) } else { Err(Error::Argument { name: "time_offset", value: value.to_string(), expected }) }
+        if ok {
+            Ok(())
+        } else {
+            Err(Error::Argument { name: "time_offset", value: value.to_string(), expected })
+        }
     }
 }
 

@@ -222,7 +222,11 @@ pub fn calibrate(
         time_offset: offset,
         inliers,
         frontier_points,
-        floor: found.floor.as_ref().filter(|f| verdict::is_floor(f, candidates.best().len())).map(|f| f.homography),
+        floor: found
+            .floor
+            .as_ref()
+            .filter(|f| verdict::is_floor(f, candidates.best().len()))
+            .map(|f| f.homography),
         rivals: judged.rivals,
         evidence: judged.evidence,
         shift_curve: judged.curve,
@@ -248,7 +252,12 @@ fn check(options: &CalibrateOptions) -> Result<()> {
 }
 
 /// The paper's method: line inliers decide, local optimisation on the inliers.
-fn by_lines(candidates: &Candidates, views: &Views, options: &CalibrateOptions, watch: &mut dyn Watch) -> Result<Found> {
+fn by_lines(
+    candidates: &Candidates,
+    views: &Views,
+    options: &CalibrateOptions,
+    watch: &mut dyn Watch,
+) -> Result<Found> {
     let pairs: &[Candidate] = candidates.best();
     let model = LineModel::new(pairs, views.sizes());
     let best = ransac(&model, options.draws, 1, options.seed, "lines", watch)?;

@@ -9,7 +9,8 @@ use crate::estimate::views::Views;
 use crate::geometry::Fundamental;
 use crate::matching::Candidates;
 use crate::verify::{
-    Evidence, ShiftScore, covariance, evidence_of, expected_error, moving_correspondences, plane_residual, shift_curve,
+    Evidence, ShiftScore, covariance, evidence_of, expected_error, moving_correspondences, plane_residual,
+    shift_curve,
 };
 
 /// What a verdict says, for programs.
@@ -190,7 +191,14 @@ pub(super) fn judge(case: &Case) -> Judged {
     Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points }
 }
 
-fn decide(case: &Case, evidence: &Evidence, points: &[FrontierPoint], error: f64, rivals: &[Rival], radius: f64) -> Verdict {
+fn decide(
+    case: &Case,
+    evidence: &Evidence,
+    points: &[FrontierPoint],
+    error: f64,
+    rivals: &[Rival],
+    radius: f64,
+) -> Verdict {
     let limit = case.options.max_expected_error;
     if evidence.z < MIN_Z {
         return Verdict::new(
@@ -233,7 +241,8 @@ fn decide(case: &Case, evidence: &Evidence, points: &[FrontierPoint], error: f64
             ),
         );
     }
-    if let Some(rival) = rivals.iter().find(|r| r.share > RIVAL_SHARE && r.distance > limit.max(2.0 * radius)) {
+    if let Some(rival) = rivals.iter().find(|r| r.share > RIVAL_SHARE && r.distance > limit.max(2.0 * radius))
+    {
         return Verdict::new(
             Kind::Ambiguous,
             format!(

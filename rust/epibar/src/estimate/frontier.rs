@@ -305,7 +305,11 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
                 let (distance, j) = scratch.best_a[i];
                 let matched = distance < options.radius && scratch.best_b[j].1 == i;
                 // The lever of the match, else that of the middle of the image along the line.
-                let lever = if matched { lines_b[base + j].1 } else { pencil_lever(&pencil, &c, &line, views.b.size) };
+                let lever = if matched {
+                    lines_b[base + j].1
+                } else {
+                    pencil_lever(&pencil, &c, &line, views.b.size)
+                };
                 let half = options.radius * std::f64::consts::SQRT_2 / lever.max(1e-9);
                 let near = histogram.count(c.y.atan2(c.x), half, t.positive == same_side);
                 // Poisson: the chance that at least one tangent of another moment lies this near.

@@ -94,7 +94,8 @@ impl<'a> LineModel<'a> {
         let mut best = *f;
         let mut most = self.score(f);
         for _ in 0..10 {
-            let inliers: Vec<&Candidate> = self.candidates.iter().filter(|c| self.is_inlier(&best, c)).collect();
+            let inliers: Vec<&Candidate> =
+                self.candidates.iter().filter(|c| self.is_inlier(&best, c)).collect();
             let Some(start) = SevenParameters::new(&best, self.sizes) else { break };
             if inliers.len() < 7 {
                 break;
@@ -176,7 +177,8 @@ impl Problem for LineProblem<'_> {
         let (mut cost, mut normal, mut gradient) = (0.0, Information::zeros(), Step::zeros());
         for c in &self.inliers {
             let residuals = Self::residuals(&matrix, c);
-            let sides = around.each_ref().map(|(plus, minus)| (Self::residuals(plus, c), Self::residuals(minus, c)));
+            let sides =
+                around.each_ref().map(|(plus, minus)| (Self::residuals(plus, c), Self::residuals(minus, c)));
             for (i, &r) in residuals.iter().enumerate() {
                 let (loss, weight) = cauchy(r, LINE_SCALE);
                 let row = Step::from_fn(|k, _| (sides[k].0[i] - sides[k].1[i]) / (2.0 * H));
@@ -190,10 +192,6 @@ impl Problem for LineProblem<'_> {
 
     fn cost(&self, at: &SevenParameters) -> f64 {
         let matrix = at.unscaled();
-        self.inliers
-            .iter()
-            .flat_map(|c| Self::residuals(&matrix, c))
-            .map(|r| cauchy(r, LINE_SCALE).0)
-            .sum()
+        self.inliers.iter().flat_map(|c| Self::residuals(&matrix, c)).map(|r| cauchy(r, LINE_SCALE).0).sum()
     }
 }

@@ -107,7 +107,11 @@ pub trait Problem {
 }
 
 /// Levenberg–Marquardt: at most `iterations` accepted or refused steps, ends where the cost no longer falls.
-pub fn minimise<P: Problem>(problem: &P, start: SevenParameters, iterations: usize) -> (SevenParameters, f64) {
+pub fn minimise<P: Problem>(
+    problem: &P,
+    start: SevenParameters,
+    iterations: usize,
+) -> (SevenParameters, f64) {
     let mut at = start;
     let (mut cost, mut normal, mut gradient) = problem.linearise(&at);
     let mut damping = 1e-4;

@@ -73,10 +73,7 @@ impl Problem for SampsonProblem<'_> {
 
     fn cost(&self, at: &SevenParameters) -> f64 {
         let matrix = at.unscaled();
-        self.points
-            .iter()
-            .map(|p| cauchy(Residual::new(&matrix, p).value, self.scale).0 * p.surprise)
-            .sum()
+        self.points.iter().map(|p| cauchy(Residual::new(&matrix, p).value, self.scale).0 * p.surprise).sum()
     }
 }
 
@@ -119,7 +116,11 @@ mod tests {
                 let plus = Residual::new(&at.stepped(&step).unscaled(), &p).value;
                 let minus = Residual::new(&at.stepped(&-step).unscaled(), &p).value;
                 let difference = (plus - minus) / 2e-6;
-                assert!((row[k] - difference).abs() < 1e-5 * (1.0 + difference.abs()), "{k}: {} {difference}", row[k]);
+                assert!(
+                    (row[k] - difference).abs() < 1e-5 * (1.0 + difference.abs()),
+                    "{k}: {} {difference}",
+                    row[k]
+                );
             }
         }
     }

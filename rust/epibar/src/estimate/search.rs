@@ -161,7 +161,12 @@ impl Searcher<'_> {
     }
 
     /// The best hypotheses that differ from one another by at least `apart` pixels.
-    fn different(&self, scored: &[(Scored<Fundamental>, Source)], limit: usize, apart: f64) -> Vec<(Fundamental, Source)> {
+    fn different(
+        &self,
+        scored: &[(Scored<Fundamental>, Source)],
+        limit: usize,
+        apart: f64,
+    ) -> Vec<(Fundamental, Source)> {
         let mut kept: Vec<(Fundamental, Vec<FrontierPoint>, Source)> = Vec::new();
         for (hypothesis, source) in scored {
             if kept.len() >= limit {
@@ -268,7 +273,8 @@ pub fn search(
     scored.sort_by(|p, q| q.0.score.total_cmp(&p.0.score));
 
     let starts = searcher.different(&scored, options.starts, 4.0 * searcher.scale);
-    let mut going = |done: f64| if watch.keep_going("refine", done) { Ok(()) } else { Err(Error::Interrupted) };
+    let mut going =
+        |done: f64| if watch.keep_going("refine", done) { Ok(()) } else { Err(Error::Interrupted) };
     going(0.0)?;
     let mut solutions = searcher.distinct(searcher.refined(&starts, &[16.0, 8.0, 4.0]), searcher.scale, 16);
     for round in 0..options.restarts {

@@ -19,12 +19,8 @@ pub struct View {
 impl View {
     fn new(recording: &Recording, frames: impl Iterator<Item = u32>) -> Self {
         let silhouettes = &recording.silhouettes;
-        let mut view = Self {
-            size: recording.size,
-            frame_start: vec![0],
-            hull_start: vec![0],
-            vertices: Vec::new(),
-        };
+        let mut view =
+            Self { size: recording.size, frame_start: vec![0], hull_start: vec![0], vertices: Vec::new() };
         for frame in frames {
             for hull in silhouettes.hulls(frame as usize) {
                 let points = silhouettes.hull(hull);
@@ -97,7 +93,12 @@ impl Views {
 }
 
 /// Those pairs of frames in which both cameras see something move, thinned evenly to at most `limit`.
-pub fn busy_frames(a: &Recording, b: &Recording, frame_pairs: &[(u32, u32)], limit: usize) -> Vec<(u32, u32)> {
+pub fn busy_frames(
+    a: &Recording,
+    b: &Recording,
+    frame_pairs: &[(u32, u32)],
+    limit: usize,
+) -> Vec<(u32, u32)> {
     let busy: Vec<_> = frame_pairs
         .iter()
         .copied()

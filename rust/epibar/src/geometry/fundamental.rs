@@ -20,20 +20,22 @@ pub struct Fundamental {
 pub(crate) fn normaliser(size: ImageSize) -> Matrix3<f64> {
     let scale = 2.0 / size.diagonal();
     Matrix3::new(
-        scale, 0.0, -scale * 0.5 * size.x_max(),
-        0.0, scale, -scale * 0.5 * size.y_max(),
-        0.0, 0.0, 1.0,
+        scale,
+        0.0,
+        -scale * 0.5 * size.x_max(),
+        0.0,
+        scale,
+        -scale * 0.5 * size.y_max(),
+        0.0,
+        0.0,
+        1.0,
     )
 }
 
 /// Inverse of [`normaliser`].
 pub(crate) fn denormaliser(size: ImageSize) -> Matrix3<f64> {
     let scale = 0.5 * size.diagonal();
-    Matrix3::new(
-        scale, 0.0, 0.5 * size.x_max(),
-        0.0, scale, 0.5 * size.y_max(),
-        0.0, 0.0, 1.0,
-    )
+    Matrix3::new(scale, 0.0, 0.5 * size.x_max(), 0.0, scale, 0.5 * size.y_max(), 0.0, 0.0, 1.0)
 }
 
 impl Fundamental {
@@ -44,11 +46,7 @@ impl Fundamental {
         let norm = matrix.norm();
         let (na, nb) = (epipole_a.norm(), epipole_b.norm());
         let ok = [norm, na, nb].iter().all(|v| v.is_finite() && *v > 0.0);
-        ok.then(|| Self {
-            matrix: matrix / norm,
-            epipole_a: epipole_a / na,
-            epipole_b: epipole_b / nb,
-        })
+        ok.then(|| Self { matrix: matrix / norm, epipole_a: epipole_a / na, epipole_b: epipole_b / nb })
     }
 
     /// The nearest rank-2 matrix (in normalised coordinates of the two images) to `matrix` in pixels.
@@ -105,11 +103,7 @@ impl Fundamental {
     /// The geometry with A and B exchanged.
     #[must_use]
     pub fn transposed(&self) -> Self {
-        Self {
-            matrix: self.matrix.transpose(),
-            epipole_a: self.epipole_b,
-            epipole_b: self.epipole_a,
-        }
+        Self { matrix: self.matrix.transpose(), epipole_a: self.epipole_b, epipole_b: self.epipole_a }
     }
 }
 

@@ -64,18 +64,15 @@ impl PencilHomography {
         for pair in pairs {
             let mu_a = basis_a.tr_mul(&da.tr_mul(&pair.a.homogeneous())).try_normalize(1e-300)?;
             let mu_b = basis_b.tr_mul(&db.tr_mul(&pair.b.homogeneous())).try_normalize(1e-300)?;
-            let row = nalgebra::Vector4::new(
-                -mu_b.y * mu_a.x,
-                -mu_b.y * mu_a.y,
-                mu_b.x * mu_a.x,
-                mu_b.x * mu_a.y,
-            );
+            let row =
+                nalgebra::Vector4::new(-mu_b.y * mu_a.x, -mu_b.y * mu_a.y, mu_b.x * mu_a.x, mu_b.x * mu_a.y);
             normal += row * row.transpose();
         }
         let eigen = normal.try_symmetric_eigen(1e-15, 200)?;
         let least = eigen.eigenvalues.imin();
         // A second null direction means that the pairs are not three different ones.
-        let second = (0..4).filter(|&i| i != least).map(|i| eigen.eigenvalues[i]).fold(f64::INFINITY, f64::min);
+        let second =
+            (0..4).filter(|&i| i != least).map(|i| eigen.eigenvalues[i]).fold(f64::INFINITY, f64::min);
         if second < 1e-14 {
             return None;
         }

@@ -96,10 +96,8 @@ pub fn find_candidates(
     let (rows_a, bits_a) = aligned(a, frame_pairs.iter().map(|p| p.0).collect());
     let (rows_b, bits_b) = aligned(b, frame_pairs.iter().map(|p| p.1).collect());
     let matches = mutual_matches(&bits_a, &bits_b, options.mutual, usize::MAX)?;
-    let paths = options
-        .motion_lines
-        .as_ref()
-        .map(|options| (motion_lines(a, options), motion_lines(b, options)));
+    let paths =
+        options.motion_lines.as_ref().map(|options| (motion_lines(a, options), motion_lines(b, options)));
 
     let mut found = Candidates {
         limit: options.limit,

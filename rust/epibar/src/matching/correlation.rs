@@ -73,9 +73,7 @@ impl Best {
     }
 
     fn offer(&mut self, score: f32, index: u32) {
-        let at = self
-            .entries
-            .partition_point(|&(s, i)| s > score || (s == score && i < index));
+        let at = self.entries.partition_point(|&(s, i)| s > score || (s == score && i < index));
         if at < self.k {
             self.entries.insert(at, (score, index));
             self.entries.truncate(self.k);
@@ -83,11 +81,7 @@ impl Best {
     }
 
     fn threshold(&self) -> f32 {
-        if self.entries.len() < self.k {
-            f32::NEG_INFINITY
-        } else {
-            self.entries[self.k - 1].0
-        }
+        if self.entries.len() < self.k { f32::NEG_INFINITY } else { self.entries[self.k - 1].0 }
     }
 
     fn contains(&self, index: u32) -> bool {
@@ -111,11 +105,7 @@ pub fn mutual_matches(a: &Barcodes, b: &Barcodes, mutual: usize, limit: usize) -
         });
     }
     if mutual == 0 {
-        return Err(Error::Argument {
-            name: "mutual",
-            value: "0".into(),
-            expected: "at least 1",
-        });
+        return Err(Error::Argument { name: "mutual", value: "0".into(), expected: "at least 1" });
     }
     let (stats_a, stats_b) = (stats(a), stats(b));
     let blocks = a.count.div_ceil(ROW_BLOCK).max(1);
@@ -152,12 +142,7 @@ pub fn mutual_matches(a: &Barcodes, b: &Barcodes, mutual: usize, limit: usize) -
                 .map(move |&(score, j)| Match { a: i as u32, b: j, correlation: score })
         })
         .collect();
-    matches.sort_by(|p, q| {
-        q.correlation
-            .total_cmp(&p.correlation)
-            .then(p.a.cmp(&q.a))
-            .then(p.b.cmp(&q.b))
-    });
+    matches.sort_by(|p, q| q.correlation.total_cmp(&p.correlation).then(p.a.cmp(&q.a)).then(p.b.cmp(&q.b)));
     matches.truncate(limit);
     Ok(matches)
 }
@@ -244,10 +229,6 @@ fn common_counts(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
 #[allow(clippy::inline_always, reason = "the body must be compiled under each target feature")]
 fn common_counts_plain(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
     for (offset, count) in counts.iter_mut().enumerate() {
-        *count = row
-            .iter()
-            .zip(b.row(first + offset))
-            .map(|(x, y)| (x & y).count_ones())
-            .sum();
+        *count = row.iter().zip(b.row(first + offset)).map(|(x, y)| (x & y).count_ones()).sum();
     }
 }

@@ -26,12 +26,7 @@ impl Barcodes {
     /// Barcodes of lines on which nothing moves.
     pub fn zeros(count: usize, frames: usize) -> Self {
         let words_per = frames.div_ceil(64);
-        Self {
-            count,
-            frames,
-            words_per,
-            bits: vec![0; count * words_per],
-        }
+        Self { count, frames, words_per, bits: vec![0; count * words_per] }
     }
 
     /// Puts the blocks of a stream, each with its 512 frames of every line, behind one another.
@@ -76,9 +71,7 @@ impl Barcodes {
             before = word >> 63;
         }
         // Behind the last frame stand zeros, which are not a change of the barcode.
-        let last_frame = row
-            .last()
-            .map_or(0, |word| word >> ((self.frames + 63) % 64) & 1);
+        let last_frame = row.last().map_or(0, |word| word >> ((self.frames + 63) % 64) & 1);
         let padded = !self.frames.is_multiple_of(64);
         changes - u32::from(padded && last_frame == 1)
     }
@@ -123,11 +116,7 @@ impl Barcodes {
         for &row in rows {
             bits.extend_from_slice(self.row(row as usize));
         }
-        Self {
-            count: rows.len(),
-            bits,
-            ..*self
-        }
+        Self { count: rows.len(), bits, ..*self }
     }
 
     /// The lines whose barcodes say enough to be matched, in ascending order.
@@ -182,11 +171,7 @@ pub struct Informative {
 impl Default for Informative {
     /// 5 % ones, 5 % zeros (10 frames of 200), 8 transitions (four passages over the line).
     fn default() -> Self {
-        Self {
-            min_ones_fraction: 0.05,
-            min_zeros_fraction: 0.05,
-            min_transitions: 8,
-        }
+        Self { min_ones_fraction: 0.05, min_zeros_fraction: 0.05, min_transitions: 8 }
     }
 }
 
@@ -270,9 +255,7 @@ mod tests {
     /// Bits that look random but are the same on every run.
     fn bits(frames: usize, salt: usize) -> Vec<u8> {
         (0..frames)
-            .map(|i| {
-                ((((i + 7 * salt) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 61) < 3) as u8
-            })
+            .map(|i| ((((i + 7 * salt) as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 61) < 3) as u8)
             .collect()
     }
 
@@ -288,10 +271,7 @@ mod tests {
             }
         }
         let none = Barcodes::zeros(3, 0);
-        assert_eq!(
-            (none.row(2).len(), none.ones(2), none.transitions(2)),
-            (0, 0, 0)
-        );
+        assert_eq!((none.row(2).len(), none.ones(2), none.transitions(2)), (0, 0, 0));
     }
 
     #[test]
@@ -307,13 +287,10 @@ mod tests {
             vec![],
         ];
         for frames in choices {
-            let gathered = rows.each_ref().map(|row| -> Vec<u8> {
-                frames.iter().map(|&frame| row[frame as usize]).collect()
-            });
-            assert_eq!(
-                packed.select_frames(&frames),
-                barcodes(&gathered.each_ref().map(Vec::as_slice))
-            );
+            let gathered = rows
+                .each_ref()
+                .map(|row| -> Vec<u8> { frames.iter().map(|&frame| row[frame as usize]).collect() });
+            assert_eq!(packed.select_frames(&frames), barcodes(&gathered.each_ref().map(Vec::as_slice)));
         }
         let rows_too = packed.select_rows(&[2, 0, 2]);
         assert_eq!(rows_too, barcodes(&[&rows[2], &rows[0], &rows[2]]));
@@ -347,19 +324,10 @@ mod tests {
         assert_eq!(packed.informative(&Informative::default()), [0, 3]);
 
         // A hundred frames: two passages are enough, one is not, nor is a constant, ever.
-        let rows = [
-            passages(100, 3, 2),
-            passages(100, 20, 1),
-            vec![0; 100],
-            vec![1; 100],
-        ];
+        let rows = [passages(100, 3, 2), passages(100, 20, 1), vec![0; 100], vec![1; 100]];
         let packed = barcodes(&rows.each_ref().map(Vec::as_slice));
         assert_eq!(packed.informative(&Informative::default()), [0]);
-        let anything = Informative {
-            min_ones_fraction: 0.0,
-            min_zeros_fraction: 0.0,
-            min_transitions: 0,
-        };
+        let anything = Informative { min_ones_fraction: 0.0, min_zeros_fraction: 0.0, min_transitions: 0 };
         assert_eq!(packed.informative(&anything), [0, 1]);
     }
 }

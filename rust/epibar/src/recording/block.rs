@@ -33,10 +33,7 @@ pub struct PixelBlock {
 impl PixelBlock {
     /// A block in which nothing moves.
     pub fn new(size: ImageSize) -> Self {
-        Self {
-            size,
-            pixels: vec![PixelWords([0; BLOCK_WORDS]); size.pixels()],
-        }
+        Self { size, pixels: vec![PixelWords([0; BLOCK_WORDS]); size.pixels()] }
     }
 
     /// Adds the non-zero pixels of a row-major mask as frame `bit` of the block and returns how many
@@ -101,10 +98,7 @@ impl PixelBlock {
 
     /// [`union_along`](Self::union_along) for many segments, in parallel.
     pub fn unions(&self, segments: &[Segment]) -> Vec<[u64; BLOCK_WORDS]> {
-        segments
-            .par_iter()
-            .map(|segment| self.union_along(segment))
-            .collect()
+        segments.par_iter().map(|segment| self.union_along(segment)).collect()
     }
 }
 
@@ -131,8 +125,7 @@ mod tests {
     fn frames_become_bits_and_are_forgotten() {
         let size = ImageSize::new(13, 7).unwrap();
         let mut block = PixelBlock::new(size);
-        let mask =
-            |first: usize| -> Vec<u8> { (0..91).map(|i| u8::from(i % 7 == first) * 255).collect() };
+        let mask = |first: usize| -> Vec<u8> { (0..91).map(|i| u8::from(i % 7 == first) * 255).collect() };
         assert_eq!(block.set_frame(0, &mask(0)), 13);
         assert_eq!(block.set_frame(511, &mask(3)), 13);
         block.set_range(64, 3..5);
@@ -153,9 +146,6 @@ mod tests {
 
     #[test]
     fn pixels_are_cache_lines() {
-        assert_eq!(
-            (size_of::<PixelWords>(), align_of::<PixelWords>()),
-            (64, 64)
-        );
+        assert_eq!((size_of::<PixelWords>(), align_of::<PixelWords>()), (64, 64));
     }
 }

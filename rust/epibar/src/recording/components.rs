@@ -195,11 +195,7 @@ fn find_runs(row: &[u8], y: u16, runs: &mut Vec<Run>) {
         }
         let x_first = x as u16;
         x = skip(row, x, |v| v != 0);
-        runs.push(Run {
-            y,
-            x_first,
-            x_last: (x - 1) as u16,
-        });
+        runs.push(Run { y, x_first, x_last: (x - 1) as u16 });
     }
 }
 
@@ -237,22 +233,9 @@ mod tests {
         let summary: Vec<_> = found
             .components()
             .iter()
-            .map(|c| {
-                (
-                    c.area,
-                    [c.x_min, c.x_max, c.y_min, c.y_max],
-                    c.touches_border(size),
-                )
-            })
+            .map(|c| (c.area, [c.x_min, c.x_max, c.y_min, c.y_max], c.touches_border(size)))
             .collect();
-        assert_eq!(
-            summary,
-            [
-                (11, [0, 4, 0, 3], true),
-                (2, [8, 9, 0, 1], true),
-                (2, [7, 8, 3, 3], true)
-            ]
-        );
+        assert_eq!(summary, [(11, [0, 4, 0, 3], true), (2, [8, 9, 0, 1], true), (2, [7, 8, 3, 3], true)]);
         let joined = found.runs_of(&found.components()[0]);
         assert_eq!(joined.len(), 7);
         assert!(joined.is_sorted_by_key(|run| (run.y, run.x_first)));

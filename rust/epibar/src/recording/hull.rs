@@ -33,9 +33,7 @@ pub fn convex_hull(runs: &[Run], points: &mut Vec<[u16; 2]>) {
 
 /// Adds a vertex to the chain that begins at `base`, removing those that are no corners any more.
 fn extend(points: &mut Vec<[u16; 2]>, base: usize, point: [u16; 2]) {
-    while points.len() > base + 1
-        && turn(points[points.len() - 2], points[points.len() - 1], point) <= 0
-    {
+    while points.len() > base + 1 && turn(points[points.len() - 2], points[points.len() - 1], point) <= 0 {
         points.pop();
     }
     if points[points.len() - 1] != point {
@@ -54,10 +52,7 @@ mod tests {
     use super::*;
 
     fn hull(runs: &[(u16, u16, u16)]) -> Vec<[u16; 2]> {
-        let runs: Vec<Run> = runs
-            .iter()
-            .map(|&(y, x_first, x_last)| Run { y, x_first, x_last })
-            .collect();
+        let runs: Vec<Run> = runs.iter().map(|&(y, x_first, x_last)| Run { y, x_first, x_last }).collect();
         let mut points = vec![[77, 77]];
         convex_hull(&runs, &mut points);
         assert_eq!(points[0], [77, 77], "what was there stays");
@@ -76,18 +71,8 @@ mod tests {
     #[test]
     fn clockwise_from_the_top_left() {
         // A U, whose gap is inside the hull, with a point below.
-        let u = [
-            (1, 2, 3),
-            (1, 7, 8),
-            (2, 2, 3),
-            (2, 7, 8),
-            (3, 2, 8),
-            (4, 5, 5),
-        ];
+        let u = [(1, 2, 3), (1, 7, 8), (2, 2, 3), (2, 7, 8), (3, 2, 8), (4, 5, 5)];
         assert_eq!(hull(&u), [[2, 1], [8, 1], [8, 3], [5, 4], [2, 3]]);
-        assert_eq!(
-            hull(&[(0, 2, 2), (1, 1, 3), (2, 0, 4)]),
-            [[2, 0], [4, 2], [0, 2]]
-        );
+        assert_eq!(hull(&[(0, 2, 2), (1, 1, 3), (2, 0, 4)]), [[2, 0], [4, 2], [0, 2]]);
     }
 }

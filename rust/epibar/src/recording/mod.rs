@@ -58,11 +58,7 @@ impl Recording {
     /// Frames per second, from the median time between frames, which neither a dropped frame nor
     /// a pause moves. NaN for fewer than two frames.
     pub fn frame_rate(&self) -> f64 {
-        let mut steps: Vec<f64> = self
-            .times
-            .windows(2)
-            .map(|pair| pair[1] - pair[0])
-            .collect();
+        let mut steps: Vec<f64> = self.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
         if steps.is_empty() {
             return f64::NAN;
         }

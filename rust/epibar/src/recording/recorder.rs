@@ -31,11 +31,7 @@ pub struct RecorderOptions {
 
 impl Default for RecorderOptions {
     fn default() -> Self {
-        Self {
-            lines: 20_000,
-            seed: 0,
-            min_component_area: 12,
-        }
+        Self { lines: 20_000, seed: 0, min_component_area: 12 }
     }
 }
 

@@ -18,9 +18,7 @@ pub fn border_segments(size: ImageSize, count: usize, seed: u64) -> Vec<Segment>
         return Vec::new();
     }
     let stream = splitmix(seed);
-    (0..count as u64)
-        .map(|index| border_segment(size, splitmix(stream ^ index)))
-        .collect()
+    (0..count as u64).map(|index| border_segment(size, splitmix(stream ^ index))).collect()
 }
 
 fn border_segment(size: ImageSize, seed: u64) -> Segment {
@@ -29,12 +27,7 @@ fn border_segment(size: ImageSize, seed: u64) -> Segment {
     loop {
         let [p, q] = [(); 2].map(|()| border_pixel(size, below(&mut random, perimeter)));
         if !share_side(size, p, q) {
-            return Segment {
-                x0: p[0] as f64,
-                y0: p[1] as f64,
-                x1: q[0] as f64,
-                y1: q[1] as f64,
-            };
+            return Segment { x0: p[0] as f64, y0: p[1] as f64, x1: q[0] as f64, y1: q[1] as f64 };
         }
     }
 }
@@ -97,10 +90,7 @@ mod tests {
             assert!(x0 != x1 || (x0 != 0 && x0 != 36), "along the border");
             assert!(y0 != y1 || (y0 != 0 && y0 != 19), "along the border");
         }
-        assert_eq!(
-            border_segments(ImageSize::new(2, 2).unwrap(), 50, 0).len(),
-            50
-        );
+        assert_eq!(border_segments(ImageSize::new(2, 2).unwrap(), 50, 0).len(), 50);
     }
 
     #[test]
@@ -110,10 +100,7 @@ mod tests {
         all.sort_unstable();
         all.dedup();
         assert_eq!(all.len(), 14);
-        assert!(
-            all.iter()
-                .all(|&[x, y]| x == 0 || x == 4 || y == 0 || y == 3)
-        );
+        assert!(all.iter().all(|&[x, y]| x == 0 || x == 4 || y == 0 || y == 3));
     }
 
     #[test]

@@ -79,9 +79,7 @@ impl Silhouettes {
     pub fn barcode_of_line(&self, line: &Line, half_width: f64) -> Vec<u64> {
         let mut row = vec![0; self.frames().div_ceil(64)];
         for frame in 0..self.frames() {
-            let met = self
-                .hulls(frame)
-                .any(|hull| self.meets(hull, line, half_width));
+            let met = self.hulls(frame).any(|hull| self.meets(hull, line, half_width));
             row[frame / 64] |= u64::from(met) << (frame % 64);
         }
         row
@@ -98,12 +96,7 @@ impl Silhouettes {
     }
 
     /// Adds a frame with those components that have `min_area` pixels.
-    pub(super) fn push(
-        &mut self,
-        found: &Components,
-        size: ImageSize,
-        min_area: usize,
-    ) -> Result<()> {
+    pub(super) fn push(&mut self, found: &Components, size: ImageSize, min_area: usize) -> Result<()> {
         for component in found.components() {
             if component.area as usize >= min_area {
                 convex_hull(found.runs_of(component), &mut self.points);

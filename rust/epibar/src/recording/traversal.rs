@@ -20,9 +20,7 @@ const REACH: f64 = (1_i64 << 29) as f64;
 
 /// Whether [`for_each_pixel`] can walk the segment: its ends are finite and below 2²⁹ px in magnitude.
 pub fn is_walkable(segment: &Segment) -> bool {
-    [segment.x0, segment.y0, segment.x1, segment.y1]
-        .iter()
-        .all(|v| v.abs() < REACH)
+    [segment.x0, segment.y0, segment.x1, segment.y1].iter().all(|v| v.abs() < REACH)
 }
 
 /// Calls `visit` with the row-major index of every pixel of the segment inside the image, each once.
@@ -44,11 +42,7 @@ pub fn for_each_pixel(segment: &Segment, size: ImageSize, mut visit: impl FnMut(
     } else {
         ((x0, y0), (x1, y1), (width, height), (1, width))
     };
-    let (from, to) = if from.0 <= to.0 {
-        (from, to)
-    } else {
-        (to, from)
-    };
+    let (from, to) = if from.0 <= to.0 { (from, to) } else { (to, from) };
     let (dm, dn) = ((to.0 - from.0).max(1), to.1 - from.1);
 
     // n = floor(from.1 + (m − from.0)·dn/dm + ½) over the denominator 2·dm, remainder kept in 0..2·dm.
@@ -57,10 +51,7 @@ pub fn for_each_pixel(segment: &Segment, size: ImageSize, mut visit: impl FnMut(
     let start = 2 * (first - from.0) * dn + dm;
     let mut n = from.1 + start.div_euclid(denominator);
     let mut remainder = start.rem_euclid(denominator);
-    let (whole, part) = (
-        (2 * dn).div_euclid(denominator),
-        (2 * dn).rem_euclid(denominator),
-    );
+    let (whole, part) = ((2 * dn).div_euclid(denominator), (2 * dn).rem_euclid(denominator));
     for m in first..=last {
         if (0..lengths.1).contains(&n) {
             visit((m * strides.0 + n * strides.1) as usize);

@@ -18,25 +18,17 @@ impl Random {
 
 /// A mask in which each pixel moves with a probability of some per cent.
 pub fn noise(size: ImageSize, percent: usize, random: &mut Random) -> Mask {
-    (0..size.pixels())
-        .map(|_| u8::from(random.below(100) < percent))
-        .collect()
+    (0..size.pixels()).map(|_| u8::from(random.below(100) < percent)).collect()
 }
 
 /// A 4-connected blob: a few overlapping discs along a random walk, convex when there is one.
 pub fn blob(size: ImageSize, random: &mut Random) -> Mask {
     let mut mask = vec![0; size.pixels()];
-    let (mut x, mut y) = (
-        random.below(size.width) as i64,
-        random.below(size.height) as i64,
-    );
+    let (mut x, mut y) = (random.below(size.width) as i64, random.below(size.height) as i64);
     for _ in 0..=random.below(4) {
         let radius = 1 + random.below(6) as i64;
         for (pixel, value) in mask.iter_mut().enumerate() {
-            let (dx, dy) = (
-                (pixel % size.width) as i64 - x,
-                (pixel / size.width) as i64 - y,
-            );
+            let (dx, dy) = ((pixel % size.width) as i64 - x, (pixel / size.width) as i64 - y);
             if dx * dx + dy * dy <= radius * radius {
                 *value = 1;
             }
@@ -103,9 +95,7 @@ pub fn extreme_points(points: &[[u16; 2]]) -> Vec<[u16; 2]> {
                 if turn(a, b, p) == 0 {
                     return within(p, a, b);
                 }
-                others[..j]
-                    .iter()
-                    .any(|&c| turn(a, b, c) != 0 && inside(p, a, b, c))
+                others[..j].iter().any(|&c| turn(a, b, c) != 0 && inside(p, a, b, c))
             })
         })
     };
