@@ -2,8 +2,8 @@
 
 A temporal median is right only where the background shows in more than half of the frames. Background repeats
 itself exactly and people do not, so at each pixel we take the shortest interval that holds a quarter of the
-samples (a robust estimate of the mode, after the *shorth*) and average the samples in it: background that shows
-in a quarter of the frames can be enough.
+samples (a robust estimate of the mode, after the *shorth*) and average the samples in it: background that
+shows in a quarter of the frames can be enough.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ STRIP_ROWS = 32
 
 
 def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES) -> np.ndarray:
-    """Up to ``limit`` frames, evenly spread over a stream of unknown length, in bounded memory.
+    """Keep up to ``limit`` frames, evenly spread over a stream of unknown length, in bounded memory.
 
     When full, every second frame is dropped and from then on half as many are taken.
 
@@ -55,7 +55,7 @@ def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES
 
 
 def steady_background(samples: np.ndarray, share: float = STEADY_SHARE) -> np.ndarray:
-    """The most repeated value of each pixel.
+    """Return the most repeated value of each pixel.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def steady_background(samples: np.ndarray, share: float = STEADY_SHARE) -> np.nd
 
 
 def median_background(samples: np.ndarray) -> np.ndarray:
-    """The temporal median of (N, H, W, 3) uint8 samples, strip by strip; the upper of two middles."""
+    """Return the temporal median of (N, H, W, 3) uint8 samples, the upper of two middles."""
     middle = len(samples) // 2
     strips = [
         np.partition(samples[:, top : top + STRIP_ROWS], middle, axis=0)[middle]

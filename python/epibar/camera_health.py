@@ -1,15 +1,17 @@
 """Whether the camera stood still and the light stayed on.
 
-Corners found in the first frame are looked for again every few frames (Lucas-Kanade, forward and back, on an image
-with its local contrast normalised, so that light matters little). A camera that moves moves every corner, so it takes
-three quarters of them, three checks in a row; somebody who fills half of the picture is not enough.
+Corners found in the first frame are looked for again every few frames (Lucas-Kanade, forward and back, on an
+image with its local contrast normalised, so that light matters little). A camera that moves moves every corner,
+so it takes three quarters of them, three checks in a row; somebody who fills half of the picture is not enough.
 
-A flooded frame, where more than 60 % of the image is foreground, tells nothing about what moves: it is blanked.
+A flooded frame, more than 60 % foreground, tells nothing about what moves: it is blanked.
 """
 
 from __future__ import annotations
 
 import numpy as np
+
+from .images import opencv
 
 __all__ = ["FLOOD_SHARE", "CameraHealth"]
 
@@ -108,7 +110,9 @@ class CameraHealth:
             self._reference = view
             counted = self._counted
             if counted is not None:
-                counted = cv2.resize(counted.astype(np.uint8), view.shape[::-1], interpolation=cv2.INTER_NEAREST)
+                counted = cv2.resize(
+                    counted.astype(np.uint8), view.shape[::-1], interpolation=cv2.INTER_NEAREST
+                )
             self._corners = cv2.goodFeaturesToTrack(view, CORNERS, 0.01, 8, mask=counted)
             return
         if self._corners is None or len(self._corners) < LEAST_CORNERS:
@@ -141,7 +145,9 @@ class CameraHealth:
                 f"{self._first_blanked}, were left out: more than {FLOOD_SHARE:.0%} of the image changed"
             )
             if self.blanked > MANY_BLANKED * self.frames:
-                remark += "; did the camera move, does the light flicker, or is somebody right in front of it?"
+                remark += (
+                    "; did the camera move, does the light flicker, or is somebody right in front of it?"
+                )
             remarks.append(remark)
         return remarks
 
@@ -166,8 +172,8 @@ def _even_contrast(frame: np.ndarray, scale: float) -> np.ndarray:
 
 
 def _displacement(reference: np.ndarray, view: np.ndarray, corners: np.ndarray) -> float:
-    """Return by how many pixels at least three quarters of the corners moved; infinite where few are found again."""
-    import cv2
+    """Return by how many pixels three quarters of the corners moved at least; infinite if few are found."""
+    cv2 = opencv()
 
     there, found, _ = cv2.calcOpticalFlowPyrLK(reference, view, corners, None)
     back, found_back, _ = cv2.calcOpticalFlowPyrLK(view, reference, there, None)

@@ -1,11 +1,12 @@
 """What moves: a streamed background model and the cleaning of its mask.
 
-Models: MOG2 (Zivkovic 2004) and KNN (Zivkovic and van der Heijden 2006) from OpenCV with their shadow test, and a
-selective temporal median with the HSV shadow test of Cucchiara et al. 2003.
+Models: MOG2 (Zivkovic 2004) and KNN (Zivkovic and van der Heijden 2006) from OpenCV with their shadow test,
+and a selective temporal median with the HSV shadow test of Cucchiara et al. 2003.
 
 A model must know the empty scene before frame 0, or the first seconds are lost. So it is *primed* with frames
-spread over the whole video, or with a background clip, in which everything far from :func:`steady_background` is
-painted over: nobody is learnt who does not stand still for most of the video. Afterwards it learns slowly.
+spread over the whole video, or with a background clip, in which everything far from
+:func:`steady_background` is painted over: nobody is learnt who does not stand still for most of the video.
+Afterwards it learns slowly.
 
 Pitfall: who never moves during the whole video is background. A clip of the empty scene is the cure.
 """
@@ -45,19 +46,19 @@ class ForegroundOptions:
     method : {"mog2", "knn", "median"}
         Background model.
     warm_up : int
-        Frames that teach the model: the number sampled over the video when primed, or else the number of first
-        frames whose masks stay empty.
+        Frames that teach the model: the number sampled over the video when primed, or else the number of
+        first frames whose masks stay empty.
     shadows : bool
         Drop what is only darker than the background.
-    ignore : ndarray, shape (H, W), bool, optional
-        True where motion does not count: a clock in the picture, a screen, trees.
+    ignore : ndarray, shape (H, W), optional
+        Non-zero where motion does not count: a clock in the picture, a screen, trees.
     median_filter, closing : float
         Diameter of the median filter that removes specks and of the closing that joins parts; 0 switches off.
     min_area : float
         Components below this share of the image are removed.
     threshold : float
-        Squared distance to the background, in variances (MOG2) or grey levels (KNN, median); 0 is the method's
-        default: 25, 400, 625.
+        Squared distance to the background, in variances (MOG2) or grey levels (KNN, median); 0 is the
+        method's default: 25, 400, 625.
     memory : int
         Frames over which the model adapts to slow changes. With a background clip ten times as slow.
     background : str or path, optional
@@ -108,6 +109,7 @@ class _OpenCvModel:
     def __init__(self, options: ForegroundOptions) -> None:
         import cv2
 
+        self._model: Any
         self._is_knn = options.method == "knn"
         if self._is_knn:
             threshold = options.threshold or 400.0
@@ -221,7 +223,7 @@ class Foreground:
 
     @classmethod
     def for_frames(cls, frames: Frames, options: ForegroundOptions | None = None) -> Foreground:
-        """A model primed from the background clip if the options name one, or else from the whole of ``frames``."""
+        """Return a model primed from the background clip if there is one, or else from all of ``frames``."""
         foreground = cls(options)
         clip = foreground.options.background
         if clip is None:
@@ -231,7 +233,7 @@ class Foreground:
             if empty.size != frames.size:
                 raise EpibarError(
                     f"{empty.path}: {empty.width}x{empty.height}, but {frames.path} is "
-                    f"{frames.width}x{frames.height}; the background must be filmed by the same camera at the same size"
+                    f"{frames.width}x{frames.height}; film the background with the same camera and settings"
                 )
             foreground.prime(empty.sample(foreground.options.warm_up))
         return foreground
@@ -264,7 +266,7 @@ class Foreground:
         self._primed = True
 
     def _painted(self, sample: np.ndarray, background: np.ndarray) -> np.ndarray:
-        """A sample with people replaced by background; flicker, which is small, stays for the model to learn."""
+        """Replace people in a sample by background; flicker, which is small, stays to be learnt."""
         import cv2
 
         far = (cv2.absdiff(sample, background).max(axis=2) > 30).astype(np.uint8)
@@ -273,7 +275,7 @@ class Foreground:
         return np.where(far[..., None] > 0, background, sample)
 
     def apply(self, frame: np.ndarray) -> np.ndarray:
-        """The mask of the next frame.
+        """Return the mask of the next frame.
 
         Parameters
         ----------
@@ -313,9 +315,9 @@ class Foreground:
         elif self._size != (width, height):
             raise EpibarError(f"a frame of {width}x{height} after frames of {self._size[0]}x{self._size[1]}")
 
-    def _odd(self, size: float, height: int | None = None) -> int:
-        """A size at 480 lines as the nearest odd number of pixels of this image; 1 does nothing."""
-        lines = height or (self._size[1] if self._size else REFERENCE_HEIGHT)
+    def _odd(self, size: float) -> int:
+        """Convert a size at 480 lines to an odd number of pixels of this image; 1 does nothing."""
+        lines = self._size[1] if self._size else REFERENCE_HEIGHT
         return max(1, 2 * round((size * lines / REFERENCE_HEIGHT - 1) / 2) + 1) if size else 1
 
     def _smooth(self, frame: Any) -> np.ndarray:

@@ -35,6 +35,7 @@ def natural_order(path: Path) -> list[tuple[int, int, str]]:
 
 
 def as_bgr(image: np.ndarray) -> np.ndarray:
+    """Convert a grey or BGRA image to BGR."""
     cv2 = opencv()
     if image.ndim == 2 or image.shape[2] == 1:
         return cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)

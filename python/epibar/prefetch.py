@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import queue
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator
 from typing import Any, TypeVar
 
 from .errors import EpibarError
@@ -14,7 +14,7 @@ __all__ = ["prefetched"]
 T = TypeVar("T")
 
 
-def prefetched(items: Iterable[T], depth: int = 4) -> Iterator[T]:
+def prefetched(items: Iterable[T], depth: int = 4) -> Generator[T, None, None]:
     """Run an iterator in a thread, up to ``depth`` items ahead, so that decoding and the work overlap.
 
     Exceptions come out where the item would have; abandoning the iteration stops the thread.

@@ -25,7 +25,7 @@ from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorde
 from .validation import core_errors
 from .video import Frames, MaskFrames, prefetched
 
-__all__ = ["record"]
+__all__ = ["intrinsics_of", "record"]
 
 Mask = NDArray[np.uint8]
 
@@ -91,11 +91,11 @@ def record(
     with MaskFrames(path, fps=fps) if masks else Frames(path, fps=fps) as source:
         name = name or source.name
         if isinstance(intrinsics, (str, os.PathLike)):
-            intrinsics = find_camera(load_cameras(intrinsics), name, 0)
+            intrinsics = intrinsics_of(intrinsics, name)
         hidden = _ignore_mask(ignore, source.size)
         undistort = None
         if intrinsics is not None:
-            undistort = MaskUndistorter(intrinsics, source.size)
+            undistort = MaskUndistorter(intrinsics, source.size, name)
         recorder = new_recorder(source.width, source.height, lines, seed, MIN_COMPONENT_AREA)
         health = CameraHealth(name, ignore=hidden)
         if masks:
@@ -115,6 +115,12 @@ def record(
             warnings=[*source.warnings, *health.warnings],
             matrix=None if intrinsics is None else intrinsics.matrix,
         )
+
+
+def intrinsics_of(path: str | os.PathLike[str], name: str) -> Intrinsics:
+    """Look one camera up by its name; without the others there is no order to go by, unless it is the only one."""
+    cameras = load_cameras(path)
+    return find_camera(cameras, name, 0 if len(cameras) == 1 else len(cameras))
 
 
 def _options(

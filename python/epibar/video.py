@@ -97,8 +97,8 @@ class _Source(Generic[T]):
 class Frames(_Source[np.ndarray]):
     """Colour frames of a video, a folder of images, or anything ``cv2.VideoCapture`` opens.
 
-    Iterating yields ``(index, time, frame)``: the frame number from 0, seconds since frame 0, and an (H, W, 3)
-    uint8 BGR image. Each new iteration starts at frame 0.
+    Iterating yields ``(index, time, frame)``: the frame number from 0, seconds since frame 0, and an
+    (H, W, 3) uint8 BGR image. Each new iteration starts at frame 0.
 
     Parameters
     ----------
@@ -131,15 +131,13 @@ class Frames(_Source[np.ndarray]):
     Examples
     --------
     >>> with Frames("hall.mp4") as frames:  # doctest: +SKIP
-    ...     for index, time, frame in frames:
-    ...         ...
+    ...     times = [time for index, time, frame in frames]
     """
 
     def __init__(self, path: str | os.PathLike[str], *, fps: float | None = None) -> None:
         super().__init__(path, fps)
         self._images: list[Path] | None = None
         self._started: tuple[Any, np.ndarray] | None = None
-        self._reading: list[Any] = []
         file = Path(self.path)
         if file.is_dir():
             self.name = file.resolve().name
@@ -218,7 +216,6 @@ class Frames(_Source[np.ndarray]):
         else:
             capture = self._capture()
             ok, frame = capture.read()
-        self._reading.append(capture)
         try:
             index, time, start, gaps = 0, 0.0, float(capture.get(cv2.CAP_PROP_POS_MSEC)), 0
             while ok and frame is not None:
@@ -232,7 +229,6 @@ class Frames(_Source[np.ndarray]):
             self._finish(index, gaps)
         finally:
             capture.release()
-            self._reading.remove(capture)
 
     def _time(self, index: int, previous: float, stamp_ms: float) -> float:
         """Seconds of a frame: its time stamp where that makes sense, else one frame after the last."""
@@ -252,8 +248,8 @@ class Frames(_Source[np.ndarray]):
                 self._warn(f"{self.path}: truncated, {found}; those are used")
         if gaps:
             self._warn(
-                f"{self.path}: {gaps} gaps between frames are longer than 1.5 frame times; frames were dropped or "
-                "the rate varies, and frames of two cameras may not belong together"
+                f"{self.path}: {gaps} gaps between frames are longer than 1.5 frame times; frames were "
+                "dropped or the rate varies, and frames of two cameras may not belong together"
             )
 
     def sample(self, count: int) -> Iterator[np.ndarray]:
@@ -301,9 +297,9 @@ class MaskFrames(_Source[np.ndarray]):
     Parameters
     ----------
     path : str or path
-        ``.npz`` with key ``masks``, a (T, H, W) bool or uint8 array, non-zero = moving, and optionally ``fps``;
-        ``.npy`` with that array; a video of silhouettes, moving where brighter than 127; or a folder of images,
-        likewise, except that images of only 0 and 1 are taken as they are.
+        ``.npz`` with key ``masks``, a (T, H, W) bool or uint8 array, non-zero = moving, and optionally
+        ``fps``; ``.npy`` with that array; a video of silhouettes, moving where brighter than 127; or a folder
+        of images, likewise, except that images of only 0 and 1 are taken as they are.
     fps : float, optional
         Frames per second. Overrides what the file says.
 

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import EpibarError
+from ..intrinsics import Intrinsics, write_cameras
 from .console import Console
 from .parser import build_parser
 
 if TYPE_CHECKING:
-    from ..synthetic import Camera, Scene
+    from ..synthetic import Camera
 
 __all__ = ["run"]
 
@@ -47,7 +48,8 @@ def run(args: Namespace) -> int:
         ]
     except OSError as error:
         raise EpibarError(str(error)) from error
-    known = _write_cameras(out / "cameras.toml", scene)
+    known = out / "cameras.toml"
+    write_cameras(known, [_known(camera, index) for index, camera in enumerate(scene.cameras)])
     console.note(f"rendered ({time.perf_counter() - started:.1f} s)")
 
     words = ["calibrate", *map(str, sources), "--out", str(out), "--seed", str(args.seed)]
@@ -63,20 +65,9 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _write_cameras(path: Path, scene: Scene) -> Path:
-    """Write the known cameras the way ``--intrinsics`` and ``--cameras`` read them."""
-    head = "# The known answer. X_c = R X + t, rotation as a Rodrigues vector, metres and pixels.\n"
-    tables = [_table(index, camera) for index, camera in enumerate(scene.cameras)]
-    path.write_text(head + "".join(tables), encoding="utf-8")
-    return path
-
-
-def _table(index: int, camera: Camera) -> str:
+def _known(camera: Camera, index: int) -> Intrinsics:
+    """Describe a camera of the scene the way ``--intrinsics`` and ``--cameras`` read it."""
     import cv2
 
     rotation = np.asarray(cv2.Rodrigues(camera.R)[0]).ravel()
-    return (
-        f'\n[cam_{index}]\nname = "cam{index + 1}"\nsize = {list(camera.size)}\n'
-        f"matrix = {camera.K.tolist()}\ndistortions = [0.0, 0.0, 0.0, 0.0, 0.0]\n"
-        f"rotation = {rotation.tolist()}\ntranslation = {camera.t.tolist()}\n"
-    )
+    return Intrinsics(f"cam{index + 1}", camera.size, camera.K, rotation=rotation, translation=camera.t)

@@ -1,8 +1,8 @@
 """Ctrl-C ends the command promptly, also in the middle of a long native computation.
 
 Python raises ``KeyboardInterrupt`` only once the compiled code it waits for returns. But the signal itself is
-written to a wake-up socket at once, and a thread that reads it can end the process when the orderly way takes too long. Files are
-written under a temporary name and renamed, so nothing half-written is left under a real one.
+written to a wake-up socket at once, and a thread that reads it can end the process when the orderly way takes
+too long. Files are written under a temporary name and renamed, so none is left half-written under its name.
 """
 
 from __future__ import annotations

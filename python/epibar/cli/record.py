@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from ..errors import EpibarError
-from ..intrinsics import find_camera, load_cameras
+from ..recorder import intrinsics_of
 from .calibrate import Camera, record_camera
 from .console import Console
 
@@ -24,7 +24,7 @@ def run(args: Namespace) -> int:
     if out.resolve() == path.resolve():
         raise EpibarError(f"--out {out}: this is the input itself")
     name = path.resolve().name if path.is_dir() else path.stem
-    intrinsics = find_camera(load_cameras(args.intrinsics), name, 0) if args.intrinsics else None
+    intrinsics = intrinsics_of(args.intrinsics, name) if args.intrinsics else None
     camera = Camera(
         name=name,
         source=args.video,

@@ -2,6 +2,7 @@
 
 mod calibration;
 mod convert;
+mod examine;
 mod lines;
 mod recording;
 mod watch;
@@ -14,6 +15,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<recording::Recording>()?;
     module.add_class::<calibration::Calibration>()?;
     module.add_function(wrap_pyfunction!(calibration::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(examine::examine, module)?)?;
     module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::motion_lines, module)?)?;

@@ -1,10 +1,10 @@
 //! A recording against plain loops over its masks: barcodes, heat, components, hulls, silhouettes.
 
-mod scene;
+mod common;
 
+use common::masks::{self, Mask, Random, blob, noise};
 use epibar::recording::{components::Components, hull::convex_hull, traversal};
 use epibar::{Barcodes, ImageSize, Recorder, RecorderOptions, Recording, Segment, barcodes_of_segments};
-use scene::{Mask, Random, blob, noise};
 
 /// The barcodes by definition: frame by frame, pixel by pixel.
 fn naive_barcodes(masks: &[Mask], size: ImageSize, segments: &[Segment]) -> Barcodes {
@@ -116,7 +116,7 @@ fn components_equal_a_flood_fill() {
             assert_eq!(row(pixels[pixels.len() - 1]), component.y_max);
             ours.push(pixels);
         }
-        assert_eq!(ours, scene::flood_fill(&mask, size));
+        assert_eq!(ours, masks::flood_fill(&mask, size));
     }
 }
 
@@ -136,7 +136,7 @@ fn hulls_equal_brute_force() {
                 pixels.extend((run.x_first..=run.x_last).map(|x| [x, run.y]));
             }
             // Every vertex is extreme and every extreme pixel a vertex, once.
-            let mut expected = scene::extreme_points(&pixels);
+            let mut expected = masks::extreme_points(&pixels);
             let mut vertices = hull.clone();
             expected.sort_unstable();
             vertices.sort_unstable();
@@ -145,7 +145,7 @@ fn hulls_equal_brute_force() {
             assert_eq!(hull[0], pixels[0]);
             for i in 0..hull.len() {
                 let [p, q, r] = [0, 1, 2].map(|k| hull[(i + k) % hull.len()]);
-                assert!(hull.len() < 3 || scene::turn(p, q, r) > 0, "{hull:?}");
+                assert!(hull.len() < 3 || masks::turn(p, q, r) > 0, "{hull:?}");
             }
         }
     }

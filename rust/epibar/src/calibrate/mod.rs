@@ -194,8 +194,8 @@ pub fn calibrate(
     let scale = pixel_scale(&views);
     let fundamental = match options.method {
         Method::Frontier => {
-            let radii = [2.5, 1.5].map(|r| r * scale);
-            refine(&views, &winner.fundamental, &radii, options.upright).unwrap_or(winner.fundamental)
+            let radii = [2.5, 1.5, 1.2].map(|r| r * scale);
+            refine(&views, &winner.fundamental, &radii, 5, options.upright).unwrap_or(winner.fundamental)
         }
         Method::Lines => winner.fundamental,
     };

@@ -304,13 +304,17 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
                 class.tangents += 1;
                 let (distance, j) = scratch.best_a[i];
                 let matched = distance < options.radius && scratch.best_b[j].1 == i;
-                // The lever of the match, else that of the middle of the image along the line.
-                let lever = if matched {
-                    lines_b[base + j].1
+                // Where the tangent would touch B: at its match, else where its line passes the image centre.
+                let (touch, lever) = if matched {
+                    (tangents_b[j].point, lines_b[base + j].1)
                 } else {
-                    pencil_lever(&pencil, &c, &line, views.b.size)
+                    centre_of_line(&pencil, &c, &line, views.b.size)
                 };
-                let half = options.radius * std::f64::consts::SQRT_2 / lever.max(1e-9);
+                // A Sampson distance shares the gap between both views; near an epipole of A a pixel there is worth
+                // many in B, and a wide range of angles is within the radius.
+                let back = f.line_in_a(&touch);
+                let share = (back.x.powi(2) + back.y.powi(2)) / (line.x.powi(2) + line.y.powi(2)).max(1e-300);
+                let half = options.radius * (1.0 + share).sqrt() / lever.max(1e-9);
                 let near = histogram.count(c.y.atan2(c.x), half, t.positive == same_side);
                 // Poisson: the chance that at least one tangent of another moment lies this near.
                 let rate = (near + 0.5) / frames as f64;
@@ -340,15 +344,21 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
     best.unwrap_or(Comparison { score: FrontierScore::default(), points: Vec::new() })
 }
 
-/// Pixels per radian at the point of `line` nearest the image centre, clamped into the image.
-fn pencil_lever(pencil: &PencilAngle, c: &Vector2<f64>, line: &Homogeneous, size: ImageSize) -> f64 {
+/// The point of `line` nearest the image centre, clamped into the image, and its pixels per radian.
+fn centre_of_line(
+    pencil: &PencilAngle,
+    c: &Vector2<f64>,
+    line: &Homogeneous,
+    size: ImageSize,
+) -> (Homogeneous, f64) {
     let turned = pencil.basis * Vector2::new(-c.y, c.x);
     let back = normaliser(size).transpose() * turned;
     let norm2 = (line.x * line.x + line.y * line.y).max(1e-300);
     let (cx, cy) = (0.5 * size.x_max(), 0.5 * size.y_max());
     let d = (line.x * cx + line.y * cy + line.z) / norm2;
-    let (x, y) = (cx - d * line.x, cy - d * line.y);
-    (back.x * x.clamp(0.0, size.x_max()) + back.y * y.clamp(0.0, size.y_max()) + back.z).abs() / norm2.sqrt()
+    let (x, y) = ((cx - d * line.x).clamp(0.0, size.x_max()), (cy - d * line.y).clamp(0.0, size.y_max()));
+    let point = Vector3::new(x, y, 1.0);
+    (point, back.dot(&point).abs() / norm2.sqrt())
 }
 
 /// Buffers of the nearest-tangent search of one frame.

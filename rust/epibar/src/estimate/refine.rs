@@ -77,11 +77,18 @@ impl Problem for SampsonProblem<'_> {
     }
 }
 
-/// Refines `f` while the radius shrinks; each radius is used twice. Pixels; `None` where too few tangents meet.
-pub fn refine(views: &Views, f: &Fundamental, radii: &[f64], upright: bool) -> Option<Fundamental> {
+/// Refines `f` while the radius shrinks; each radius, in pixels, is used `repeats` times. `None` where too few
+/// tangents meet.
+pub fn refine(
+    views: &Views,
+    f: &Fundamental,
+    radii: &[f64],
+    repeats: usize,
+    upright: bool,
+) -> Option<Fundamental> {
     let mut current = *f;
     for &radius in radii {
-        for _ in 0..2 {
+        for _ in 0..repeats {
             let options = FrontierOptions { radius, upright, shift: 0 };
             let points = compare(views, &current, &options).points;
             if points.len() < 12 {

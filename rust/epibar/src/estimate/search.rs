@@ -186,7 +186,7 @@ impl Searcher<'_> {
         starts
             .par_iter()
             .filter_map(|(f, source)| {
-                let refined = refine(&self.comparing, f, &radii, self.options.upright)?;
+                let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
                 let evidence = evidence(&self.comparing, &refined, self.options.upright);
                 Some(Solution { fundamental: refined, evidence, source: *source })
             })
@@ -293,7 +293,7 @@ pub fn search(
         .take(8)
         .filter_map(|s| {
             let radii = [4.0, 2.5, 1.5].map(|r| r * searcher.scale);
-            let f = refine(views, &s.fundamental, &radii, options.upright).unwrap_or(s.fundamental);
+            let f = refine(views, &s.fundamental, &radii, 3, options.upright).unwrap_or(s.fundamental);
             let evidence = evidence(views, &f, options.upright);
             evidence.is_finite().then_some(Solution { fundamental: f, evidence, source: s.source })
         })

@@ -18,8 +18,10 @@ pub struct CandidateOptions {
     pub mutual: usize,
     /// How many of the best pairs are candidates (paper §2: 1,000).
     pub limit: usize,
-    /// How many mutual pairs are kept in all, candidates first (4,000: DESIGN §6).
+    /// How many pairs are kept in all, candidates first (4,000: DESIGN §6).
     pub reserve: usize,
+    /// The pairs in reserve are in the mutual top `mutual_reserve` of each other.
+    pub mutual_reserve: usize,
     /// What makes a line informative.
     pub informative: Informative,
     /// How motion lines are found; `None` keeps every pair.
@@ -32,6 +34,7 @@ impl Default for CandidateOptions {
             mutual: 3,
             limit: 1000,
             reserve: 4000,
+            mutual_reserve: 10,
             informative: Informative::default(),
             motion_lines: Some(MotionLineOptions::default()),
         }
@@ -95,12 +98,15 @@ pub fn find_candidates(
     };
     let (rows_a, bits_a) = aligned(a, frame_pairs.iter().map(|p| p.0).collect());
     let (rows_b, bits_b) = aligned(b, frame_pairs.iter().map(|p| p.1).collect());
-    let matches = mutual_matches(&bits_a, &bits_b, options.mutual, usize::MAX)?;
+    let deep = options.mutual.max(options.mutual_reserve);
+    let mut matches = mutual_matches(&bits_a, &bits_b, deep, usize::MAX)?;
+    // The paper's candidates first, each part best correlation first (the sort is stable).
+    matches.sort_by_key(|m| m.rank as usize >= options.mutual);
     let paths =
         options.motion_lines.as_ref().map(|options| (motion_lines(a, options), motion_lines(b, options)));
 
     let mut found = Candidates {
-        limit: options.limit,
+        limit: 0,
         informative_a: rows_a.len(),
         informative_b: rows_b.len(),
         ..Candidates::default()
@@ -120,6 +126,9 @@ pub fn find_candidates(
                 found.on_motion_lines += 1;
                 continue;
             }
+        }
+        if (pair.rank as usize) < options.mutual {
+            found.limit = options.limit.min(found.pairs.len() + 1);
         }
         found.pairs.push(Candidate {
             lines: LinePair { a: line_a, b: line_b },

@@ -37,6 +37,8 @@ pub struct Match {
     pub b: u32,
     /// Normalised correlation, −1 to 1.
     pub correlation: f32,
+    /// The pair is in the mutual top `rank + 1`: the worse of its two places, from 0.
+    pub rank: u32,
 }
 
 /// What one row needs for a correlation: `(N·n₁₁ − ones·other) · scale · scale_other`.
@@ -84,8 +86,8 @@ impl Best {
         if self.entries.len() < self.k { f32::NEG_INFINITY } else { self.entries[self.k - 1].0 }
     }
 
-    fn contains(&self, index: u32) -> bool {
-        self.entries.iter().any(|&(_, i)| i == index)
+    fn place(&self, index: u32) -> Option<usize> {
+        self.entries.iter().position(|&(_, i)| i == index)
     }
 }
 
@@ -136,10 +138,10 @@ pub fn mutual_matches(a: &Barcodes, b: &Barcodes, mutual: usize, limit: usize) -
         .enumerate()
         .flat_map(|(i, best)| {
             let columns = &columns;
-            best.entries
-                .iter()
-                .filter(move |&&(_, j)| columns[j as usize].contains(i as u32))
-                .map(move |&(score, j)| Match { a: i as u32, b: j, correlation: score })
+            best.entries.iter().enumerate().filter_map(move |(place, &(correlation, j))| {
+                let other = columns[j as usize].place(i as u32)?;
+                Some(Match { a: i as u32, b: j, correlation, rank: place.max(other) as u32 })
+            })
         })
         .collect();
     matches.sort_by(|p, q| q.correlation.total_cmp(&p.correlation).then(p.a.cmp(&q.a)).then(p.b.cmp(&q.b)));

@@ -1,4 +1,4 @@
-//! Masks to record, and the plain algorithms to compare with.
+//! Masks without geometry, and the plain algorithms that recordings are compared with.
 
 use epibar::ImageSize;
 
@@ -13,6 +13,11 @@ impl Random {
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
         (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % n
+    }
+
+    /// Uniform between two numbers, in steps of a millionth.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * (self.below(1_000_001) as f64 / 1e6)
     }
 }
 

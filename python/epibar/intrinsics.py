@@ -1,0 +1,356 @@
+"""Known cameras: reading and writing ``cameras.toml``, and taking the lens out of masks and images.
+
+The file is the one aniposelib writes, one table per camera: ``name``, ``size``, ``matrix``, ``distortions``,
+``rotation`` (Rodrigues), ``translation``; X_c = R X + t. What Caliscope adds is understood or ignored: tables
+under ``[cameras]``, ``port`` or ``cam_id`` for a name, rotations as matrices, ``fisheye``.
+
+Lens distortion bends lines, so it goes before anything else. Undistorted pixels keep the camera matrix. A
+strong barrel lens sees more than fits into an image of the same size and matrix: what lies outside is cut off.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import EpibarError
+
+__all__ = ["Intrinsics", "MaskUndistorter", "Pose", "find_camera", "load_cameras", "write_cameras"]
+
+Array = NDArray[np.float64]
+DISTORTION_COUNTS = (0, 4, 5, 8, 12, 14)
+"""Of the OpenCV lens model: k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [τx τy]]]]."""
+OUTSIDE = -1e4
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A camera in the world: x ~ K X_c, X_c = R X + t, ``size`` = (width, height) in pixels."""
+
+    K: Array
+    R: Array
+    t: Array
+    size: tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Intrinsics:
+    """One camera of a ``cameras.toml``.
+
+    Parameters
+    ----------
+    name : str
+        Name of the camera.
+    size : (int, int)
+        Width and height of its images, pixels.
+    matrix : (3, 3) array
+        Camera matrix, pixels, pixel centres at integers.
+    distortions : (n,) array
+        OpenCV's coefficients: 0, 4, 5, 8, 12 or 14 of the usual model, 4 of the fisheye model.
+    fisheye : bool
+        Which of the two.
+    rotation, translation : (3,) array, optional
+        World to camera: Rodrigues vector, and in the unit of the world.
+
+    Raises
+    ------
+    EpibarError
+        A value of the wrong shape or kind, or not finite.
+    """
+
+    name: str
+    size: tuple[int, int]
+    matrix: Array
+    distortions: Array = field(default_factory=lambda: np.zeros(5))
+    fisheye: bool = False
+    rotation: Array | None = None
+    translation: Array | None = None
+
+    def __post_init__(self) -> None:
+        size = _numbers(self.name, "size", self.size, (2,))
+        if not all(value > 0 and value == int(value) for value in size):
+            raise EpibarError(
+                f"{self.name}: size is {list(self.size)}, expected [width, height] in whole pixels"
+            )
+        matrix = _numbers(self.name, "matrix", self.matrix, (3, 3))
+        if matrix[0, 0] <= 0 or matrix[1, 1] <= 0 or not np.allclose(matrix[2], (0, 0, 1), atol=1e-9):
+            raise EpibarError(
+                f"{self.name}: matrix is {matrix.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"
+            )
+        if abs(matrix[0, 1]) > 1e-3 or abs(matrix[1, 0]) > 1e-3:
+            raise EpibarError(f"{self.name}: matrix has skew, which OpenCV's lens model does not know")
+        distortions = _numbers(self.name, "distortions", self.distortions, None).ravel()
+        allowed = (0, 4) if self.fisheye else DISTORTION_COUNTS
+        if len(distortions) not in allowed:
+            model = "fisheye" if self.fisheye else "OpenCV"
+            raise EpibarError(
+                f"{self.name}: {len(distortions)} distortions, the {model} model has {allowed[1:]}"
+            )
+        values: dict[str, Any] = {"matrix": matrix, "distortions": distortions}
+        values["size"] = int(size[0]), int(size[1])
+        for key in ("rotation", "translation"):
+            if getattr(self, key) is not None:
+                values[key] = _numbers(self.name, key, getattr(self, key), (3,))
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    @property
+    def distorted(self) -> bool:
+        """Whether the lens bends lines."""
+        return self.fisheye or bool(np.any(self.distortions != 0))
+
+    def posed(self) -> Pose:
+        """Return the camera in the world.
+
+        Raises
+        ------
+        EpibarError
+            Rotation or translation is not known.
+        """
+        if self.rotation is None or self.translation is None:
+            raise EpibarError(
+                f"{self.name}: no rotation and translation in the camera file, but they are needed here"
+            )
+        import cv2
+
+        rotation = np.asarray(cv2.Rodrigues(self.rotation)[0], dtype=np.float64)
+        return Pose(self.matrix, rotation, self.translation, self.size)
+
+    def undistort_image(self, image: np.ndarray) -> np.ndarray:
+        """Return an (H, W, 3) uint8 image in undistorted pixels; black where the camera saw nothing."""
+        return MaskUndistorter(self, (image.shape[1], image.shape[0])).image(image)
+
+
+class MaskUndistorter:
+    """Turns masks and images into undistorted pixels of the same camera matrix.
+
+    Parameters
+    ----------
+    intrinsics : Intrinsics
+        Camera the frames are of.
+    size : (int, int), optional
+        Width and height of the frames, to be checked.
+    name : str, optional
+        What the error message is to call them; by default the camera's name.
+
+    Attributes
+    ----------
+    valid : ndarray, shape (H, W), uint8
+        1 where an undistorted pixel has a source; 0 where the lens did not look, or where the distortion
+        polynomial folds back and would show a part of the image twice.
+
+    Raises
+    ------
+    EpibarError
+        The frames have another size than the intrinsics are for.
+
+    Examples
+    --------
+    >>> undistort = MaskUndistorter(camera, (1920, 1080))  # doctest: +SKIP
+    >>> straight = undistort(mask)  # doctest: +SKIP
+    """
+
+    def __init__(
+        self, intrinsics: Intrinsics, size: tuple[int, int] | None = None, name: str | None = None
+    ) -> None:
+        self.intrinsics = intrinsics
+        self._name = name or intrinsics.name
+        self._check(size or intrinsics.size)
+        width, height = intrinsics.size
+        self.valid: NDArray[np.uint8] = np.ones((height, width), np.uint8)
+        if intrinsics.distorted:
+            self._x, self._y = _maps(intrinsics)
+            self.valid = ((self._x > -0.5) & (self._x < width - 0.5)).astype(np.uint8)
+            self.valid &= (self._y > -0.5) & (self._y < height - 0.5)
+
+    def _check(self, size: tuple[int, int]) -> None:
+        if tuple(size) != self.intrinsics.size:
+            width, height = self.intrinsics.size
+            raise EpibarError(
+                f"{self._name}: {size[0]}x{size[1]} frames, but its intrinsics are for {width}x{height}"
+            )
+
+    def _remap(self, image: np.ndarray) -> np.ndarray:
+        import cv2
+
+        return cv2.remap(
+            image, self._x, self._y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(0, 0, 0)
+        )
+
+    def __call__(self, mask: np.ndarray) -> NDArray[np.uint8]:
+        """Undistort an (H, W) mask, bool or uint8, non-zero = moving; returns uint8 of 0 and 1."""
+        self._check((mask.shape[1], mask.shape[0]))
+        binary = (np.asarray(mask) != 0).astype(np.uint8)
+        if not self.intrinsics.distorted:
+            return binary
+        return (self._remap(binary * np.uint8(255)) >= 128).astype(np.uint8)
+
+    def image(self, image: np.ndarray) -> np.ndarray:
+        """Undistort an (H, W, 3) or (H, W) uint8 image; black where there is no source."""
+        self._check((image.shape[1], image.shape[0]))
+        return self._remap(image) if self.intrinsics.distorted else image.copy()
+
+
+def _maps(camera: Intrinsics) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Source pixel of each undistorted pixel, far outside where there is none."""
+    import cv2
+
+    maker = cv2.fisheye.initUndistortRectifyMap if camera.fisheye else cv2.initUndistortRectifyMap
+    coefficients = camera.distortions
+    if not len(coefficients):
+        coefficients = np.zeros(4)
+    map_x, map_y = maker(camera.matrix, coefficients, np.eye(3), camera.matrix, camera.size, cv2.CV_32FC1)
+    width, height = camera.size
+    x = (np.arange(width) - camera.matrix[0, 2]) / camera.matrix[0, 0]
+    y = (np.arange(height) - camera.matrix[1, 2]) / camera.matrix[1, 1]
+    radius = np.hypot(x[None, :], y[:, None])
+    folded = radius > _fold_radius(camera, float(radius.max()))
+    outside = np.float32(OUTSIDE)
+    return np.where(folded, outside, map_x), np.where(folded, outside, map_y)
+
+
+def _fold_radius(camera: Intrinsics, largest: float) -> float:
+    """Where the distorted radius stops growing with the undistorted one, in units of the focal length."""
+    radius = np.linspace(0.0, largest, 4097)
+    if camera.fisheye:
+        theta = np.arctan(radius)
+        k = np.zeros(4)
+        k[: len(camera.distortions)] = camera.distortions
+        distorted = theta * (1 + sum(k[power] * theta ** (2 * power + 2) for power in range(4)))
+    else:
+        k = np.zeros(14)
+        k[: len(camera.distortions)] = camera.distortions
+        square = radius**2
+        above = 1 + square * (k[0] + square * (k[1] + square * k[4]))
+        below = 1 + square * (k[5] + square * (k[6] + square * k[7]))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            distorted = radius * above / below
+    growing = np.diff(distorted) > 0  # false for NaN too
+    return float("inf") if growing.all() else float(radius[int(np.argmin(growing))])
+
+
+def load_cameras(path: str | os.PathLike[str]) -> list[Intrinsics]:
+    """Read the cameras of an aniposelib or Caliscope ``.toml`` file, in its order.
+
+    Raises
+    ------
+    EpibarError
+        The file is missing, is not TOML, or has no camera; a camera lacks something or has a wrong value.
+    """
+    path = os.fspath(path)
+    try:
+        document = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise EpibarError(f"{path}: no such file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise EpibarError(f"{path}: cannot be read ({error})") from error
+    except tomllib.TOMLDecodeError as error:
+        raise EpibarError(f"{path}: not a TOML file ({error})") from error
+    cameras = [_camera(path, section, table) for section, table in _tables(document)]
+    if not cameras:
+        raise EpibarError(
+            f"{path}: no cameras; expected tables like [cam_0] with size, matrix and distortions"
+        )
+    names = [camera.name for camera in cameras]
+    for name in names:
+        if names.count(name) > 1:
+            raise EpibarError(f"{path}: two cameras are called {name!r}")
+    return cameras
+
+
+def _tables(document: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Tables that describe a camera, also those one level down in ``[cameras.x]`` or ``[[cameras]]``."""
+    found: list[tuple[str, dict[str, Any]]] = []
+    for section, table in document.items():
+        if section == "cameras" and isinstance(table, (dict, list)):
+            inner = table.items() if isinstance(table, dict) else enumerate(table)
+            found += [(str(key), value) for key, value in inner if isinstance(value, dict)]
+        elif isinstance(table, dict) and ("matrix" in table or "distortions" in table):
+            found.append((section, table))
+    return found
+
+
+def _camera(path: str, section: str, table: dict[str, Any]) -> Intrinsics:
+    given = next((table[key] for key in ("name", "cam_id", "port") if key in table), section)
+    for key in ("size", "matrix", "distortions"):
+        if table.get(key) is None:
+            raise EpibarError(f"{path}: [{section}] has no {key}; calibrate that camera, or remove the table")
+    name = str(given)
+    try:
+        rotation, translation = _optional(table, "rotation"), _optional(table, "translation")
+        if rotation is not None and np.shape(rotation) == (3, 3):
+            import cv2
+
+            rotation = cv2.Rodrigues(_numbers(name, "rotation", rotation, (3, 3)))[0]
+        return Intrinsics(
+            name,
+            table["size"],
+            table["matrix"],
+            table["distortions"],
+            bool(table.get("fisheye", False)),
+            None if rotation is None else _numbers(name, "rotation", rotation, None).ravel(),
+            None if translation is None else _numbers(name, "translation", translation, None).ravel(),
+        )
+    except EpibarError as error:
+        raise EpibarError(f"{path}: [{section}] {error}") from error
+
+
+def _optional(table: dict[str, Any], key: str) -> Any:
+    """Return a value, or None for the empty lists and strings of a camera that was not placed yet."""
+    value = table.get(key)
+    return None if value in (None, [], "", "null") else value
+
+
+def _numbers(name: str, key: str, value: Any, shape: tuple[int, ...] | None) -> Array:
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise EpibarError(f"{name}: {key} is {value!r}, expected numbers") from None
+    if shape is not None and numbers.shape != shape:
+        raise EpibarError(f"{name}: {key} has shape {numbers.shape}, expected {shape}")
+    if not np.isfinite(numbers).all():
+        raise EpibarError(f"{name}: {key} is {numbers.tolist()}, which is not finite")
+    return numbers
+
+
+def find_camera(cameras: Sequence[Intrinsics], stem: str, index: int) -> Intrinsics:
+    """Find the camera of a video: the one called like the file without suffix, or else the one at its place.
+
+    Raises
+    ------
+    EpibarError
+        Neither exists.
+    """
+    for same in (str, str.casefold):
+        for camera in cameras:
+            if same(camera.name) == same(stem):
+                return camera
+    if 0 <= index < len(cameras):
+        return cameras[index]
+    known = ", ".join(camera.name for camera in cameras)
+    raise EpibarError(
+        f"{stem}: no camera of that name in the camera file, nor one at place {index}; it has {known}"
+    )
+
+
+def write_cameras(path: str | os.PathLike[str], cameras: Iterable[Intrinsics]) -> None:
+    """Write cameras the way :func:`load_cameras`, aniposelib and Caliscope read them."""
+    tables = []
+    for index, camera in enumerate(cameras):
+        rows = [f"[cam_{index}]", f"name = {json.dumps(camera.name, ensure_ascii=False)}"]
+        rows += [f"size = {list(camera.size)}", f"matrix = {camera.matrix.tolist()}"]
+        rows += [f"distortions = {camera.distortions.tolist()}"]
+        rows += ["fisheye = true"] if camera.fisheye else []
+        for key in ("rotation", "translation"):
+            value = getattr(camera, key)
+            rows += [] if value is None else [f"{key} = {value.tolist()}"]
+        tables.append("\n".join(rows) + "\n")
+    Path(path).write_text("\n".join(tables), encoding="utf-8")

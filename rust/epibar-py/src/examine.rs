@@ -1,0 +1,66 @@
+//! A matrix that the caller already has, against what moved.
+
+use epibar::Fundamental;
+use epibar::calibrate::common_frames;
+use epibar::estimate::frontier::{FrontierOptions, compare};
+use epibar::estimate::refine::refine;
+use epibar::estimate::search::{evidence, pixel_scale};
+use epibar::estimate::views::Views;
+use nalgebra::Matrix3;
+use numpy::{IntoPyArray, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{enter, matrix, rows, slice};
+use crate::recording::Recording;
+
+/// Frontier points and evidence of a given F, after refining it on the tangents where asked.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "the Python layer names them")]
+pub fn examine<'py>(
+    py: Python<'py>,
+    a: &Recording,
+    b: &Recording,
+    f: PyReadonlyArrayDyn<'py, f64>,
+    radius: f64,
+    time_offset: f64,
+    upright: bool,
+    refined: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let entries = slice("F", &f, 2)?;
+    if f.shape() != [3, 3] {
+        return Err(PyValueError::new_err("F must be 3x3"));
+    }
+    let (a, b) = (&a.inner, &b.inner);
+    let given = Fundamental::from_matrix(&Matrix3::from_row_slice(entries), a.size, b.size)
+        .ok_or_else(|| PyValueError::new_err("F must be finite and of rank 2"))?;
+    let (f, comparison, total) = enter(py, || {
+        let views = Views::new(a, b, &common_frames(a, b, time_offset));
+        let scale = pixel_scale(&views);
+        let radii = [4.0, 2.5, 1.5].map(|r| r * scale);
+        let f = if refined { refine(&views, &given, &radii, 5, upright).unwrap_or(given) } else { given };
+        let comparison = compare(&views, &f, &FrontierOptions { radius, upright, shift: 0 });
+        let total = evidence(&views, &f, upright);
+        Ok((f, comparison, total))
+    })?;
+    let found = PyDict::new(py);
+    found.set_item("F", matrix(f.matrix()).into_pyarray(py))?;
+    found.set_item("evidence", total)?;
+    for (name, class) in [("tops", comparison.score.tops), ("bottoms", comparison.score.bottoms)] {
+        let entry = PyDict::new(py);
+        entry.set_item("tangents", class.tangents)?;
+        entry.set_item("matches", class.matches)?;
+        entry.set_item("expected", class.expected)?;
+        entry.set_item("excess", class.excess)?;
+        found.set_item(name, entry)?;
+    }
+    let points = &comparison.points;
+    let frame: Vec<i64> = points.iter().map(|p| i64::from(p.frame)).collect();
+    let distance: Vec<f64> = points.iter().map(|p| p.distance).collect();
+    found.set_item("frame", frame.into_pyarray(py))?;
+    found.set_item("a", rows(py, points.iter().map(|p| p.a))?)?;
+    found.set_item("b", rows(py, points.iter().map(|p| p.b))?)?;
+    found.set_item("distance", distance.into_pyarray(py))?;
+    Ok(found)
+}
