@@ -196,6 +196,7 @@ impl Calibration {
                 let entry = PyDict::new(py);
                 entry.set_item("F", matrix(rival.fundamental.matrix()).into_pyarray(py))?;
                 entry.set_item("evidence_share", rival.share)?;
+                entry.set_item("evidence_z", rival.z)?;
                 entry.set_item("distance", rival.distance)?;
                 entry.set_item("source", rival.source)?;
                 Ok(entry)

@@ -3,8 +3,7 @@
 use epibar::Fundamental;
 use epibar::calibrate::common_frames;
 use epibar::estimate::frontier::{FrontierOptions, compare};
-use epibar::estimate::refine::refine;
-use epibar::estimate::search::{evidence, pixel_scale};
+use epibar::estimate::search::{evidence, polish};
 use epibar::estimate::views::Views;
 use nalgebra::Matrix3;
 use numpy::{IntoPyArray, PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -37,11 +36,9 @@ pub fn examine<'py>(
         .ok_or_else(|| PyValueError::new_err("F must be finite and of rank 2"))?;
     let (f, comparison, total) = enter(py, || {
         let views = Views::new(a, b, &common_frames(a, b, time_offset));
-        let scale = pixel_scale(&views);
-        let radii = [4.0, 2.5, 1.5].map(|r| r * scale);
-        let f = if refined { refine(&views, &given, &radii, 5, upright).unwrap_or(given) } else { given };
+        let f = if refined { polish(&views, &given, upright) } else { given };
         let comparison = compare(&views, &f, &FrontierOptions { radius, upright, shift: 0 });
-        let total = evidence(&views, &f, upright);
+        let total = evidence(&views, &f, upright).total;
         Ok((f, comparison, total))
     })?;
     let found = PyDict::new(py);

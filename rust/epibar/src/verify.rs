@@ -12,6 +12,7 @@ use crate::estimate::frontier::{FrontierOptions, FrontierPoint, FrontierScore, f
 use crate::estimate::optimise::{Information, SevenParameters, Step};
 use crate::estimate::refine::residual_row;
 use crate::estimate::views::Views;
+use crate::estimate::volume::Correspondence;
 use crate::geometry::Fundamental;
 use crate::geometry::fundamental::normaliser;
 
@@ -116,45 +117,11 @@ pub fn covariance(at: &SevenParameters, points: &[FrontierPoint], block: usize) 
     result.iter().all(|v| v.is_finite()).then_some(result)
 }
 
-/// Points of both images where things moved, as correspondences under `F`.
-///
-/// Around each frontier point the epipolar line of a spot near it: the spot in A is moved along its
-/// image towards a neighbour, and its partner in B is the neighbour's, dropped on the epipolar line. The set spans what
-/// moved without leaving it.
-pub fn moving_correspondences(
-    f: &Fundamental,
-    points: &[FrontierPoint],
-    limit: usize,
-) -> Vec<([f64; 2], [f64; 2])> {
-    let n = points.len();
-    if n < 2 {
-        return Vec::new();
-    }
-    (0..limit)
-        .filter_map(|k| {
-            // Two points far apart in time, mixed half and half: a deterministic walk over pairs.
-            let p = &points[(k * 7919) % n];
-            let q = &points[(k * 104_729 + n / 2) % n];
-            let a = [0.5 * (p.a[0] + q.a[0]), 0.5 * (p.a[1] + q.a[1])];
-            let b = [0.5 * (p.b[0] + q.b[0]), 0.5 * (p.b[1] + q.b[1])];
-            let a = if k % 2 == 0 { p.a } else { a };
-            let b = if k % 2 == 0 { p.b } else { b };
-            let line = f.line_in_b(&Vector3::new(a[0], a[1], 1.0));
-            let norm2 = line.x * line.x + line.y * line.y;
-            if norm2 <= 0.0 {
-                return None;
-            }
-            let d = (line.x * b[0] + line.y * b[1] + line.z) / norm2;
-            Some((a, [b[0] - d * line.x, b[1] - d * line.y]))
-        })
-        .collect()
-}
-
 /// Expected symmetric epipolar distance over correspondences, pixels: mean over points of the mean of a folded normal.
 pub fn expected_error(
     at: &SevenParameters,
     covariance: &Information,
-    correspondences: &[([f64; 2], [f64; 2])],
+    correspondences: &[Correspondence],
 ) -> f64 {
     let matrix = at.unscaled();
     let derivatives = at.derivatives();
@@ -218,4 +185,22 @@ fn weighted_homography(sample: &[(Vector3<f64>, Vector3<f64>)], weights: &[f64])
     let eigen: SymmetricEigen<f64, nalgebra::Const<9>> = normal.try_symmetric_eigen(1e-14, 300)?;
     let v = eigen.eigenvectors.column(eigen.eigenvalues.imin());
     Some(Matrix3::new(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]))
+}
+
+/// Standard score of the difference in evidence between two geometries, from sums over blocks of frames.
+///
+/// What one frame says its neighbours repeat, so blocks, not frames, are the independent pieces.
+pub fn paired_z(winner: &[f64], rival: &[f64], block: usize) -> f64 {
+    let differences: Vec<f64> = winner
+        .chunks(block.max(1))
+        .zip(rival.chunks(block.max(1)))
+        .map(|(p, q)| p.iter().sum::<f64>() - q.iter().sum::<f64>())
+        .collect();
+    let n = differences.len() as f64;
+    if n < 4.0 {
+        return 0.0;
+    }
+    let mean = differences.iter().sum::<f64>() / n;
+    let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    mean / (variance / n).sqrt().max(1e-9)
 }

@@ -13,8 +13,7 @@ pub use verdict::{Kind, Verdict};
 use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
 use crate::estimate::line_model::LineModel;
 use crate::estimate::ransac::{Watch, ransac};
-use crate::estimate::refine::refine;
-use crate::estimate::search::{Found, SearchOptions, pixel_scale, search};
+use crate::estimate::search::{Found, SearchOptions, Solution, Source, search};
 use crate::estimate::views::{Views, busy_frames};
 use crate::geometry::Fundamental;
 use crate::matching::candidates::find_candidates;
@@ -73,7 +72,9 @@ pub struct Rival {
     pub fundamental: Fundamental,
     /// Its evidence as a share of the winner's.
     pub share: f64,
-    /// Mean symmetric epipolar distance under it of the winner's frontier points, pixels.
+    /// Standard score of the difference in evidence, over blocks of frames.
+    pub z: f64,
+    /// Mean symmetric epipolar distance from the winner over the volume where things moved, pixels.
     pub distance: f64,
     /// What its hypotheses came from.
     pub source: &'static str,
@@ -183,28 +184,20 @@ pub fn calibrate(
             let subset = |limit| Views::new(a, b, &busy_frames(a, b, &train, limit));
             let search_options =
                 SearchOptions { upright: options.upright, draws: options.draws, ..SearchOptions::default() };
-            search(&train_views, subset, &candidates, &search_options, options.seed, watch)?
+            search(&views, &train_views, subset, &candidates, &search_options, options.seed, watch)?
         }
         Method::Lines => by_lines(&candidates, &views, options, watch)?,
     };
     let Some(winner) = found.solutions.first() else {
         return refuse(Verdict::no_hypothesis(), candidates);
     };
-    // The final matrix uses all frames; the verdict tests the one fitted to the training frames.
-    let scale = pixel_scale(&views);
-    let fundamental = match options.method {
-        Method::Frontier => {
-            let radii = [2.5, 1.5, 1.2].map(|r| r * scale);
-            refine(&views, &winner.fundamental, &radii, 5, options.upright).unwrap_or(winner.fundamental)
-        }
-        Method::Lines => winner.fundamental,
-    };
+    let fundamental = winner.fundamental;
     let test_views = Views::new(a, b, &test);
     let judged = verdict::judge(&verdict::Case {
         views: &views,
         test_views: &test_views,
         fundamental: &fundamental,
-        fitted: &winner.fundamental,
+        fitted: &winner.fitted,
         found: &found,
         options,
         frame_rate: a.frame_rate(),
@@ -263,10 +256,9 @@ fn by_lines(
     let best = ransac(&model, options.draws, 1, options.seed, "lines", watch)?;
     let solutions = best
         .into_iter()
-        .map(|scored| crate::estimate::search::Solution {
-            fundamental: model.optimise(&scored.model),
-            evidence: scored.score,
-            source: crate::estimate::search::Source::BestLines,
+        .map(|scored| {
+            let fundamental = model.optimise(&scored.model);
+            Solution { fundamental, fitted: fundamental, evidence: scored.score, source: Source::BestLines }
         })
         .collect();
     Ok(Found { solutions, floor: None })

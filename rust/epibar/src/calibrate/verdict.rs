@@ -4,13 +4,13 @@ use super::{CalibrateOptions, Method, Rival, matched};
 use crate::estimate::floor::Floor;
 use crate::estimate::frontier::FrontierPoint;
 use crate::estimate::optimise::SevenParameters;
-use crate::estimate::search::{Found, disagreement, evidence, pixel_scale};
+use crate::estimate::search::{Found, evidence, pixel_scale};
 use crate::estimate::views::Views;
+use crate::estimate::volume::{disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
 use crate::matching::Candidates;
 use crate::verify::{
-    Evidence, ShiftScore, covariance, evidence_of, expected_error, moving_correspondences, plane_residual,
-    shift_curve,
+    Evidence, ShiftScore, covariance, evidence_of, expected_error, paired_z, plane_residual, shift_curve,
 };
 
 /// What a verdict says, for programs.
@@ -114,7 +114,16 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 /// Evidence below this standard score on held-out frames is none.
 const MIN_Z: f64 = 8.0;
 /// A different geometry with more than this share of the winner's evidence is a rival.
-const RIVAL_SHARE: f64 = 0.85;
+const RIVAL_SHARE: f64 = 0.9;
+/// A different geometry whose evidence differs by less than this many standard deviations is a rival.
+const RIVAL_Z: f64 = 3.0;
+/// Below this the evidence does not tell two geometries apart at all.
+const UNDECIDED_Z: f64 = 1.5;
+
+/// Share of the radius at which outlines agree that counts as a systematic error.
+const COARSE_SHARE: f64 = 0.5;
+/// Error that rasterisation leaves even in exact masks, pixels of a 640×480 image.
+const GRID_ERROR: f64 = 0.03;
 
 pub(super) struct Case<'a> {
     pub views: &'a Views,
@@ -160,32 +169,36 @@ pub(super) fn judge(case: &Case) -> Judged {
 
     let second = if frame_rate.is_finite() { frame_rate.round().max(1.0) as usize } else { 25 };
     let parameters = SevenParameters::new(fundamental, views.sizes());
-    let error = parameters
+    let volume = moving_correspondences(views, fundamental, 400);
+    let block = second.min((views.frames() / 12).max(1));
+    let fit_error = parameters
         .as_ref()
-        .and_then(|at| {
-            let covariance = covariance(at, &points, second.min((views.frames() / 12).max(1)))?;
-            let where_moving = moving_correspondences(fundamental, &points, 400);
-            Some(expected_error(at, &covariance, &where_moving))
-        })
+        .and_then(|at| Some(expected_error(at, &covariance(at, &points, block)?, &volume)))
         .unwrap_or(f64::NAN);
 
-    let own = evidence(views, fundamental, upright).max(1e-9);
-    let mut rivals: Vec<Rival> = if options.method == Method::Frontier {
-        found
-            .solutions
-            .iter()
-            .skip(1)
-            .map(|s| Rival {
-                fundamental: s.fundamental,
-                share: evidence(views, &s.fundamental, upright) / own,
-                distance: disagreement(&points, &s.fundamental),
-                source: s.source.name(),
-            })
-            .collect()
-    } else {
-        Vec::new()
-    };
+    let own = evidence(views, fundamental, upright);
+    let mut rivals: Vec<Rival> = Vec::new();
+    if options.method == Method::Frontier {
+        for solution in found.solutions.iter().skip(1) {
+            let theirs = evidence(views, &solution.fundamental, upright);
+            rivals.push(Rival {
+                fundamental: solution.fundamental,
+                share: theirs.total / own.total.max(1e-9),
+                z: paired_z(&own.per_frame, &theirs.per_frame, block),
+                distance: disagreement(&volume, &solution.fundamental),
+                source: solution.source.name(),
+            });
+        }
+    }
     rivals.sort_by(|p, q| q.share.total_cmp(&p.share));
+    // Solutions that the evidence cannot tell from the winner are as likely to be the truth as it is.
+    let undecided: Vec<f64> =
+        rivals.iter().filter(|r| r.z < UNDECIDED_Z && r.distance.is_finite()).map(|r| r.distance).collect();
+    let spread_error = undecided.iter().copied().fold(0.0, f64::max);
+    // Outlines that agree only at a wide radius are inconsistent between the views, and what they share of that
+    // does not average out; exact masks still carry the grid of pixels.
+    let coarseness = COARSE_SHARE * (own.radius - 1.5 * scale).max(0.0);
+    let error = fit_error.hypot(spread_error).hypot(coarseness).hypot(GRID_ERROR * scale);
 
     let verdict = decide(case, &evidence_now, &points, error, &rivals, radius);
     Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points }
@@ -241,7 +254,8 @@ fn decide(
             ),
         );
     }
-    if let Some(rival) = rivals.iter().find(|r| r.share > RIVAL_SHARE && r.distance > limit.max(2.0 * radius))
+    if let Some(rival) =
+        rivals.iter().find(|r| (r.share > RIVAL_SHARE || r.z < RIVAL_Z) && r.distance > limit)
     {
         return Verdict::new(
             Kind::Ambiguous,

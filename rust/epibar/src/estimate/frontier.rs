@@ -259,6 +259,8 @@ pub struct Comparison {
     pub score: FrontierScore,
     /// The tangents that met.
     pub points: Vec<FrontierPoint>,
+    /// Evidence of each frame; it sums to that of the score.
+    pub per_frame: Vec<f64>,
 }
 
 /// Compares all tangents of two views under `F`.
@@ -288,6 +290,7 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
     for sign in [1.0, -1.0] {
         let mut score = FrontierScore::default();
         let mut points = Vec::new();
+        let mut per_frame = vec![0.0; frames];
         let mut scratch = Scratch::default();
         for frame in 0..frames {
             let frame_b = (frame + options.shift) % frames;
@@ -322,7 +325,9 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
                 let surprise = -q.ln();
                 let m = if matched { 1.0 - (distance / options.radius).powi(2) } else { 0.0 };
                 class.expected += q;
-                class.excess += (m - q * 2.0 / 3.0) * surprise;
+                let gain = (m - q * 2.0 / 3.0) * surprise;
+                class.excess += gain;
+                per_frame[frame] += gain;
                 if matched {
                     class.matches += 1;
                     let (p, r) = (&t.point, &tangents_b[j].point);
@@ -338,10 +343,14 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
             }
         }
         if best.as_ref().is_none_or(|b| score.total() > b.score.total()) {
-            best = Some(Comparison { score, points });
+            best = Some(Comparison { score, points, per_frame });
         }
     }
-    best.unwrap_or(Comparison { score: FrontierScore::default(), points: Vec::new() })
+    best.unwrap_or(Comparison {
+        score: FrontierScore::default(),
+        points: Vec::new(),
+        per_frame: vec![0.0; frames],
+    })
 }
 
 /// The point of `line` nearest the image centre, clamped into the image, and its pixels per radian.

@@ -12,3 +12,4 @@ pub mod ransac;
 pub mod refine;
 pub mod search;
 pub mod views;
+pub mod volume;

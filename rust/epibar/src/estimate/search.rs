@@ -9,13 +9,14 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use super::floor::{Floor, FloorEpipoles, find_floors};
-use super::frontier::{FrontierOptions, FrontierPoint, compare, frontier_score};
+use super::frontier::{FrontierOptions, compare, frontier_score};
 use super::line_model::LineModel;
 use super::optimise::{SevenParameters, Step};
 use super::ransac::{Estimator, Scored, Watch, generator, ransac};
 use super::refine::refine;
 use super::views::Views;
-use crate::geometry::{Fundamental, symmetric_epipolar_distance};
+use super::volume::{Correspondence, disagreement, moving_correspondences};
+use crate::geometry::Fundamental;
 use crate::matching::{Candidate, Candidates};
 use crate::{Error, Result};
 
@@ -80,8 +81,10 @@ impl Default for SearchOptions {
 /// A refined geometry with its evidence.
 #[derive(Debug, Clone)]
 pub struct Solution {
-    /// The matrix.
+    /// The matrix, fitted to all frames.
     pub fundamental: Fundamental,
+    /// The same fitted to the training frames only.
+    pub fitted: Fundamental,
     /// Excess over chance of its tangents, at the radius that gives most.
     pub evidence: f64,
     /// The hypotheses it grew from.
@@ -122,26 +125,39 @@ pub fn pixel_scale(views: &Views) -> f64 {
     (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
 }
 
-/// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
-pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> f64 {
-    let scale = pixel_scale(views);
-    [1.5, 3.0, 6.0]
-        .iter()
-        .map(|r| frontier_score(views, f, &FrontierOptions { radius: r * scale, upright, shift: 0 }).total())
-        .fold(f64::NEG_INFINITY, f64::max)
+/// Radii, in pixels of a 640×480 image, at which evidence is weighed.
+const RADII: [f64; 4] = [1.5, 3.0, 6.0, 10.0];
+
+/// Evidence for an `F` at one radius, both cameras' tangents taken in turn.
+#[derive(Debug, Clone, Default)]
+pub struct Weighed {
+    /// Mean of the evidence from A to B and from B to A.
+    pub total: f64,
+    /// The radius, pixels.
+    pub radius: f64,
+    /// Evidence of each frame; it sums to the total.
+    pub per_frame: Vec<f64>,
 }
 
-/// Mean symmetric epipolar distance under `other` of the tangents that meet under `f`, pixels.
-pub fn disagreement(points: &[FrontierPoint], other: &Fundamental) -> f64 {
-    if points.is_empty() {
-        return f64::INFINITY;
+/// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
+pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
+    let (scale, exchanged, transposed) = (pixel_scale(views), views.exchanged(), f.transposed());
+    let mut best = Weighed { total: f64::NEG_INFINITY, ..Weighed::default() };
+    for radius in RADII.map(|r| r * scale) {
+        let options = FrontierOptions { radius, upright, shift: 0 };
+        let there = compare(views, f, &options);
+        let back = compare(&exchanged, &transposed, &options);
+        let total = 0.5 * (there.score.total() + back.score.total());
+        if total > best.total {
+            let per_frame = there.per_frame.iter().zip(&back.per_frame).map(|(p, q)| 0.5 * (p + q)).collect();
+            best = Weighed { total, radius, per_frame };
+        }
     }
-    let step = points.len().div_ceil(200);
-    let sample: Vec<_> = points.iter().step_by(step).collect();
-    // Capped, so that one point near an epipole does not decide.
-    let sum: f64 = sample.iter().map(|p| symmetric_epipolar_distance(other, p.a, p.b).min(100.0)).sum();
-    sum / sample.len() as f64
+    best
 }
+
+/// Spots that tell two geometries apart.
+const SPOTS: usize = 120;
 
 struct Searcher<'a> {
     all: &'a Views,
@@ -156,8 +172,8 @@ impl Searcher<'_> {
         FrontierOptions { radius: 5.0 * self.scale, upright: self.options.upright, shift: 0 }
     }
 
-    fn points(&self, f: &Fundamental) -> Vec<FrontierPoint> {
-        compare(&self.scoring, f, &self.coarse()).points
+    fn points(&self, f: &Fundamental) -> Vec<Correspondence> {
+        moving_correspondences(&self.scoring, f, SPOTS)
     }
 
     /// The best hypotheses that differ from one another by at least `apart` pixels.
@@ -167,7 +183,7 @@ impl Searcher<'_> {
         limit: usize,
         apart: f64,
     ) -> Vec<(Fundamental, Source)> {
-        let mut kept: Vec<(Fundamental, Vec<FrontierPoint>, Source)> = Vec::new();
+        let mut kept: Vec<(Fundamental, Vec<Correspondence>, Source)> = Vec::new();
         for (hypothesis, source) in scored {
             if kept.len() >= limit {
                 break;
@@ -187,8 +203,8 @@ impl Searcher<'_> {
             .par_iter()
             .filter_map(|(f, source)| {
                 let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
-                let evidence = evidence(&self.comparing, &refined, self.options.upright);
-                Some(Solution { fundamental: refined, evidence, source: *source })
+                let evidence = evidence(&self.comparing, &refined, self.options.upright).total;
+                Some(Solution { fundamental: refined, fitted: refined, evidence, source: *source })
             })
             .collect()
     }
@@ -197,7 +213,7 @@ impl Searcher<'_> {
     fn distinct(&self, mut solutions: Vec<Solution>, apart: f64, limit: usize) -> Vec<Solution> {
         solutions.retain(|s| s.evidence.is_finite());
         solutions.sort_by(|p, q| q.evidence.total_cmp(&p.evidence));
-        let mut kept: Vec<(Solution, Vec<FrontierPoint>)> = Vec::new();
+        let mut kept: Vec<(Solution, Vec<Correspondence>)> = Vec::new();
         for solution in solutions {
             if kept.len() >= limit {
                 break;
@@ -238,7 +254,8 @@ impl Searcher<'_> {
 /// # Errors
 /// [`Error::Interrupted`].
 pub fn search(
-    views: &Views,
+    all: &Views,
+    train: &Views,
     subset: impl Fn(usize) -> Views,
     candidates: &Candidates,
     options: &SearchOptions,
@@ -246,10 +263,10 @@ pub fn search(
     watch: &mut dyn Watch,
 ) -> Result<Found> {
     let searcher = Searcher {
-        all: views,
+        all,
         scoring: subset(options.scoring_frames),
         comparing: subset(options.comparing_frames),
-        scale: pixel_scale(views),
+        scale: pixel_scale(all),
         options,
     };
     let mut scored: Vec<(Scored<Fundamental>, Source)> = Vec::new();
@@ -257,14 +274,14 @@ pub fn search(
         [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
     for (pairs, source) in line_sources {
         let estimator = TangentScored {
-            lines: LineModel::new(pairs, views.sizes()),
+            lines: LineModel::new(pairs, all.sizes()),
             views: &searcher.scoring,
             options: searcher.coarse(),
         };
         let best = ransac(&estimator, options.draws, 300, seed ^ source as u64, source.name(), watch)?;
         scored.extend(best.into_iter().map(|s| (s, source)));
     }
-    let floors = find_floors(candidates.best(), views.sizes(), seed, 3, watch)?;
+    let floors = find_floors(candidates.best(), all.sizes(), seed, 3, watch)?;
     for floor in &floors {
         let estimator = FloorEpipoles::new(floor, &searcher.comparing, &searcher.scoring, searcher.coarse());
         let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
@@ -287,17 +304,28 @@ pub fn search(
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
     going(0.8)?;
-    // The few that remain, on all frames.
+    // The few that remain, on all frames. Their place is decided by all frames as well; the copy fitted to the
+    // training frames goes along for the test.
     let finalists: Vec<Solution> = solutions
         .par_iter()
-        .take(8)
+        .take(12)
         .filter_map(|s| {
-            let radii = [4.0, 2.5, 1.5].map(|r| r * searcher.scale);
-            let f = refine(views, &s.fundamental, &radii, 3, options.upright).unwrap_or(s.fundamental);
-            let evidence = evidence(views, &f, options.upright);
-            evidence.is_finite().then_some(Solution { fundamental: f, evidence, source: s.source })
+            let fitted = polish(train, &s.fundamental, options.upright);
+            let fundamental = polish(all, &fitted, options.upright);
+            let evidence = evidence(all, &fundamental, options.upright).total;
+            evidence.is_finite().then_some(Solution { fundamental, fitted, evidence, source: s.source })
         })
         .collect();
-    let solutions = searcher.distinct(finalists, searcher.scale, 8);
+    let solutions = searcher.distinct(finalists, 0.5 * searcher.scale, 12);
     Ok(Found { solutions, floor: floors.into_iter().next() })
+}
+
+/// Refines down to the radius that suits the masks.
+pub fn polish(views: &Views, f: &Fundamental, upright: bool) -> Fundamental {
+    let radius = evidence(views, f, upright).radius;
+    let halved = |k: i32| radius * 2f64.powi(k);
+    let first = refine(views, f, &[halved(1), radius], 2, upright).unwrap_or(*f);
+    // Closer in where that is where the evidence now is.
+    let radius = evidence(views, &first, upright).radius;
+    refine(views, &first, &[radius], 5, upright).unwrap_or(first)
 }

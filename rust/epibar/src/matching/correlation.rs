@@ -161,6 +161,7 @@ fn scan(
     let mut rows = vec![Best::new(mutual); range.len()];
     let mut columns = vec![Best::new(mutual); b.count];
     let n = a.frames as f32;
+    let level = Level::available()[0];
     let mut counts = [0u32; COLUMN_BLOCK];
     let mut scores = [0f32; COLUMN_BLOCK];
     for row_start in range.clone().step_by(ROW_BLOCK) {
@@ -173,7 +174,7 @@ fn scan(
                 if sa.scale == 0.0 {
                     continue;
                 }
-                common_counts(a.row(i), b, column_start, &mut counts[..block.len()]);
+                level.common_counts(a.row(i), b, column_start, &mut counts[..block.len()]);
                 for ((score, &count), sb) in scores.iter_mut().zip(&counts).zip(block) {
                     *score = (n * count as f32 - sa.ones * sb.ones) * (sa.scale * sb.scale);
                 }
@@ -195,42 +196,102 @@ fn scan(
     (rows, columns)
 }
 
-/// Popcount of the AND of `row` with consecutive rows of `b`.
-///
-/// One body compiled for what the CPU has, chosen at run time; plain `count_ones` is the scalar twin.
-#[cfg(target_arch = "x86_64")]
-fn common_counts(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
-    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512vpopcntdq")]
-    fn avx512(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
-        common_counts_plain(row, b, first, counts);
+/// How the popcount kernel is compiled: one body for what the CPU has, of which the plain one is the oracle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Level {
+    /// What every CPU of the target has.
+    Plain,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Level {
+    /// The levels that this CPU has, best first. No other way leads to a level but [`Level::Plain`].
+    fn available() -> Vec<Self> {
+        #[cfg(target_arch = "x86_64")]
+        let mut levels = x86::available();
+        #[cfg(not(target_arch = "x86_64"))]
+        let mut levels = Vec::new();
+        levels.push(Self::Plain);
+        levels
     }
-    #[target_feature(enable = "avx2,popcnt")]
-    fn avx2(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
-        common_counts_plain(row, b, first, counts);
-    }
-    if is_x86_feature_detected!("avx512vpopcntdq")
-        && is_x86_feature_detected!("avx512vl")
-        && is_x86_feature_detected!("avx512bw")
-    {
-        // SAFETY: the features were detected just above.
-        unsafe { avx512(row, b, first, counts) }
-    } else if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt") {
-        // SAFETY: the features were detected just above.
-        unsafe { avx2(row, b, first, counts) }
-    } else {
-        common_counts_plain(row, b, first, counts);
+
+    /// Popcount of the AND of `row` with consecutive rows of `b`, from `first` on.
+    fn common_counts(self, row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
+        match self {
+            Self::Plain => common_counts(row, b, first, counts),
+            // SAFETY: a level exists only where its features were detected, see `available`.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => unsafe { x86::avx2(row, b, first, counts) },
+            // SAFETY: as above.
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => unsafe { x86::avx512(row, b, first, counts) },
+        }
     }
 }
 
-#[cfg(not(target_arch = "x86_64"))]
-fn common_counts(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
-    common_counts_plain(row, b, first, counts);
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use super::{Barcodes, Level, common_counts};
+
+    pub(super) fn available() -> Vec<Level> {
+        let avx512 = is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512vpopcntdq");
+        let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt");
+        let levels = [(avx512, Level::Avx512), (avx2, Level::Avx2)];
+        levels.into_iter().filter_map(|(has, level)| has.then_some(level)).collect()
+    }
+
+    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512vpopcntdq")]
+    pub(super) fn avx512(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
+        common_counts(row, b, first, counts);
+    }
+
+    #[target_feature(enable = "avx2,popcnt")]
+    pub(super) fn avx2(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
+        common_counts(row, b, first, counts);
+    }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body must be compiled under each target feature")]
-fn common_counts_plain(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
+fn common_counts(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
     for (offset, count) in counts.iter_mut().enumerate() {
         *count = row.iter().zip(b.row(first + offset)).map(|(x, y)| (x & y).count_ones()).sum();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_counts_what_the_bits_say() {
+        let mut state = 1u64;
+        let mut word = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            state ^ state >> 29
+        };
+        let levels = Level::available();
+        assert_eq!(levels.last(), Some(&Level::Plain));
+        // Fewer words than a vector, exactly one, and every remainder beyond.
+        for words in (1..=20).chain([64, 157]) {
+            let mut b = Barcodes::zeros(23, 64 * words);
+            b.bits.fill_with(&mut word);
+            let row: Vec<u64> = (0..words).map(|_| word()).collect();
+            let bit = |words: &[u64], i: usize| words[i / 64] >> (i % 64) & 1 == 1;
+            let expected: Vec<u32> = (3..23)
+                .map(|j| (0..64 * words).filter(|&i| bit(&row, i) && bit(b.row(j), i)).count() as u32)
+                .collect();
+            for &level in &levels {
+                let mut counts = vec![u32::MAX; 20];
+                level.common_counts(&row, &b, 3, &mut counts);
+                assert_eq!(counts, expected, "{level:?}, {words} words");
+            }
+        }
     }
 }
