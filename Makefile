@@ -16,9 +16,15 @@ export VIRTUAL_ENV := $(abspath $(VENV))
 export PYO3_PYTHON := $(abspath $(BIN))/python
 export PYO3_BUILD_EXTENSION_MODULE := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
+export PIP_QUIET := 1
 
 # The tests and benches of the crates are not part of the compiled module.
 RUST_SOURCES := $(shell find rust -path '*/src/*' -name '*.rs') $(wildcard rust/*/Cargo.toml) Cargo.toml Cargo.lock
+
+# A stamp without the module it stands for, e.g. after `git clean`, means nothing.
+ifeq ($(wildcard python/epibar/_core.*so python/epibar/_core.*pyd),)
+$(shell rm -f $(VENV)/.built)
+endif
 
 .DEFAULT_GOAL := help
 .PHONY: help build demo test check bench paper clean

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
+
 from epibar import synthetic
 from epibar.evaluation import epipoles, inside, symmetric_epipolar_distance
 from epibar.synthetic import raster

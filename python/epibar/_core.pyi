@@ -10,6 +10,7 @@ __all__ = [
     "Recording",
     "barcodes",
     "calibrate",
+    "examine",
     "match_barcodes",
     "motion_lines",
 ]
@@ -106,4 +107,13 @@ def barcodes(masks: NDArray[np.uint8], segments: NDArray[np.float64]) -> NDArray
 def match_barcodes(
     bits_a: NDArray[np.uint64], bits_b: NDArray[np.uint64], frames: int, mutual: int, limit: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]: ...
+def examine(
+    a: Recording,
+    b: Recording,
+    f: NDArray[np.float64],
+    radius: float,
+    time_offset: float,
+    upright: bool,
+    refined: bool,
+) -> dict[str, Any]: ...
 def motion_lines(rec: Recording) -> NDArray[np.float64]: ...

@@ -16,7 +16,8 @@ from .errors import EpibarError
 
 __all__ = ["collect", "median_background", "steady_background"]
 
-STEADY_SHARE = 0.25
+STEADY_SHARES = (0.25, 0.375, 0.5, 0.625)
+"""The first must be there; a larger one that agrees nearly as well wins over somebody who stood still."""
 MEMORY_BYTES = 256 * 2**20
 STRIP_ROWS = 32
 
@@ -54,22 +55,19 @@ def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES
     return np.stack(kept)
 
 
-def steady_background(samples: np.ndarray, share: float = STEADY_SHARE) -> np.ndarray:
+def steady_background(samples: np.ndarray) -> np.ndarray:
     """Return the most repeated value of each pixel.
 
     Parameters
     ----------
     samples : ndarray, shape (N, H, W, 3), uint8
         Frames spread over time.
-    share : float
-        Share of the samples that must agree.
 
     Returns
     -------
     ndarray, shape (H, W, 3), uint8
     """
     count = len(samples)
-    window = min(count, max(2, round(count * share)))
     if count < 3:
         return samples[0].copy()
     background = np.empty(samples.shape[1:], np.uint8)
@@ -78,13 +76,28 @@ def steady_background(samples: np.ndarray, share: float = STEADY_SHARE) -> np.nd
         blue, green, red = (strip[..., channel].astype(np.uint16) for channel in range(3))
         grey = ((blue + 2 * green + red) >> 2).astype(np.uint8)
         ordered = np.sort(grey, axis=0)
-        start = (ordered[window - 1 :] - ordered[: count - window + 1]).argmin(axis=0)[None]
-        low = np.take_along_axis(ordered, start, axis=0)
-        high = np.take_along_axis(ordered, start + window - 1, axis=0)
+        low, high = _steady_range(ordered)
         inside = (grey >= low) & (grey <= high)
         total = np.einsum("nyxc,nyx->yxc", strip, inside, dtype=np.float32, casting="unsafe")
         background[top : top + STRIP_ROWS] = np.rint(total / inside.sum(axis=0)[..., None])
     return background
+
+
+def _steady_range(ordered: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest grey level, (H, W) uint8, that count as background in sorted (N, H, W) samples."""
+    count = len(ordered)
+    for number, share in enumerate(STEADY_SHARES):
+        window = min(count, max(2, round(count * share)))
+        widths = ordered[window - 1 :] - ordered[: count - window + 1]
+        start = widths.argmin(axis=0)[None]
+        width = np.take_along_axis(widths, start, axis=0)[0].astype(np.int16)
+        lowest = np.take_along_axis(ordered, start, axis=0)[0]
+        if number == 0:
+            low, narrowest, chosen = lowest, width, width
+            continue
+        as_good = width <= 3 * narrowest + 6  # 2.8 times is what the noise alone gives at 62.5 %
+        low, chosen = np.where(as_good, lowest, low), np.where(as_good, width, chosen)
+    return low, (low + chosen).astype(np.uint8)
 
 
 def median_background(samples: np.ndarray) -> np.ndarray:

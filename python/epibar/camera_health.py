@@ -1,8 +1,9 @@
 """Whether the camera stood still and the light stayed on.
 
 Corners found in the first frame are looked for again every few frames (Lucas-Kanade, forward and back, on an
-image with its local contrast normalised, so that light matters little). A camera that moves moves every corner,
-so it takes three quarters of them, three checks in a row; somebody who fills half of the picture is not enough.
+image with its local contrast normalised, so that light matters little). A camera that moves moves every
+corner, so it takes three quarters of them, three checks in a row; somebody who fills half of the picture is
+not enough.
 
 A flooded frame, more than 60 % foreground, tells nothing about what moves: it is blanked.
 """

@@ -5,7 +5,7 @@ The file is the one aniposelib writes, one table per camera: ``name``, ``size``,
 under ``[cameras]``, ``port`` or ``cam_id`` for a name, rotations as matrices, ``fisheye``.
 
 Lens distortion bends lines, so it goes before anything else. Undistorted pixels keep the camera matrix. A
-strong barrel lens sees more than fits into an image of the same size and matrix: what lies outside is cut off.
+strong barrel lens sees more than fits into an image of that size and matrix: what lies outside is cut off.
 """
 
 from __future__ import annotations

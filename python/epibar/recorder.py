@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -28,6 +28,8 @@ from .video import Frames, MaskFrames, prefetched
 __all__ = ["intrinsics_of", "record"]
 
 Mask = NDArray[np.uint8]
+Moment = tuple[float, Mask]
+Stream = Generator[Moment, None, None]
 
 
 def record(
@@ -118,7 +120,7 @@ def record(
 
 
 def intrinsics_of(path: str | os.PathLike[str], name: str) -> Intrinsics:
-    """Look one camera up by its name; without the others there is no order to go by, unless it is the only one."""
+    """Look one camera up by its name: alone it has no place in an order, unless the file has only one."""
     cameras = load_cameras(path)
     return find_camera(cameras, name, 0 if len(cameras) == 1 else len(cameras))
 
@@ -134,7 +136,7 @@ def _options(
     return options if hidden is None else replace(options, ignore=hidden)
 
 
-def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) -> Iterator[tuple[float, Mask]]:
+def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) -> Stream:
     """Time and mask of each frame of a colour video."""
     foreground = Foreground.for_frames(frames, options)
     with closing(prefetched(frames)) as ahead:
@@ -142,7 +144,7 @@ def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) ->
             yield time, health.update(index, frame, foreground.apply(frame))
 
 
-def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Iterator[tuple[float, Mask]]:
+def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Stream:
     """Time and mask of each frame that already is a mask."""
     with closing(prefetched(frames)) as ahead:
         for _, time, mask in ahead:
@@ -152,8 +154,8 @@ def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Iterator[tuple[floa
 
 
 def _watched(
-    stream: Iterable[tuple[float, Mask]], total: int | None, name: str, progress: bool | None
-) -> Iterable[tuple[float, Mask]]:
+    stream: Iterable[Moment], total: int | None, name: str, progress: bool | None
+) -> Iterable[Moment]:
     """Put a progress bar around a stream where somebody watches."""
     if progress is None:
         progress = sys.stderr.isatty()
@@ -161,9 +163,7 @@ def _watched(
         return stream
     from tqdm import tqdm
 
-    bar: Iterable[tuple[float, Mask]] = tqdm(
-        stream, total=total, desc=name, unit=" frames", file=sys.stderr, leave=False
-    )
+    bar: Iterable[Moment] = tqdm(stream, total=total, desc=name, unit=" frames", file=sys.stderr, leave=False)
     return bar
 
 

@@ -67,7 +67,7 @@ class _Source(Generic[T]):
     def _choose_fps(self, announced: float | None) -> None:
         if self._given_fps is not None:
             self.fps = float(self._given_fps)
-        elif announced is not None and math.isfinite(announced) and announced > 0:
+        elif announced is not None and 0 < announced < 1e4:  # also false for NaN
             self.fps = float(announced)
         else:
             self.fps = DEFAULT_FPS
@@ -177,10 +177,8 @@ class Frames(_Source[np.ndarray]):
         except cv2.error:
             capture = None
         if capture is None or not capture.isOpened():
-            raise EpibarError(
-                f"{self.path}: not a video that OpenCV can open; it may be another kind of file, "
-                "or a recording that was cut off before its index was written"
-            )
+            reason = "it may be another kind of file, or a recording cut off before its index was written"
+            raise EpibarError(f"{self.path}: not a video that OpenCV can open; {reason}")
         return capture
 
     def _open_video(self) -> None:
@@ -210,12 +208,9 @@ class Frames(_Source[np.ndarray]):
 
     def _iterate_video(self) -> Iterator[tuple[int, float, np.ndarray]]:
         cv2 = opencv()
-        if self._started is not None:
-            (capture, frame), self._started = self._started, None
-            ok = True
-        else:
-            capture = self._capture()
-            ok, frame = capture.read()
+        started, self._started = self._started, None
+        capture = started[0] if started else self._capture()
+        ok, frame = (True, started[1]) if started else capture.read()
         try:
             index, time, start, gaps = 0, 0.0, float(capture.get(cv2.CAP_PROP_POS_MSEC)), 0
             while ok and frame is not None:

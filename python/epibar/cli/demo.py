@@ -69,5 +69,5 @@ def _known(camera: Camera, index: int) -> Intrinsics:
     """Describe a camera of the scene the way ``--intrinsics`` and ``--cameras`` read it."""
     import cv2
 
-    rotation = np.asarray(cv2.Rodrigues(camera.R)[0]).ravel()
+    rotation = np.asarray(cv2.Rodrigues(camera.R)[0], dtype=np.float64).ravel()
     return Intrinsics(f"cam{index + 1}", camera.size, camera.K, rotation=rotation, translation=camera.t)

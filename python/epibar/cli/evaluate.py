@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from ..errors import EpibarError
 from ..evaluation import (
-    PosedCamera,
     compare,
     fundamental_from_cameras,
     moving_volume,
@@ -23,7 +22,7 @@ from ..evaluation import (
     triangulate,
     volume_correspondences,
 )
-from ..intrinsics import find_camera, load_cameras
+from ..intrinsics import Pose, find_camera, load_cameras
 from ..report.files import read_frontier_points, read_json
 from .console import Console
 
@@ -52,7 +51,7 @@ def run(args: Namespace) -> int:
         pairs = [pair for pair in result["pairs"] if {pair["a"], pair["b"]} <= cameras.keys()]
     except (KeyError, TypeError) as error:
         raise EpibarError(f"{path}: damaged: {error} is missing or of the wrong kind") from error
-    if not result.get("intrinsics") and any(find.distorted for find in known):
+    if not result.get("intrinsics") and any(camera.distorted for camera in known):
         console.warning(
             f"{path} was made without --intrinsics, but the cameras have lens distortion; "
             "the errors below include it"
@@ -60,7 +59,7 @@ def run(args: Namespace) -> int:
     points = list(chain.from_iterable(_world_points(path, pair, cameras) for pair in pairs))
     volume = moving_volume(np.array(points)) if len(points) >= LEAST_POINTS else None
 
-    rows = [("pair", "verdict", "error over the volume", "over the image", "expected")]
+    rows: list[tuple[str, ...]] = [("pair", "verdict", "error over the volume", "over the image", "expected")]
     rows += [_row(pair, cameras, sizes, volume) for pair in pairs]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     for row in rows:
@@ -70,7 +69,7 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _world_points(path: Path, pair: dict[str, Any], cameras: dict[str, PosedCamera]) -> Array:
+def _world_points(path: Path, pair: dict[str, Any], cameras: dict[str, Pose]) -> Array:
     """Triangulate the frontier points of a pair with the known cameras: where things moved, (n, 3)."""
     if not pair.get("frontier_points"):
         return np.empty((0, 3))
@@ -89,7 +88,7 @@ def _world_points(path: Path, pair: dict[str, Any], cameras: dict[str, PosedCame
 
 def _row(
     pair: dict[str, Any],
-    cameras: dict[str, PosedCamera],
+    cameras: dict[str, Pose],
     sizes: dict[str, tuple[int, int]],
     volume: Array | None,
 ) -> tuple[str, ...]:

@@ -74,7 +74,7 @@ impl Calibration {
         of: impl Fn(&Candidate) -> Line,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let best = self.inner.candidates.best();
-        rows(py, best.iter().map(|c| of(c)).map(|l| [l.a, l.b, l.c]))
+        rows(py, best.iter().map(of).map(|l| [l.a, l.b, l.c]))
     }
 }
 

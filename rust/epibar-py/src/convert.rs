@@ -25,10 +25,10 @@ pub fn matrix(m: &Matrix3<f64>) -> Array2<f64> {
 }
 
 /// Rows of `N` numbers as an `(n, N)` array.
-pub fn rows<'py, T: numpy::Element + Copy, const N: usize>(
-    py: Python<'py>,
+pub fn rows<T: numpy::Element + Copy, const N: usize>(
+    py: Python<'_>,
     rows: impl Iterator<Item = [T; N]>,
-) -> PyResult<Bound<'py, PyArray2<T>>> {
+) -> PyResult<Bound<'_, PyArray2<T>>> {
     let flat: Vec<T> = rows.flatten().collect();
     Array2::from_shape_vec((flat.len() / N, N), flat)
         .map(|array| array.into_pyarray(py))

@@ -1,5 +1,7 @@
 //! `epibar._core`: validate, slice, release the GIL, call, convert. No algorithm lives here.
 
+#![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arrays and objects over by value")]
+
 mod calibration;
 mod convert;
 mod examine;

@@ -134,6 +134,8 @@ impl Calibration {
 
 /// Fewest common frames that can be calibrated at all.
 const MIN_FRAMES: usize = 16;
+/// Informative lines of each camera that the frontier method works with at least.
+const FRONTIER_LINES: usize = 12_000;
 /// Fewest candidates that make a pencil.
 const MIN_CANDIDATES: usize = 3;
 
@@ -162,7 +164,11 @@ pub fn calibrate(
     if !watch.keep_going("candidates", 0.0) {
         return Err(Error::Interrupted);
     }
-    let candidates = find_candidates(a, b, &pairs, &options.candidates)?;
+    let mut candidate_options = options.candidates.clone();
+    if options.method == Method::Frontier {
+        candidate_options.densify = candidate_options.densify.max(FRONTIER_LINES);
+    }
+    let candidates = find_candidates(a, b, &pairs, &candidate_options)?;
     if let Some(verdict) = Verdict::too_little_motion(&candidates) {
         return refuse(verdict, candidates);
     }

@@ -113,15 +113,10 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 
 /// Evidence below this standard score on held-out frames is none.
 const MIN_Z: f64 = 8.0;
-/// A different geometry with more than this share of the winner's evidence is a rival.
-const RIVAL_SHARE: f64 = 0.9;
-/// A different geometry whose evidence differs by less than this many standard deviations is a rival.
-const RIVAL_Z: f64 = 3.0;
-/// Below this the evidence does not tell two geometries apart at all.
-const UNDECIDED_Z: f64 = 1.5;
-
+/// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
+const RIVAL_Z: f64 = 2.5;
 /// Share of the radius at which outlines agree that counts as a systematic error.
-const COARSE_SHARE: f64 = 0.5;
+const COARSE_SHARE: f64 = 1.0;
 /// Error that rasterisation leaves even in exact masks, pixels of a 640×480 image.
 const GRID_ERROR: f64 = 0.03;
 
@@ -193,7 +188,7 @@ pub(super) fn judge(case: &Case) -> Judged {
     rivals.sort_by(|p, q| q.share.total_cmp(&p.share));
     // Solutions that the evidence cannot tell from the winner are as likely to be the truth as it is.
     let undecided: Vec<f64> =
-        rivals.iter().filter(|r| r.z < UNDECIDED_Z && r.distance.is_finite()).map(|r| r.distance).collect();
+        rivals.iter().filter(|r| r.z < RIVAL_Z && r.distance.is_finite()).map(|r| r.distance).collect();
     let spread_error = undecided.iter().copied().fold(0.0, f64::max);
     // Outlines that agree only at a wide radius are inconsistent between the views, and what they share of that
     // does not average out; exact masks still carry the grid of pixels.
@@ -254,9 +249,7 @@ fn decide(
             ),
         );
     }
-    if let Some(rival) =
-        rivals.iter().find(|r| (r.share > RIVAL_SHARE || r.z < RIVAL_Z) && r.distance > limit)
-    {
+    if let Some(rival) = rivals.iter().find(|r| r.z < RIVAL_Z && r.distance > limit) {
         return Verdict::new(
             Kind::Ambiguous,
             format!(

@@ -20,7 +20,7 @@ use crate::line::{ImageSize, Line, Segment};
 use crate::matching::Candidate;
 
 /// Draws of four line pairs.
-const DRAWS: usize = 4000;
+const DRAWS: usize = 10_000;
 /// A line fits where both ends of its segment lie within this share of the image diagonal.
 const TOLERANCE: f64 = 0.006;
 
@@ -143,7 +143,7 @@ pub fn find_floors(
         let spread = inliers.len() - largest_pencil(&inliers, sizes[0]);
         floors.push(Floor { homography: h, inliers: inliers.len(), spread });
     }
-    floors.sort_by(|p, q| (q.inliers + q.spread).cmp(&(p.inliers + p.spread)));
+    floors.sort_by_key(|f| std::cmp::Reverse(f.inliers + f.spread));
     floors.truncate(keep);
     Ok(floors)
 }
@@ -223,10 +223,10 @@ impl<'a> FloorEpipoles<'a> {
                 let foot = h * Vector3::new(bottom_a[0], bottom_a[1], 1.0);
                 let distance = |b: &[f64; 2]| (foot.x / foot.z - b[0]).hypot(foot.y / foot.z - b[1]);
                 let nearest = in_b.iter().min_by(|p, q| distance(&p.1).total_cmp(&distance(&q.1)));
-                if let Some((top_b, bottom_b)) = nearest {
-                    if distance(bottom_b) < near {
-                        standing.push(Standing { top_a: *top_a, top_b: *top_b });
-                    }
+                if let Some((top_b, bottom_b)) = nearest
+                    && distance(bottom_b) < near
+                {
+                    standing.push(Standing { top_a: *top_a, top_b: *top_b });
                 }
             }
         }

@@ -292,7 +292,7 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
         let mut points = Vec::new();
         let mut per_frame = vec![0.0; frames];
         let mut scratch = Scratch::default();
-        for frame in 0..frames {
+        for (frame, gained) in per_frame.iter_mut().enumerate() {
             let frame_b = (frame + options.shift) % frames;
             let base = b.frame_start[frame_b] as usize;
             let (tangents_a, tangents_b) = (a.of(frame), b.of(frame_b));
@@ -327,7 +327,7 @@ pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Com
                 class.expected += q;
                 let gain = (m - q * 2.0 / 3.0) * surprise;
                 class.excess += gain;
-                per_frame[frame] += gain;
+                *gained += gain;
                 if matched {
                     class.matches += 1;
                     let (p, r) = (&t.point, &tangents_b[j].point);

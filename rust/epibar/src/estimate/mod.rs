@@ -4,6 +4,7 @@
 //! method scores with [`frontier`], draws from [`line_model`] and [`floor`], refines in [`refine`] and
 //! puts it together in [`search`].
 
+pub mod explore;
 pub mod floor;
 pub mod frontier;
 pub mod line_model;

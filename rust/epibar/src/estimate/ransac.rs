@@ -108,7 +108,7 @@ mod tests {
         type Model = f64;
 
         fn generate(&self, index: usize, random: &mut Pcg64Mcg) -> Option<f64> {
-            (index % 7 != 0).then(|| random.random::<f64>())
+            (!index.is_multiple_of(7)).then(|| random.random::<f64>())
         }
 
         fn score(&self, model: &f64) -> f64 {

@@ -8,6 +8,7 @@
 use rand::RngExt;
 use rayon::prelude::*;
 
+use super::explore::explore;
 use super::floor::{Floor, FloorEpipoles, find_floors};
 use super::frontier::{FrontierOptions, compare, frontier_score};
 use super::line_model::LineModel;
@@ -156,6 +157,8 @@ pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
     best
 }
 
+/// How many of the best solutions are walked from.
+const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
 const SPOTS: usize = 120;
 
@@ -310,13 +313,22 @@ pub fn search(
         .par_iter()
         .take(12)
         .filter_map(|s| {
-            let fitted = polish(train, &s.fundamental, options.upright);
-            let fundamental = polish(all, &fitted, options.upright);
+            let fundamental = polish(all, &s.fundamental, options.upright);
             let evidence = evidence(all, &fundamental, options.upright).total;
-            evidence.is_finite().then_some(Solution { fundamental, fitted, evidence, source: s.source })
+            evidence.is_finite().then_some(Solution { fundamental, evidence, ..s.clone() })
         })
         .collect();
-    let solutions = searcher.distinct(finalists, 0.5 * searcher.scale, 12);
+    let mut solutions = searcher.distinct(finalists, 0.5 * searcher.scale, 12);
+    for k in 0..solutions.len().min(EXPLORED) {
+        going(0.85 + 0.05 * k as f64)?;
+        let walked = explore(all, &solutions[k].clone(), searcher.scale, options.upright);
+        solutions.extend(walked);
+    }
+    let mut solutions = searcher.distinct(solutions, 0.5 * searcher.scale, 12);
+    if let Some(winner) = solutions.first_mut() {
+        winner.fundamental = polish(all, &winner.fundamental, options.upright);
+        winner.fitted = polish(train, &winner.fundamental, options.upright);
+    }
     Ok(Found { solutions, floor: floors.into_iter().next() })
 }
 

@@ -5,6 +5,7 @@
 //! floor the most alike pairs are those of the floor and the epipolar ones come later.
 
 use super::correlation::mutual_matches;
+use super::densify::more_lines;
 use super::motion_lines::{MotionLineOptions, motion_lines, overlaps};
 use crate::Result;
 use crate::geometry::LinePair;
@@ -22,6 +23,8 @@ pub struct CandidateOptions {
     pub reserve: usize,
     /// The pairs in reserve are in the mutual top `mutual_reserve` of each other.
     pub mutual_reserve: usize,
+    /// Where fewer lines than this are informative, more are drawn near those that are; 0 keeps to the recording's.
+    pub densify: usize,
     /// What makes a line informative.
     pub informative: Informative,
     /// How motion lines are found; `None` keeps every pair.
@@ -35,6 +38,7 @@ impl Default for CandidateOptions {
             limit: 1000,
             reserve: 4000,
             mutual_reserve: 10,
+            densify: 0,
             informative: Informative::default(),
             motion_lines: Some(MotionLineOptions::default()),
         }
@@ -50,10 +54,6 @@ pub struct Candidate {
     pub segment_a: Segment,
     /// Line of B inside image B.
     pub segment_b: Segment,
-    /// Index of the line in recording A.
-    pub index_a: u32,
-    /// Index of the line in recording B.
-    pub index_b: u32,
     /// Normalised correlation of the two barcodes.
     pub correlation: f64,
 }
@@ -80,6 +80,34 @@ impl Candidates {
     }
 }
 
+/// Informative lines of one camera over the common frames.
+struct InformativeLines {
+    segments: Vec<Segment>,
+    barcodes: Barcodes,
+}
+
+/// The informative ones among the recording's lines, and as many more near them as `densify` asks for.
+fn informative_lines(
+    recording: &Recording,
+    frames: &[u32],
+    options: &CandidateOptions,
+    salt: u64,
+) -> InformativeLines {
+    let selected = recording.barcodes.select_frames(frames);
+    let rows = selected.informative(&options.informative);
+    let mut segments: Vec<Segment> = rows.iter().map(|&i| recording.segments[i as usize]).collect();
+    let mut barcodes = selected.select_rows(&rows);
+    let missing = options.densify.saturating_sub(rows.len());
+    if missing > 0 {
+        let (more, bits) = more_lines(recording, &rows, frames, missing, recording.seed ^ salt);
+        let kept = bits.informative(&options.informative);
+        segments.extend(kept.iter().map(|&i| more[i as usize]));
+        barcodes.count += kept.len();
+        barcodes.bits.extend(bits.select_rows(&kept).bits);
+    }
+    InformativeLines { segments, barcodes }
+}
+
 /// Finds candidates between two recordings whose frames correspond by `frame_pairs` (frame of A, frame of B).
 ///
 /// # Errors
@@ -90,16 +118,11 @@ pub fn find_candidates(
     frame_pairs: &[(u32, u32)],
     options: &CandidateOptions,
 ) -> Result<Candidates> {
-    let aligned = |recording: &Recording, frames: Vec<u32>| -> (Vec<u32>, Barcodes) {
-        let selected = recording.barcodes.select_frames(&frames);
-        let rows = selected.informative(&options.informative);
-        let barcodes = selected.select_rows(&rows);
-        (rows, barcodes)
-    };
-    let (rows_a, bits_a) = aligned(a, frame_pairs.iter().map(|p| p.0).collect());
-    let (rows_b, bits_b) = aligned(b, frame_pairs.iter().map(|p| p.1).collect());
+    let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = frame_pairs.iter().copied().unzip();
+    let lines_a = informative_lines(a, &frames_a, options, 1);
+    let lines_b = informative_lines(b, &frames_b, options, 2);
     let deep = options.mutual.max(options.mutual_reserve);
-    let mut matches = mutual_matches(&bits_a, &bits_b, deep, usize::MAX)?;
+    let mut matches = mutual_matches(&lines_a.barcodes, &lines_b.barcodes, deep, usize::MAX)?;
     // The paper's candidates first, each part best correlation first (the sort is stable).
     matches.sort_by_key(|m| m.rank as usize >= options.mutual);
     let paths =
@@ -107,16 +130,15 @@ pub fn find_candidates(
 
     let mut found = Candidates {
         limit: 0,
-        informative_a: rows_a.len(),
-        informative_b: rows_b.len(),
+        informative_a: lines_a.segments.len(),
+        informative_b: lines_b.segments.len(),
         ..Candidates::default()
     };
     for pair in matches {
         if found.pairs.len() >= options.reserve.max(options.limit) {
             break;
         }
-        let (index_a, index_b) = (rows_a[pair.a as usize], rows_b[pair.b as usize]);
-        let (segment_a, segment_b) = (a.segments[index_a as usize], b.segments[index_b as usize]);
+        let (segment_a, segment_b) = (lines_a.segments[pair.a as usize], lines_b.segments[pair.b as usize]);
         let (Some(line_a), Some(line_b)) = (segment_a.line(), segment_b.line()) else {
             continue;
         };
@@ -134,8 +156,6 @@ pub fn find_candidates(
             lines: LinePair { a: line_a, b: line_b },
             segment_a,
             segment_b,
-            index_a,
-            index_b,
             correlation: f64::from(pair.correlation),
         });
     }

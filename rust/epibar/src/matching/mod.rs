@@ -1,10 +1,11 @@
 //! Two cameras, lines only: which line of A moves like which line of B (paper §2 and §4.2).
 //!
-//! [`correlation`] compares barcodes by popcount, [`candidates`] keeps the mutual best, and
-//! [`motion_lines`] finds straight paths with heavy traffic, whose images correlate without being epipolar.
+//! [`mod@correlation`] compares barcodes by popcount, [`candidates`] keeps the mutual best, and
+//! [`mod@motion_lines`] finds straight paths with heavy traffic, whose images correlate without being epipolar.
 
 pub mod candidates;
 pub mod correlation;
+mod densify;
 pub mod motion_lines;
 
 pub use candidates::{Candidate, CandidateOptions, Candidates};

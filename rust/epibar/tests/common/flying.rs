@@ -3,6 +3,8 @@
 //! A silhouette is the hull of the eight projected corners; a pixel moves where its centre lies inside. So masks
 //! are exact up to rasterisation, and what remains of an error is the library's.
 
+use std::ops::Range;
+
 use epibar::{Recorder, RecorderOptions, Recording};
 use nalgebra::{Rotation3, Vector3};
 
@@ -31,7 +33,7 @@ impl Body {
             centre,
             reach: vector(0.7, 1.7).component_mul(&Vector3::new(1.0, 1.0, 0.6)),
             speed: vector(0.03, 0.11),
-            phase: vector(0.0, 6.28),
+            phase: vector(0.0, std::f64::consts::TAU),
             spin: vector(-0.05, 0.05),
         }
     }
@@ -83,9 +85,14 @@ impl Scene {
 
     /// The recording of one camera.
     pub fn record(&self, camera: usize, lines: usize) -> Recording {
+        self.record_frames(camera, lines, 0..self.frames)
+    }
+
+    /// The recording of a part of the frames.
+    pub fn record_frames(&self, camera: usize, lines: usize, frames: Range<usize>) -> Recording {
         let options = RecorderOptions { lines, seed: camera as u64, ..Default::default() };
         let mut recorder = Recorder::new(self.cameras[camera].size, options).unwrap();
-        for frame in 0..self.frames {
+        for frame in frames {
             recorder.push(&self.mask(camera, frame), frame as f64 / 25.0).unwrap();
         }
         recorder.finish().unwrap()

@@ -1,0 +1,347 @@
+"""Real recordings with known cameras: error over the volume where people moved, and what the verdict said.
+
+The recordings are no part of the project; without them this prints a message and does nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import time
+from argparse import ArgumentParser, Namespace
+from dataclasses import dataclass
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+from common import (
+    METHODS,
+    Array,
+    Method,
+    add_common,
+    mean,
+    names_of,
+    progress,
+    px,
+    table,
+    write_json,
+)
+
+import epibar
+from epibar import EpibarError, Recording
+from epibar.evaluation import (
+    GOOD_PAIR_PX,
+    PosedCamera,
+    compare,
+    fundamental_from_cameras,
+    matched_tangent_points,
+    moving_volume,
+    project,
+    projection_matrix,
+    symmetric_epipolar_distance,
+    triangulate,
+    volume_correspondences,
+)
+from epibar.intrinsics import Intrinsics, find_camera, load_cameras
+
+ROOT = Path(__file__).resolve().parents[1]
+LEAST_POINTS = 20
+MADE_BY = ("background", "foreground", "images", "intrinsics", "mask_array", "recorder", "recording", "video")
+"""Modules that decide what a recording holds: a cached one made by others is made anew."""
+
+
+@dataclass(frozen=True)
+class Data:
+    """One recording of several cameras: the files, by the name of the camera in ``cameras.toml``."""
+
+    folder: str
+    files: dict[str, str]
+    masks: bool
+    radius: float = 6.0
+    """Pixels between a tangent and its partner under the known F, when looking for where things moved."""
+
+
+def _numbered(pattern: str, name: str, numbers: range) -> dict[str, str]:
+    return {name.format(number): pattern.format(number) for number in numbers}
+
+
+DATA = {
+    "four_people": Data("four_people", _numbered("cam{}.avi", "cam{}", range(1, 4)), masks=True),
+    "hand_over_desk": Data("hand_over_desk", _numbered("cam{}.mp4", "cam{}", range(2)), masks=False),
+    "man_at_desk": Data("man_at_desk", _numbered("cam_{}.mp4", "cam_{}", range(4)), masks=False),
+    # The views of these are inconsistent by 3-8 px.
+    "walking": Data("room_of_people", _numbered("walking_cam{}.npz", "cam{}", range(1, 5)), True, 10.0),
+    "jumping": Data("room_of_people", _numbered("jumping_cam{}.npz", "cam{}", range(1, 5)), True, 10.0),
+}
+
+HEADER = [
+    "recording",
+    "pair",
+    "method",
+    "error, volume px",
+    "image px",
+    "verdict",
+    "expected px",
+    "source",
+    "points of the known F",
+    "known F there, px",
+    "our F there, px",
+    "points of our F",
+    "our F at those, px",
+    "known F at those, px",
+    "s",
+]
+
+
+@dataclass(frozen=True)
+class Result:
+    """One pair by one method. Distances in pixels, NaN where there is nothing to measure."""
+
+    recording: str
+    pair: str
+    method: str
+    error: float
+    image_error: float
+    accepted: bool
+    kind: str
+    reason: str
+    source: str
+    expected_error: float
+    points_known: int
+    known_on_known: float
+    ours_on_known: float
+    points_ours: int
+    ours_on_ours: float
+    known_on_ours: float
+    evidence: dict[str, float]
+    counts: dict[str, int]
+    seconds: float
+    F: list[list[float]] | None
+
+    @property
+    def good(self) -> bool:
+        """Error over the volume below 3 px."""
+        return self.error < GOOD_PAIR_PX
+
+    @property
+    def wrongly_accepted(self) -> bool:
+        """Accepted, though not good."""
+        return self.accepted and not self.good
+
+    def cells(self) -> list[str]:
+        """The result as a row of the table."""
+        verdict = "accepted" + (", wrongly" if self.wrongly_accepted else "")
+        return [
+            self.recording,
+            self.pair,
+            self.method,
+            px(self.error),
+            px(self.image_error),
+            verdict if self.accepted else self.kind,
+            px(self.expected_error),
+            self.source,
+            str(self.points_known),
+            px(self.known_on_known),
+            px(self.ours_on_known),
+            str(self.points_ours),
+            px(self.ours_on_ours),
+            px(self.known_on_ours),
+            f"{self.seconds:.1f}",
+        ]
+
+
+@dataclass(frozen=True)
+class View:
+    """A recorded camera whose pose is known."""
+
+    name: str
+    recording: Recording
+    posed: PosedCamera
+    hulls: list[list[Array]]
+
+
+def _cache_name(path: Path, camera: Intrinsics, lines: int, seed: int, foreground: str) -> str:
+    """Name the cached recording after everything in Python that it depends on."""
+    package = Path(epibar.__file__).parent
+    digest = hashlib.sha256()
+    for part in (path, path.parent / "cameras.toml", *(package / f"{module}.py" for module in MADE_BY)):
+        digest.update(part.read_bytes())
+    digest.update(repr((camera.name, lines, seed, foreground)).encode())
+    return f"{path.parent.name}_{path.stem}_{digest.hexdigest()[:16]}.npz"
+
+
+def record(
+    path: Path, masks: bool, camera: Intrinsics, lines: int, seed: int, foreground: str, cache: Path | None
+) -> Recording:
+    """Record a camera in undistorted pixels, or load it from the cache."""
+    cached = None if cache is None else cache / _cache_name(path, camera, lines, seed, foreground)
+    if cached is not None and cached.exists():
+        try:
+            return Recording.load(cached)
+        except EpibarError as error:
+            progress(f"recorded anew: {error}")
+    recording = epibar.record(
+        path,
+        lines=lines,
+        seed=seed,
+        name=path.stem,
+        masks=masks,
+        foreground=foreground,
+        intrinsics=camera,
+        progress=False,
+    )
+    for warning in recording.warnings:
+        progress(f"{path.name}: {warning}")
+    if cached is not None:
+        cached.parent.mkdir(parents=True, exist_ok=True)
+        recording.save(cached)
+    return recording
+
+
+def _view(path: Path, name: str, index: int, known: list[Intrinsics], data: Data, args: Namespace) -> View:
+    camera = find_camera(known, name, index)
+    started = time.perf_counter()
+    recording = record(path, data.masks, camera, args.lines, index, args.foreground, args.cache)
+    progress(
+        f"{path.parent.name}/{path.name}: {recording.frames} frames, {time.perf_counter() - started:.1f} s"
+    )
+    hulls = [recording.hulls(frame) for frame in range(recording.frames)]
+    return View(name, recording, camera.posed(), hulls)
+
+
+def _matched(a: View, b: View, F: Array, radius: float) -> tuple[Array, Array]:
+    """Match the tangents of two views under an F: (n, 2) pixels in each."""
+    frames = min(len(a.hulls), len(b.hulls))
+    points_a, points_b, _ = matched_tangent_points(
+        a.hulls[:frames], b.hulls[:frames], F, radius, a.recording.size, b.recording.size
+    )
+    return points_a, points_b
+
+
+def _volume(a: View, b: View, points: tuple[Array, Array]) -> tuple[Array, Array] | None:
+    """Correspondences over the box in which the matched tangents of known cameras lie."""
+    if len(points[0]) < LEAST_POINTS:
+        return None
+    world = triangulate(projection_matrix(a.posed), projection_matrix(b.posed), *points)
+    world = world[np.isfinite(world).all(axis=1)]
+    world = world[(project(a.posed, world)[1] > 0) & (project(b.posed, world)[1] > 0)]
+    if len(world) < LEAST_POINTS:
+        return None
+    return volume_correspondences(a.posed, b.posed, moving_volume(world))
+
+
+def _median(F: Array | None, points: tuple[Array, Array]) -> float:
+    """Median symmetric epipolar distance of points."""
+    if F is None or not len(points[0]):
+        return math.nan
+    return float(np.median(symmetric_epipolar_distance(F, *points)))
+
+
+def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int) -> Result:
+    """Calibrate a pair and hold it against the known cameras."""
+    started = time.perf_counter()
+    cal = epibar.calibrate(a.recording, b.recording, method=method, seed=seed)
+    seconds = time.perf_counter() - started
+    truth = fundamental_from_cameras(a.posed, b.posed)
+    known = _matched(a, b, truth, data.radius)
+    nothing = np.empty((0, 2)), np.empty((0, 2))
+    ours = nothing if cal.F is None else _matched(a, b, cal.F, data.radius)
+    error = image_error = math.nan
+    if cal.F is not None:
+        figures = compare(cal.F, truth, a.recording.size, b.recording.size, _volume(a, b, known))
+        error, image_error = figures.volume_error, figures.image_error
+    return Result(
+        recording=name,
+        pair=f"{a.name}-{b.name}",
+        method=method,
+        error=error,
+        image_error=image_error,
+        accepted=cal.accepted,
+        kind=cal.kind,
+        reason=cal.reason,
+        source=getattr(cal, "source", "unknown"),
+        expected_error=math.nan if cal.expected_error is None else cal.expected_error,
+        points_known=len(known[0]),
+        known_on_known=_median(truth, known),
+        ours_on_known=_median(cal.F, known),
+        points_ours=len(ours[0]),
+        ours_on_ours=_median(cal.F, ours),
+        known_on_ours=_median(truth, ours),
+        evidence=dict(cal.evidence),
+        counts=dict(cal.counts),
+        seconds=seconds,
+        F=None if cal.F is None else cal.F.tolist(),
+    )
+
+
+def summaries(results: list[Result]) -> list[dict[str, object]]:
+    """Return the figures of every recording by every method."""
+    rows = []
+    for method in sorted({r.method for r in results}):
+        for name in dict.fromkeys(r.recording for r in results):
+            group = [r for r in results if (r.method, r.recording) == (method, name)]
+            rows.append(
+                {
+                    "recording": name,
+                    "method": method,
+                    "pairs": len(group),
+                    "good": sum(r.good for r in group),
+                    "mean_good": mean(r.error for r in group if r.good),
+                    "accepted": sum(r.accepted for r in group),
+                    "wrongly_accepted": sum(r.wrongly_accepted for r in group),
+                    "refused_though_good": sum(r.good and not r.accepted for r in group),
+                    "seconds": mean(r.seconds for r in group),
+                }
+            )
+    return rows
+
+
+def _summary_cells(s: dict) -> list[str]:
+    counts = (str(s[key]) for key in ("accepted", "wrongly_accepted", "refused_though_good"))
+    good = [str(s["pairs"]), str(s["good"]), px(s["mean_good"])]
+    return [s["recording"], s["method"], *good, *counts, f"{s['seconds']:.1f}"]
+
+
+def main() -> None:
+    parser = ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("data_dir", nargs="?", type=Path, default=ROOT.parent / "shared" / "data")
+    add_common(parser, lines=20_000)
+    parser.add_argument("--only", type=names_of(DATA), default=list(DATA), help="some of: " + ",".join(DATA))
+    parser.add_argument("--pairs", help="only these pairs of cameras, such as cam1-cam2,cam1-cam3")
+    parser.add_argument("--method", choices=METHODS, default="frontier")
+    parser.add_argument("--foreground", choices=("mog2", "knn", "median"), default="mog2")
+    parser.add_argument("--seed", type=int, default=0, help="of the calibration (default %(default)s)")
+    parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")
+    args = parser.parse_args()
+    present = [name for name in args.only if (args.data_dir / DATA[name].folder / "cameras.toml").exists()]
+    if not present:
+        print(f"{args.data_dir}: none of {', '.join(args.only)} is there, so there is nothing to measure")
+        return
+
+    results: list[Result] = []
+    for name in present:
+        data, folder = DATA[name], args.data_dir / DATA[name].folder
+        pairs = [f"{a}-{b}" for a, b in combinations(data.files, 2)]
+        pairs = [pair for pair in pairs if args.pairs is None or pair in args.pairs.split(",")]
+        known = load_cameras(folder / "cameras.toml")
+        views = {
+            camera: _view(folder / file, camera, index, known, data, args)
+            for index, (camera, file) in enumerate(data.files.items())
+            if any(camera in pair.split("-") for pair in pairs)
+        }
+        for pair in pairs:
+            a, b = pair.split("-")
+            for method in METHODS[args.method]:
+                results.append(measure(name, data, views[a], views[b], method, args.seed))
+                if args.verbose:
+                    print(f"{name} {pair} {method}: {results[-1].reason}", flush=True)
+            write_json(args.json, args, results, summaries(results))
+    print(f"\n{args.lines} lines per camera, foreground of videos: {args.foreground}\n")
+    print(table(HEADER, (result.cells() for result in results)))
+    header = ["recording", "method", "pairs", "good", "mean px, good", "accepted", "wrongly accepted"]
+    header += ["refused though good", "s per pair"]
+    print("\n" + table(header, map(_summary_cells, summaries(results))))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,280 @@
+//! The whole job on a small scene: what is accepted, how far off it is, and what is refused.
+
+mod common;
+
+use std::sync::OnceLock;
+
+use common::cameras::error;
+use common::flying::Scene;
+use epibar::calibrate::{Kind, TimeOffset, common_frames, search_offset};
+use epibar::estimate::ransac::{Unwatched, Watch};
+use epibar::{
+    CalibrateOptions, Calibration, Error, Fundamental, Method, Recorder, RecorderOptions, Recording,
+    calibrate,
+};
+
+const LINES: usize = 4000;
+
+/// The scene that most tests share, recorded once.
+fn shared() -> &'static (Scene, [Recording; 2]) {
+    static SHARED: OnceLock<(Scene, [Recording; 2])> = OnceLock::new();
+    SHARED.get_or_init(|| {
+        let scene = Scene::new(5, 240, 1);
+        let recordings = scene.recordings(LINES);
+        (scene, recordings)
+    })
+}
+
+/// Fewer draws than by default, for time.
+fn options() -> CalibrateOptions {
+    CalibrateOptions { draws: 2500, ..Default::default() }
+}
+
+fn run(a: &Recording, b: &Recording, options: &CalibrateOptions) -> Calibration {
+    calibrate(a, b, options, &mut Unwatched).unwrap()
+}
+
+#[test]
+fn a_small_scene_is_accepted_and_right() {
+    let (scene, [a, b]) = shared();
+    let found = run(a, b, &CalibrateOptions::default());
+    assert!(found.verdict.accepted(), "{:?}", found.verdict);
+    let f = found.fundamental.unwrap();
+    let off = error(&f, &scene.cameras);
+    assert!(off < 0.3, "{off} px");
+    assert!(
+        error(&f.transposed(), &scene.cameras) > 10.0,
+        "a transposed matrix must not pass for the right one"
+    );
+    // What it expects of itself is of the size of what it is.
+    assert!(found.expected_error > off / 8.0 && found.expected_error < 0.5, "{}", found.expected_error);
+    assert!(found.evidence.z > 20.0 && found.evidence.z_tops > 5.0 && found.evidence.z_bottoms > 5.0);
+    assert_eq!((found.frames, found.inliers.len()), (240, found.candidates.best().len()));
+    assert!(found.time_offset.abs() < f64::EPSILON);
+    // The frontier points are correspondences of the true geometry, too.
+    assert!(found.frontier_points.len() > 500);
+    let truth = common::cameras::fundamental(&scene.cameras[0], &scene.cameras[1]);
+    let mut distances: Vec<f64> = found
+        .frontier_points
+        .iter()
+        .map(|p| epibar::geometry::symmetric_epipolar_distance(&truth, p.a, p.b))
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    assert!(distances[distances.len() / 2] < 0.6, "{}", distances[distances.len() / 2]);
+    assert!(found.frontier_points.iter().all(|p| (p.frame as usize) < scene.frames));
+    // The curve has its peak at shift 0.
+    let (first, rest) = found.shift_curve.split_first().unwrap();
+    assert!(first.shift == 0 && rest.len() > 20);
+    assert!(rest.iter().all(|s| s.score.total() < 0.3 * first.score.total()));
+}
+
+#[test]
+fn exchanged_cameras_give_the_transpose() {
+    let (scene, [a, b]) = shared();
+    let found = run(b, a, &options());
+    assert!(found.verdict.accepted(), "{:?}", found.verdict);
+    let f = found.fundamental.unwrap();
+    assert!(error(&f.transposed(), &scene.cameras) < 0.3);
+    assert!(error(&f, &scene.cameras) > 10.0);
+}
+
+#[test]
+fn line_pairs_alone_are_near() {
+    let (scene, [a, b]) = shared();
+    let found = run(a, b, &CalibrateOptions { method: Method::Lines, ..options() });
+    let off = error(&found.fundamental.unwrap(), &scene.cameras);
+    assert!(off < 6.0, "{off} px");
+    let inliers = found.inliers.iter().filter(|&&inlier| inlier).count();
+    assert!(inliers > 20, "{inliers}");
+}
+
+#[test]
+fn unrelated_recordings_are_refused() {
+    let (_, [a, _]) = shared();
+    for seed in [2, 3] {
+        let other = Scene::new(5, 240, seed).record(1, LINES);
+        let found = run(a, &other, &options());
+        assert!(!found.verdict.accepted(), "{:?}", found.verdict);
+        assert_eq!(found.verdict.kind, Kind::NoCommonScene, "{:?}", found.verdict);
+    }
+    // One scene at two times is as unrelated.
+    let scene = Scene::new(5, 400, 4);
+    let (early, late) = (scene.record_frames(0, LINES, 0..200), scene.record_frames(1, LINES, 200..400));
+    let found = run(&early, &late, &options());
+    assert!(!found.verdict.accepted(), "{:?}", found.verdict);
+}
+
+fn bits(f: &Fundamental) -> Vec<u64> {
+    f.matrix().iter().map(|v| v.to_bits()).collect()
+}
+
+#[test]
+fn a_seed_is_a_result_whatever_the_number_of_threads() {
+    let (scene, [a, b]) = shared();
+    let with = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| run(a, b, &CalibrateOptions { seed, ..options() }))
+    };
+    let (one, two) = (with(1, 5), with(2, 5));
+    assert_eq!(bits(&one.fundamental.unwrap()), bits(&two.fundamental.unwrap()));
+    assert_eq!(one.verdict, two.verdict);
+    assert_eq!(one.expected_error.to_bits(), two.expected_error.to_bits());
+    assert_eq!(one.frontier_points, two.frontier_points);
+    assert_eq!(one.candidates.pairs, two.candidates.pairs);
+    // Another seed draws anew and arrives at the same geometry.
+    let other = with(2, 6);
+    assert!(error(&other.fundamental.unwrap(), &scene.cameras) < 0.3);
+}
+
+/// Goes on until a stage, and counts.
+struct StopAt {
+    stage: &'static str,
+    stages: Vec<&'static str>,
+}
+
+impl Watch for StopAt {
+    fn keep_going(&mut self, stage: &'static str, done: f64) -> bool {
+        assert!((0.0..=1.0).contains(&done), "{stage}: {done}");
+        if self.stages.last() != Some(&stage) {
+            self.stages.push(stage);
+        }
+        stage != self.stage
+    }
+}
+
+#[test]
+fn every_stage_can_be_interrupted() {
+    let (_, [a, b]) = shared();
+    let options =
+        CalibrateOptions { draws: 600, time_offset: TimeOffset::Search { seconds: 0.1 }, ..options() };
+    let mut watch = StopAt { stage: "none", stages: Vec::new() };
+    calibrate(a, b, &options, &mut watch).unwrap();
+    let stages = watch.stages;
+    assert!(stages.len() >= 4 && stages[..2] == ["time offset", "candidates"], "{stages:?}");
+    for stage in stages {
+        let mut watch = StopAt { stage, stages: Vec::new() };
+        assert_eq!(calibrate(a, b, &options, &mut watch).unwrap_err(), Error::Interrupted, "{stage}");
+        assert_eq!(watch.stages.last(), Some(&stage), "nothing happens after that");
+    }
+    let lines = CalibrateOptions { method: Method::Lines, ..options };
+    let mut watch = StopAt { stage: "lines", stages: Vec::new() };
+    assert_eq!(calibrate(a, b, &lines, &mut watch).unwrap_err(), Error::Interrupted);
+}
+
+/// A recording without motion.
+fn still(like: &Recording) -> Recording {
+    let mut recorder =
+        Recorder::new(like.size, RecorderOptions { lines: LINES, ..Default::default() }).unwrap();
+    for &time in &like.times {
+        recorder.push(&vec![0; like.size.pixels()], time).unwrap();
+    }
+    recorder.finish().unwrap()
+}
+
+#[test]
+fn no_motion_is_too_little() {
+    let (_, [a, b]) = shared();
+    let (still_a, still_b) = (still(a), still(b));
+    for (a, b, which) in
+        [(&still_a, b, "camera A"), (a, &still_b, "camera B"), (&still_a, &still_b, "either")]
+    {
+        let found = run(a, b, &options());
+        assert_eq!(found.verdict.kind, Kind::TooLittleMotion);
+        assert!(found.verdict.reason.contains(which), "{}", found.verdict.reason);
+        assert!(found.fundamental.is_none() && found.expected_error.is_nan());
+        assert!(found.frontier_points.is_empty() && found.inliers.is_empty());
+    }
+}
+
+#[test]
+fn too_few_frames_are_too_little() {
+    let (scene, [a, b]) = shared();
+    let short = scene.record_frames(0, LINES, 0..10);
+    let found = run(&short, b, &options());
+    assert_eq!(found.verdict.kind, Kind::TooLittleMotion);
+    assert!(found.verdict.reason.contains("10 frames"), "{}", found.verdict.reason);
+    assert!(found.fundamental.is_none() && found.frames == 10);
+    // Enough frames in each, but not at the same time.
+    let apart = CalibrateOptions { time_offset: TimeOffset::Known(235.0), ..options() };
+    assert_eq!(run(a, b, &apart).verdict.kind, Kind::TooLittleMotion);
+}
+
+#[test]
+fn options_out_of_range() {
+    let (_, [a, b]) = shared();
+    let refused = |options: CalibrateOptions, argument: &str| {
+        let error = calibrate(a, b, &options, &mut Unwatched).unwrap_err();
+        assert!(matches!(error, Error::Argument { name, .. } if name == argument), "{error}");
+    };
+    refused(CalibrateOptions { draws: 0, ..options() }, "draws");
+    for max_expected_error in [0.0, -1.0, f64::NAN] {
+        refused(CalibrateOptions { max_expected_error, ..options() }, "max_expected_error");
+    }
+    for time_offset in [
+        TimeOffset::Known(f64::NAN),
+        TimeOffset::Known(f64::INFINITY),
+        TimeOffset::Search { seconds: 0.0 },
+        TimeOffset::Search { seconds: f64::NAN },
+    ] {
+        refused(CalibrateOptions { time_offset, ..options() }, "time_offset");
+    }
+    // An accuracy that cannot be met is refused with the matrix, not without.
+    let strict = CalibrateOptions { max_expected_error: 1e-4, ..options() };
+    let found = run(a, b, &strict);
+    assert_eq!(found.verdict.kind, Kind::Inaccurate);
+    assert!(found.fundamental.is_some());
+}
+
+/// Camera A started nine frames late: its frame i is B's frame i + 9.
+fn late() -> Recording {
+    shared().0.record_frames(0, LINES, 9..240)
+}
+
+#[test]
+fn the_time_offset_is_found_to_a_frame_or_so() {
+    let (scene, [_, b]) = shared();
+    let late = late();
+    for (a, b, expected) in [(&late, b, 9.0), (b, &late, -9.0)] {
+        let found = search_offset(a, b, 1.0, &mut Unwatched).unwrap();
+        assert!((found - expected).abs() < 1.5, "{found} for {expected}");
+    }
+    let search = CalibrateOptions { time_offset: TimeOffset::Search { seconds: 0.6 }, ..options() };
+    let found = run(&late, b, &search);
+    assert!((found.time_offset - 9.0).abs() < 1.5, "{}", found.time_offset);
+    assert!(!found.verdict.accepted() || error(&found.fundamental.unwrap(), &scene.cameras) < 3.0);
+    let known = CalibrateOptions { time_offset: TimeOffset::Known(9.0), ..options() };
+    let found = run(&late, b, &known);
+    assert!(found.verdict.accepted() && found.frames == 231, "{:?}", found.verdict);
+    assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.3);
+}
+
+#[test]
+#[ignore = "barcodes are a frame off here (8 for 9), which costs 1.7 px; F itself could tell the frame"]
+fn the_time_offset_is_exact() {
+    let (scene, [_, b]) = shared();
+    let search = CalibrateOptions { time_offset: TimeOffset::Search { seconds: 0.6 }, ..options() };
+    let found = run(&late(), b, &search);
+    assert!(found.verdict.accepted() && (found.time_offset - 9.0).abs() < 0.5, "{}", found.time_offset);
+    assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.3);
+}
+
+#[test]
+fn frames_meet_by_time() {
+    let (scene, [a, b]) = shared();
+    let frames = |pairs: &[(u32, u32)]| (pairs.len(), pairs[0], pairs[pairs.len() - 1]);
+    assert_eq!(frames(&common_frames(a, b, 0.0)), (240, (0, 0), (239, 239)));
+    assert_eq!(frames(&common_frames(a, b, 30.0)), (210, (0, 30), (209, 239)));
+    assert_eq!(frames(&common_frames(a, b, -30.0)), (210, (30, 0), (239, 209)));
+    // Clocks that start elsewhere: each counts from its own first frame.
+    let mut shifted = a.clone();
+    shifted.times.iter_mut().for_each(|time| *time += 1000.0);
+    assert_eq!(common_frames(&shifted, b, 5.0), common_frames(a, b, 5.0));
+    // Half the rate in A: its frame i is B's frame 2 i.
+    let mut slow = scene.record_frames(0, 1, 0..50);
+    slow.times.iter_mut().for_each(|time| *time *= 2.0);
+    let pairs = common_frames(&slow, b, 0.0);
+    assert!(pairs.len() == 50 && pairs.iter().all(|&(i, j)| j == 2 * i), "{pairs:?}");
+    let back = common_frames(b, &slow, 0.0);
+    assert!(back.iter().all(|&(i, j)| i.abs_diff(2 * j) <= 1), "{back:?}");
+    assert!((0..49).all(|j| back.contains(&(2 * j, j))), "{back:?}");
+}
