@@ -265,92 +265,182 @@ pub struct Comparison {
 
 /// Compares all tangents of two views under `F`.
 pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Comparison {
-    let a = Tangents::new(&views.a, f.epipole_a());
-    let b = Tangents::new(&views.b, f.epipole_b());
-    let same_side = keeps_side(f, views.a.size);
-    let pencil = PencilAngle::new(f.epipole_b(), views.b.size);
-    let mut angles = Vec::with_capacity(b.all.len());
-    // Lines of B's tangents, with their angle and how many pixels the line moves at the point per radian.
-    let lines_b: Vec<(Homogeneous, f64)> = b
-        .all
-        .iter()
-        .map(|t| {
-            let line = f.epipole_b().cross(&t.point);
-            let c = pencil.coordinates(&line);
-            angles.push((c.y.atan2(c.x), t.positive));
-            let turned = pencil.basis * Vector2::new(-c.y, c.x);
-            let back = normaliser(views.b.size).transpose() * turned;
-            (line, back.dot(&t.point).abs() / line.x.hypot(line.y).max(1e-300))
-        })
-        .collect();
-    let histogram = AngleHistogram::new(&angles);
-    let frames = views.frames();
+    let mut of_radius = compare_radii(views, f, &[options.radius], options.upright, options.shift);
+    of_radius.remove(0)
+}
 
-    let mut best: Option<Comparison> = None;
-    for sign in [1.0, -1.0] {
-        let mut score = FrontierScore::default();
-        let mut points = Vec::new();
-        let mut per_frame = vec![0.0; frames];
+/// Compares all tangents at several radii at once, pixels; one [`Comparison`] each.
+///
+/// `upright` and `shift` as in [`FrontierOptions`].
+pub fn compare_radii(
+    views: &Views,
+    f: &Fundamental,
+    radii: &[f64],
+    upright: bool,
+    shift: usize,
+) -> Vec<Comparison> {
+    let comparer = Comparer::new(views, f, upright, shift);
+    let frames = views.frames();
+    // Which of the two maps of rays holds shows on a few frames.
+    let few = |sign| {
+        let found = comparer.run(radii, sign, (0..frames).step_by(SIGN_STEP));
+        found.iter().map(|c| c.score.total()).sum::<f64>()
+    };
+    let sign = if few(-1.0) > few(1.0) { -1.0 } else { 1.0 };
+    comparer.run(radii, sign, 0..frames)
+}
+
+/// One in so many frames decides the sign of the map of rays.
+const SIGN_STEP: usize = 6;
+
+/// Tangents of both views from the epipoles of one `F`, and how often B's lie where.
+struct Comparer<'a> {
+    f: &'a Fundamental,
+    a: Tangents,
+    b: Tangents,
+    /// Lines of B's tangents, with how many pixels each moves at its point per radian.
+    lines_b: Vec<(Homogeneous, f64)>,
+    pencil: PencilAngle,
+    histogram: AngleHistogram,
+    same_side: bool,
+    size_b: ImageSize,
+    upright: bool,
+    shift: usize,
+}
+
+impl<'a> Comparer<'a> {
+    fn new(views: &Views, f: &'a Fundamental, upright: bool, shift: usize) -> Self {
+        let a = Tangents::new(&views.a, f.epipole_a());
+        let b = Tangents::new(&views.b, f.epipole_b());
+        let pencil = PencilAngle::new(f.epipole_b(), views.b.size);
+        let to_pixels = normaliser(views.b.size).transpose();
+        let mut angles = Vec::with_capacity(b.all.len());
+        let lines_b = b
+            .all
+            .iter()
+            .map(|t| {
+                let line = f.epipole_b().cross(&t.point);
+                let c = pencil.coordinates(&line);
+                angles.push((c.y.atan2(c.x), t.positive));
+                let back = to_pixels * (pencil.basis * Vector2::new(-c.y, c.x));
+                (line, back.dot(&t.point).abs() / line.x.hypot(line.y).max(1e-300))
+            })
+            .collect();
+        Self {
+            f,
+            a,
+            b,
+            lines_b,
+            histogram: AngleHistogram::new(&angles),
+            pencil,
+            same_side: keeps_side(f, views.a.size),
+            size_b: views.b.size,
+            upright,
+            shift,
+        }
+    }
+
+    /// Evidence of some frames under the map of rays `sign · F`, for each radius.
+    fn run(&self, radii: &[f64], sign: f64, chosen: impl Iterator<Item = usize>) -> Vec<Comparison> {
+        let frames = self.a.frame_start.len() - 1;
+        let mut found: Vec<Comparison> = radii
+            .iter()
+            .map(|_| Comparison {
+                score: FrontierScore::default(),
+                points: Vec::new(),
+                per_frame: vec![0.0; frames],
+            })
+            .collect();
         let mut scratch = Scratch::default();
-        for (frame, gained) in per_frame.iter_mut().enumerate() {
-            let frame_b = (frame + options.shift) % frames;
-            let base = b.frame_start[frame_b] as usize;
-            let (tangents_a, tangents_b) = (a.of(frame), b.of(frame_b));
-            scratch.nearest(f, tangents_a, tangents_b, &lines_b[base..], sign, same_side, options);
+        for frame in chosen {
+            let frame_b = (frame + self.shift) % frames;
+            let base = self.b.frame_start[frame_b] as usize;
+            let (tangents_a, tangents_b) = (self.a.of(frame), self.b.of(frame_b));
+            scratch.nearest(self, tangents_a, tangents_b, &self.lines_b[base..], sign);
             for (i, t) in tangents_a.iter().enumerate() {
                 let line = scratch.lines[i] * sign;
-                let c = pencil.coordinates(&line);
-                let class = match t.class {
-                    Class::Top => &mut score.tops,
-                    Class::Bottom => &mut score.bottoms,
-                };
-                class.tangents += 1;
+                let c = self.pencil.coordinates(&line);
                 let (distance, j) = scratch.best_a[i];
-                let matched = distance < options.radius && scratch.best_b[j].1 == i;
-                // Where the tangent would touch B: at its match, else where its line passes the image centre.
-                let (touch, lever) = if matched {
-                    (tangents_b[j].point, lines_b[base + j].1)
-                } else {
-                    centre_of_line(&pencil, &c, &line, views.b.size)
+                // One to one: a match is the nearest of both.
+                let met = (distance.is_finite() && scratch.best_b[j].1 == i).then(|| (base + j, distance));
+                let place = Place {
+                    met: met.map(|(j, d)| {
+                        (self.pixels_per_radian(&line, &self.b.all[j].point, self.lines_b[j].1), d)
+                    }),
+                    elsewhere: {
+                        let (point, lever) = centre_of_line(&self.pencil, &c, &line, self.size_b);
+                        self.pixels_per_radian(&line, &point, lever)
+                    },
+                    angle: c.y.atan2(c.x),
+                    positive: t.positive == self.same_side,
                 };
-                // A Sampson distance shares the gap between both views; near an epipole of A a pixel there is worth
-                // many in B, and a wide range of angles is within the radius.
-                let back = f.line_in_a(&touch);
-                let share = (back.x.powi(2) + back.y.powi(2)) / (line.x.powi(2) + line.y.powi(2)).max(1e-300);
-                let half = options.radius * (1.0 + share).sqrt() / lever.max(1e-9);
-                let near = histogram.count(c.y.atan2(c.x), half, t.positive == same_side);
-                // Poisson: the chance that at least one tangent of another moment lies this near.
-                let rate = (near + 0.5) / frames as f64;
-                let q = 1.0 - (-rate).exp();
-                let surprise = -q.ln();
-                let m = if matched { 1.0 - (distance / options.radius).powi(2) } else { 0.0 };
-                class.expected += q;
-                let gain = (m - q * 2.0 / 3.0) * surprise;
-                class.excess += gain;
-                *gained += gain;
-                if matched {
-                    class.matches += 1;
-                    let (p, r) = (&t.point, &tangents_b[j].point);
-                    points.push(FrontierPoint {
-                        frame: frame as u32,
-                        a: [p.x, p.y],
-                        b: [r.x, r.y],
-                        distance,
-                        surprise,
-                        class: t.class,
-                    });
+                for (radius, comparison) in radii.iter().zip(&mut found) {
+                    let gain = self.count(t, &place, *radius, comparison);
+                    comparison.per_frame[frame] += gain.excess;
+                    if let (true, Some((j, distance))) = (gain.matched, met) {
+                        let (p, r) = (&t.point, &self.b.all[j].point);
+                        comparison.points.push(FrontierPoint {
+                            frame: frame as u32,
+                            a: [p.x, p.y],
+                            b: [r.x, r.y],
+                            distance,
+                            surprise: gain.surprise,
+                            class: t.class,
+                        });
+                    }
                 }
             }
         }
-        if best.as_ref().is_none_or(|b| score.total() > b.score.total()) {
-            best = Some(Comparison { score, points, per_frame });
-        }
+        found
     }
-    best.unwrap_or(Comparison {
-        score: FrontierScore::default(),
-        points: Vec::new(),
-        per_frame: vec![0.0; frames],
-    })
+
+    /// Pixels of Sampson distance per radian where `line` touches B at `point`.
+    ///
+    /// A Sampson distance shares the gap between both views: near an epipole of A a pixel there is worth many in B,
+    /// and a wide range of angles is within the radius.
+    fn pixels_per_radian(&self, line: &Homogeneous, point: &Homogeneous, lever: f64) -> f64 {
+        let back = self.f.line_in_a(point);
+        let share = (back.x.powi(2) + back.y.powi(2)) / (line.x.powi(2) + line.y.powi(2)).max(1e-300);
+        (lever / (1.0 + share).sqrt()).max(1e-9)
+    }
+
+    /// Adds one tangent of A to the score of its class.
+    fn count(&self, t: &Tangent, place: &Place, radius: f64, comparison: &mut Comparison) -> Gain {
+        let class = match t.class {
+            Class::Top => &mut comparison.score.tops,
+            Class::Bottom => &mut comparison.score.bottoms,
+        };
+        let met = place.met.filter(|(_, distance)| *distance < radius);
+        let half = radius / met.map_or(place.elsewhere, |(lever, _)| lever);
+        // Poisson: the chance that at least one tangent of another moment lies this near.
+        let near = self.histogram.count(place.angle, half, place.positive);
+        let q = 1.0 - (-(near + 0.5) / (self.b.frame_start.len() - 1) as f64).exp();
+        let surprise = -q.ln();
+        let m = met.map_or(0.0, |(_, distance)| 1.0 - (distance / radius).powi(2));
+        let excess = (m - q * 2.0 / 3.0) * surprise;
+        class.tangents += 1;
+        class.matches += usize::from(met.is_some());
+        class.expected += q;
+        class.excess += excess;
+        Gain { excess, surprise, matched: met.is_some() }
+    }
+}
+
+/// Where a tangent of A falls in the pencil of B.
+struct Place {
+    /// Pixels per radian and distance of the tangent that it meets.
+    met: Option<(f64, f64)>,
+    /// Pixels per radian where its line passes the image centre.
+    elsewhere: f64,
+    angle: f64,
+    positive: bool,
+}
+
+/// What one tangent adds to the evidence.
+struct Gain {
+    excess: f64,
+    surprise: f64,
+    matched: bool,
 }
 
 /// The point of `line` nearest the image centre, clamped into the image, and its pixels per radian.
@@ -380,17 +470,15 @@ struct Scratch {
 
 impl Scratch {
     /// For each tangent of A the nearest of B that it may meet, and the reverse.
-    #[allow(clippy::too_many_arguments, reason = "one inner loop, split from its caller to be read alone")]
     fn nearest(
         &mut self,
-        f: &Fundamental,
+        comparer: &Comparer,
         a: &[Tangent],
         b: &[Tangent],
         lines_b: &[(Homogeneous, f64)],
         sign: f64,
-        same_side: bool,
-        options: &FrontierOptions,
     ) {
+        let Comparer { f, same_side, upright, .. } = *comparer;
         self.lines.clear();
         self.best_a.clear();
         self.best_b.clear();
@@ -403,15 +491,13 @@ impl Scratch {
                 if (t.positive == u.positive) != same_side {
                     continue;
                 }
-                if options.upright && t.class != u.class && !t.steep && !u.steep {
+                if upright && t.class != u.class && !t.steep && !u.steep {
                     continue;
                 }
                 if lines_b[j].0.dot(&line) * sign <= 0.0 {
                     continue;
                 }
                 let algebraic = u.point.dot(&line);
-                // Cheap refusal before the line in A is needed: Sampson ≥ |algebraic| / (norm_b + norm_a) is not
-                // bounded without it, so compute it only where the distance in B alone is near.
                 let back = f.line_in_a(&u.point);
                 let denominator = norm + back.x * back.x + back.y * back.y;
                 let distance = (algebraic * algebraic / denominator.max(1e-300)).sqrt();

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::explore::explore;
 use super::floor::{Floor, FloorEpipoles, find_floors};
-use super::frontier::{FrontierOptions, compare, frontier_score};
+use super::frontier::{FrontierOptions, compare_radii, frontier_score};
 use super::line_model::LineModel;
 use super::optimise::{SevenParameters, Step};
 use super::ransac::{Estimator, Scored, Watch, generator, ransac};
@@ -142,12 +142,11 @@ pub struct Weighed {
 
 /// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
 pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
-    let (scale, exchanged, transposed) = (pixel_scale(views), views.exchanged(), f.transposed());
+    let radii = RADII.map(|r| r * pixel_scale(views));
+    let there = compare_radii(views, f, &radii, upright, 0);
+    let back = compare_radii(&views.exchanged(), &f.transposed(), &radii, upright, 0);
     let mut best = Weighed { total: f64::NEG_INFINITY, ..Weighed::default() };
-    for radius in RADII.map(|r| r * scale) {
-        let options = FrontierOptions { radius, upright, shift: 0 };
-        let there = compare(views, f, &options);
-        let back = compare(&exchanged, &transposed, &options);
+    for ((radius, there), back) in radii.into_iter().zip(there).zip(back) {
         let total = 0.5 * (there.score.total() + back.score.total());
         if total > best.total {
             let per_frame = there.per_frame.iter().zip(&back.per_frame).map(|(p, q)| 0.5 * (p + q)).collect();
@@ -157,6 +156,8 @@ pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
     best
 }
 
+/// A solution with less than this share of the best one's evidence is not walked from.
+const WORTH_EXPLORING: f64 = 0.7;
 /// How many of the best solutions are walked from.
 const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
@@ -321,6 +322,9 @@ pub fn search(
     let mut solutions = searcher.distinct(finalists, 0.5 * searcher.scale, 12);
     for k in 0..solutions.len().min(EXPLORED) {
         going(0.85 + 0.05 * k as f64)?;
+        if solutions[k].evidence < WORTH_EXPLORING * solutions[0].evidence {
+            break;
+        }
         let walked = explore(all, &solutions[k].clone(), searcher.scale, options.upright);
         solutions.extend(walked);
     }
