@@ -246,7 +246,6 @@ fn the_time_offset_is_found_to_a_frame_or_so() {
 }
 
 #[test]
-#[ignore = "barcodes are a frame off here (8 for 9), which costs 1.7 px; F itself could tell the frame"]
 fn the_time_offset_is_exact() {
     let (scene, [_, b]) = shared();
     let search = CalibrateOptions { time_offset: TimeOffset::Search { seconds: 0.6 }, ..options() };

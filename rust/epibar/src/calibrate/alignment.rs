@@ -50,7 +50,7 @@ pub fn common_frames(a: &Recording, b: &Recording, offset: f64) -> Vec<(u32, u32
     };
     let (step_a, step_b) = (interval(a), interval(b));
     let tolerance = 0.6 * step_a.min(step_b);
-    let same_rate = (step_a / step_b - 1.0).abs() < 1e-4;
+    let same_rate = (step_a / step_b - 1.0).abs() < 1e-4 && is_regular(a, step_a) && is_regular(b, step_b);
     let mut next = 0;
     let mut pairs = Vec::new();
     for (i, time) in a.times.iter().enumerate() {
@@ -71,6 +71,11 @@ pub fn common_frames(a: &Recording, b: &Recording, offset: f64) -> Vec<(u32, u32
         }
     }
     pairs
+}
+
+/// Whether no frame is missing: every step is within half of the usual one.
+fn is_regular(recording: &Recording, step: f64) -> bool {
+    recording.times.windows(2).all(|t| ((t[1] - t[0]) / step - 1.0).abs() < 0.5)
 }
 
 /// Lines of each camera that take part in the search for the offset.

@@ -13,7 +13,7 @@ pub use verdict::{Kind, Verdict};
 use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
 use crate::estimate::line_model::LineModel;
 use crate::estimate::ransac::{Watch, ransac};
-use crate::estimate::search::{Found, SearchOptions, Solution, Source, search};
+use crate::estimate::search::{Found, SearchOptions, Solution, Source, evidence, search};
 use crate::estimate::views::{Views, busy_frames};
 use crate::geometry::Fundamental;
 use crate::matching::candidates::find_candidates;
@@ -152,10 +152,47 @@ pub fn calibrate(
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
     check(options)?;
-    let offset = match options.time_offset {
-        TimeOffset::Known(offset) => offset,
-        TimeOffset::Search { seconds } => search_offset(a, b, seconds, watch)?,
+    match options.time_offset {
+        TimeOffset::Known(offset) => calibrate_at(a, b, offset, options, watch),
+        TimeOffset::Search { seconds } => {
+            let offset = search_offset(a, b, seconds, watch)?;
+            let first = calibrate_at(a, b, offset, options, watch)?;
+            let better = first.fundamental.map(|f| sharpened(a, b, &f, offset, options.upright));
+            match better {
+                Some(better) if better != offset => calibrate_at(a, b, better, options, watch),
+                _ => Ok(first),
+            }
+        }
+    }
+}
+
+/// The whole frame near `offset` at which `f` has most evidence: barcodes find the offset to a frame or two.
+fn sharpened(a: &Recording, b: &Recording, f: &Fundamental, offset: f64, upright: bool) -> f64 {
+    const REACH: i32 = 3;
+    let weigh = |at: f64| {
+        let pairs = common_frames(a, b, at);
+        if pairs.len() < MIN_FRAMES {
+            return f64::NEG_INFINITY;
+        }
+        evidence(&Views::new(a, b, &busy_frames(a, b, &pairs, 400)), f, upright).total
     };
+    let own = weigh(offset);
+    (-REACH..=REACH)
+        .map(|k| offset + f64::from(k))
+        .map(|at| (weigh(at), at))
+        .filter(|(total, _)| *total > own)
+        .max_by(|p, q| p.0.total_cmp(&q.0))
+        .map_or(offset, |(_, at)| at)
+}
+
+/// [`calibrate`] at a known offset.
+fn calibrate_at(
+    a: &Recording,
+    b: &Recording,
+    offset: f64,
+    options: &CalibrateOptions,
+    watch: &mut dyn Watch,
+) -> Result<Calibration> {
     let pairs = common_frames(a, b, offset);
     let refuse = |verdict, candidates| Ok(Calibration::refused(verdict, offset, pairs.len(), candidates));
     if pairs.len() < MIN_FRAMES {
@@ -264,7 +301,13 @@ fn by_lines(
         .into_iter()
         .map(|scored| {
             let fundamental = model.optimise(&scored.model);
-            Solution { fundamental, fitted: fundamental, evidence: scored.score, source: Source::BestLines }
+            Solution {
+                fundamental,
+                fitted: fundamental,
+                evidence: scored.score,
+                chance: 0.0,
+                source: Source::BestLines,
+            }
         })
         .collect();
     Ok(Found { solutions, floor: None })

@@ -118,7 +118,10 @@ const RIVAL_Z: f64 = 2.5;
 /// Share of the radius at which outlines agree that counts as a systematic error.
 const COARSE_SHARE: f64 = 1.0;
 /// Error that rasterisation leaves even in exact masks, pixels of a 640×480 image.
-const GRID_ERROR: f64 = 0.03;
+const GRID_ERROR: f64 = 0.06;
+/// The covariance knows the noise of the outlines but not what all of them share; twice its error is what
+/// `benchmarks/frontier.py` finds to hold for about nine pairs in ten.
+const FIT_FACTOR: f64 = 2.0;
 
 pub(super) struct Case<'a> {
     pub views: &'a Views,
@@ -193,7 +196,7 @@ pub(super) fn judge(case: &Case) -> Judged {
     // Outlines that agree only at a wide radius are inconsistent between the views, and what they share of that
     // does not average out; exact masks still carry the grid of pixels.
     let coarseness = COARSE_SHARE * (own.radius - 1.5 * scale).max(0.0);
-    let error = fit_error.hypot(spread_error).hypot(coarseness).hypot(GRID_ERROR * scale);
+    let error = (FIT_FACTOR * fit_error).hypot(spread_error).hypot(coarseness).hypot(GRID_ERROR * scale);
 
     let verdict = decide(case, &evidence_now, &points, error, &rivals, radius);
     Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points }

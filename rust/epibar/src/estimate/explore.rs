@@ -70,7 +70,7 @@ pub fn explore(views: &Views, start: &Solution, scale: f64, upright: bool) -> Ve
             .filter_map(|step| {
                 let f = at.stepped(step).fundamental()?;
                 let refined = refine(views, &f, &[2.0 * radius, radius], 3, upright)?;
-                let evidence = evidence(views, &refined, upright).total;
+                let evidence = evidence(views, &refined, upright).total - start.chance;
                 evidence.is_finite().then_some(Solution {
                     fundamental: refined,
                     fitted: refined,

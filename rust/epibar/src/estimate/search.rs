@@ -86,8 +86,10 @@ pub struct Solution {
     pub fundamental: Fundamental,
     /// The same fitted to the training frames only.
     pub fitted: Fundamental,
-    /// Excess over chance of its tangents, at the radius that gives most.
+    /// Excess over chance of its tangents, at the radius that gives most, less `chance`.
     pub evidence: f64,
+    /// The same excess with the clocks shifted: what the model of chance missed.
+    pub chance: f64,
     /// The hypotheses it grew from.
     pub source: Source,
 }
@@ -158,6 +160,24 @@ pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
 
 /// A solution with less than this share of the best one's evidence is not walked from.
 const WORTH_EXPLORING: f64 = 0.7;
+/// Shifts of the clocks that tell what evidence is by chance.
+const CHANCE_SHIFTS: usize = 5;
+
+/// Mean evidence at `radius` with the clocks shifted, not below nought.
+///
+/// The score's own model of chance takes moments as independent; where the same places are busy all the time
+/// a wrong geometry may beat it, and does so at every shift.
+pub fn chance_level(views: &Views, f: &Fundamental, radius: f64, upright: bool) -> f64 {
+    let frames = views.frames();
+    let sum: f64 = (1..=CHANCE_SHIFTS)
+        .map(|k| {
+            let shift = k * frames / (CHANCE_SHIFTS + 1);
+            frontier_score(views, f, &FrontierOptions { radius, upright, shift }).total()
+        })
+        .sum();
+    (sum / CHANCE_SHIFTS as f64).max(0.0)
+}
+
 /// How many of the best solutions are walked from.
 const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
@@ -207,8 +227,10 @@ impl Searcher<'_> {
             .par_iter()
             .filter_map(|(f, source)| {
                 let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
-                let evidence = evidence(&self.comparing, &refined, self.options.upright).total;
-                Some(Solution { fundamental: refined, fitted: refined, evidence, source: *source })
+                let weighed = evidence(&self.comparing, &refined, self.options.upright);
+                let chance = chance_level(&self.comparing, &refined, weighed.radius, self.options.upright);
+                let evidence = weighed.total - chance;
+                Some(Solution { fundamental: refined, fitted: refined, evidence, chance, source: *source })
             })
             .collect()
     }
@@ -282,7 +304,14 @@ pub fn search(
             views: &searcher.scoring,
             options: searcher.coarse(),
         };
-        let best = ransac(&estimator, options.draws, 300, seed ^ source as u64, source.name(), watch)?;
+        let best = ransac(
+            &estimator,
+            options.draws,
+            300,
+            seed.wrapping_add((source as u64 + 1) << 56),
+            source.name(),
+            watch,
+        )?;
         scored.extend(best.into_iter().map(|s| (s, source)));
     }
     let floors = find_floors(candidates.best(), all.sizes(), seed, 3, watch)?;
@@ -315,8 +344,10 @@ pub fn search(
         .take(12)
         .filter_map(|s| {
             let fundamental = polish(all, &s.fundamental, options.upright);
-            let evidence = evidence(all, &fundamental, options.upright).total;
-            evidence.is_finite().then_some(Solution { fundamental, evidence, ..s.clone() })
+            let weighed = evidence(all, &fundamental, options.upright);
+            let chance = chance_level(all, &fundamental, weighed.radius, options.upright);
+            let evidence = weighed.total - chance;
+            evidence.is_finite().then_some(Solution { fundamental, evidence, chance, ..s.clone() })
         })
         .collect();
     let mut solutions = searcher.distinct(finalists, 0.5 * searcher.scale, 12);
