@@ -215,6 +215,9 @@ fn calibrate_at(
 
     let views = Views::new(a, b, &pairs);
     let busy = busy_frames(a, b, &pairs, usize::MAX);
+    if busy.len() < MIN_FRAMES {
+        return refuse(Verdict::too_few_silhouettes(busy.len(), MIN_FRAMES), candidates);
+    }
     // Fit on blocks of frames, test on every third block.
     let block = (busy.len() / 24).clamp(4, 64);
     let (train, test): (Vec<_>, Vec<_>) = busy.iter().enumerate().partition(|(i, _)| i / block % 3 != 2);

@@ -71,6 +71,16 @@ impl Verdict {
         )
     }
 
+    pub(super) fn too_few_silhouettes(frames: usize, least: usize) -> Self {
+        Self::new(
+            Kind::TooLittleMotion,
+            format!(
+                "Only {frames} frames show something larger than specks moving in both cameras; at least {least} are \
+                 needed."
+            ),
+        )
+    }
+
     /// Refuses where a camera has hardly any informative line.
     pub(super) fn too_little_motion(candidates: &Candidates) -> Option<Self> {
         let (a, b) = (candidates.informative_a, candidates.informative_b);

@@ -19,7 +19,10 @@ pub type Correspondence = ([f64; 2], [f64; 2]);
 const TRIES: usize = 12;
 
 fn random_hull<'v>(view: &'v View, random: &mut rand_pcg::Pcg64Mcg) -> Option<&'v [[f64; 2]]> {
-    let frame = random.random_range(0..view.frames().max(1));
+    if view.frames() == 0 {
+        return None;
+    }
+    let frame = random.random_range(0..view.frames());
     let count = view.hulls_of(frame).count();
     if count == 0 {
         return None;

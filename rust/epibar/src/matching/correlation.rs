@@ -12,10 +12,12 @@ use rayon::prelude::*;
 use crate::recording::Barcodes;
 use crate::{Error, Result};
 
-/// Rows of A handled together: their barcodes stay in the first-level cache while B streams by.
+/// Rows of A by which the work is divided.
 const ROW_BLOCK: usize = 64;
 /// Rows of B handled together.
 const COLUMN_BLOCK: usize = 256;
+/// Rows of B whose counts are in registers at a time.
+const GROUP: usize = 32;
 
 /// Correlation of two barcodes of `frames` frames from their counts.
 pub fn correlation(frames: u32, ones_a: u32, ones_b: u32, common: u32) -> f64 {
@@ -82,8 +84,9 @@ impl Best {
         }
     }
 
+    /// Scores up to this are of no interest; only positive ones are.
     fn threshold(&self) -> f32 {
-        if self.entries.len() < self.k { f32::NEG_INFINITY } else { self.entries[self.k - 1].0 }
+        if self.entries.len() < self.k { 0.0 } else { self.entries[self.k - 1].0 }
     }
 
     fn place(&self, index: u32) -> Option<usize> {
@@ -160,40 +163,68 @@ fn scan(
 ) -> (Vec<Best>, Vec<Best>) {
     let mut rows = vec![Best::new(mutual); range.len()];
     let mut columns = vec![Best::new(mutual); b.count];
-    let n = a.frames as f32;
     let level = Level::available()[0];
-    let mut counts = [0u32; COLUMN_BLOCK];
+    let mut block = ColumnBlock::new(b.words_per);
     let mut scores = [0f32; COLUMN_BLOCK];
-    for row_start in range.clone().step_by(ROW_BLOCK) {
-        let row_end = (row_start + ROW_BLOCK).min(range.end);
-        for column_start in (0..b.count).step_by(COLUMN_BLOCK) {
-            let column_end = (column_start + COLUMN_BLOCK).min(b.count);
-            let block = &stats_b[column_start..column_end];
-            for i in row_start..row_end {
-                let sa = stats_a[i];
-                if sa.scale == 0.0 {
-                    continue;
-                }
-                level.common_counts(a.row(i), b, column_start, &mut counts[..block.len()]);
-                for ((score, &count), sb) in scores.iter_mut().zip(&counts).zip(block) {
-                    *score = (n * count as f32 - sa.ones * sb.ones) * (sa.scale * sb.scale);
-                }
-                let best = &mut rows[i - range.start];
-                for (offset, &score) in scores[..block.len()].iter().enumerate() {
-                    if score > 0.0 {
-                        let j = column_start + offset;
-                        if score > best.threshold() {
-                            best.offer(score, j as u32);
-                        }
-                        if score > columns[j].threshold() {
-                            columns[j].offer(score, i as u32);
-                        }
+    for first in (0..b.count).step_by(COLUMN_BLOCK) {
+        block.load(b, stats_b, first);
+        for i in range.clone() {
+            if stats_a[i].scale == 0.0 {
+                continue;
+            }
+            let best = &mut rows[i - range.start];
+            let hits =
+                level.scores(a.row(i), a.frames as f32, stats_a[i], &block, best.threshold(), &mut scores);
+            for group in (0..COLUMN_BLOCK / GROUP).filter(|g| hits >> g & 1 == 1) {
+                for offset in group * GROUP..(group + 1) * GROUP {
+                    let (score, j) = (scores[offset], first + offset);
+                    if score > best.threshold() {
+                        best.offer(score, j as u32);
+                    }
+                    if score > block.thresholds[offset] {
+                        columns[j].offer(score, i as u32);
+                        block.thresholds[offset] = columns[j].threshold();
                     }
                 }
             }
         }
     }
     (rows, columns)
+}
+
+/// Rows of B side by side: word `w` of all of them, then word `w + 1`, so that one vector holds one word of many.
+struct ColumnBlock {
+    words: usize,
+    bits: Vec<u64>,
+    ones: [f32; COLUMN_BLOCK],
+    scales: [f32; COLUMN_BLOCK],
+    /// A score up to this does not concern the column: none but positive ones count.
+    thresholds: [f32; COLUMN_BLOCK],
+}
+
+impl ColumnBlock {
+    fn new(words: usize) -> Self {
+        Self {
+            words,
+            bits: vec![0; words * COLUMN_BLOCK],
+            ones: [0.0; COLUMN_BLOCK],
+            scales: [0.0; COLUMN_BLOCK],
+            thresholds: [0.0; COLUMN_BLOCK],
+        }
+    }
+
+    /// Takes the rows from `first` on; places beyond the last row get a scale of nought, and so never a score.
+    fn load(&mut self, b: &Barcodes, stats: &[RowStats], first: usize) {
+        self.thresholds.fill(0.0);
+        for offset in 0..COLUMN_BLOCK {
+            let j = first + offset;
+            let (ones, scale) = stats.get(j).map_or((0.0, 0.0), |s| (s.ones, s.scale));
+            (self.ones[offset], self.scales[offset]) = (ones, scale);
+            for w in 0..self.words {
+                self.bits[w * COLUMN_BLOCK + offset] = if j < b.count { b.row(j)[w] } else { 0 };
+            }
+        }
+    }
 }
 
 /// How the popcount kernel is compiled: one body for what the CPU has, of which the plain one is the oracle.
@@ -218,23 +249,32 @@ impl Level {
         levels
     }
 
-    /// Popcount of the AND of `row` with consecutive rows of `b`, from `first` on.
-    fn common_counts(self, row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
+    /// Correlations of `row` with the rows of a block. Bit `g` of the result is set where group `g` of columns has a
+    /// score above `threshold` or above that of its column.
+    fn scores(
+        self,
+        row: &[u64],
+        frames: f32,
+        stats: RowStats,
+        block: &ColumnBlock,
+        threshold: f32,
+        scores: &mut [f32; COLUMN_BLOCK],
+    ) -> u64 {
         match self {
-            Self::Plain => common_counts(row, b, first, counts),
+            Self::Plain => correlations(row, frames, stats, block, threshold, scores),
             // SAFETY: a level exists only where its features were detected, see `available`.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => unsafe { x86::avx2(row, b, first, counts) },
+            Self::Avx2 => unsafe { x86::avx2(row, frames, stats, block, threshold, scores) },
             // SAFETY: as above.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => unsafe { x86::avx512(row, b, first, counts) },
+            Self::Avx512 => unsafe { x86::avx512(row, frames, stats, block, threshold, scores) },
         }
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Barcodes, Level, common_counts};
+    use super::{COLUMN_BLOCK, ColumnBlock, Level, RowStats, correlations};
 
     pub(super) fn available() -> Vec<Level> {
         let avx512 = is_x86_feature_detected!("avx512f")
@@ -247,22 +287,60 @@ mod x86 {
     }
 
     #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512vpopcntdq")]
-    pub(super) fn avx512(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
-        common_counts(row, b, first, counts);
+    pub(super) fn avx512(
+        row: &[u64],
+        frames: f32,
+        stats: RowStats,
+        block: &ColumnBlock,
+        threshold: f32,
+        scores: &mut [f32; COLUMN_BLOCK],
+    ) -> u64 {
+        correlations(row, frames, stats, block, threshold, scores)
     }
 
     #[target_feature(enable = "avx2,popcnt")]
-    pub(super) fn avx2(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
-        common_counts(row, b, first, counts);
+    pub(super) fn avx2(
+        row: &[u64],
+        frames: f32,
+        stats: RowStats,
+        block: &ColumnBlock,
+        threshold: f32,
+        scores: &mut [f32; COLUMN_BLOCK],
+    ) -> u64 {
+        correlations(row, frames, stats, block, threshold, scores)
     }
 }
 
 #[inline(always)]
 #[allow(clippy::inline_always, reason = "the body must be compiled under each target feature")]
-fn common_counts(row: &[u64], b: &Barcodes, first: usize, counts: &mut [u32]) {
-    for (offset, count) in counts.iter_mut().enumerate() {
-        *count = row.iter().zip(b.row(first + offset)).map(|(x, y)| (x & y).count_ones()).sum();
+fn correlations(
+    row: &[u64],
+    frames: f32,
+    stats: RowStats,
+    block: &ColumnBlock,
+    threshold: f32,
+    scores: &mut [f32; COLUMN_BLOCK],
+) -> u64 {
+    let mut hits = 0;
+    for group in 0..COLUMN_BLOCK / GROUP {
+        let at = group * GROUP;
+        let mut counts = [0u64; GROUP];
+        for (w, word) in row.iter().enumerate() {
+            let columns = &block.bits[w * COLUMN_BLOCK + at..][..GROUP];
+            for (count, column) in counts.iter_mut().zip(columns) {
+                *count += u64::from((word & column).count_ones());
+            }
+        }
+        let mut hit = false;
+        for (k, &count) in counts.iter().enumerate() {
+            let score = (frames * count as f32 - stats.ones * block.ones[at + k])
+                * (stats.scale * block.scales[at + k]);
+            scores[at + k] = score;
+            hit |= score > threshold.min(block.thresholds[at + k]);
+        }
+        hits |= u64::from(hit) << group;
     }
+    hits
 }
 
 #[cfg(test)]
@@ -270,7 +348,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_level_counts_what_the_bits_say() {
+    fn every_level_scores_what_the_bits_say() {
         let mut state = 1u64;
         let mut word = || {
             state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
@@ -278,19 +356,28 @@ mod tests {
         };
         let levels = Level::available();
         assert_eq!(levels.last(), Some(&Level::Plain));
-        // Fewer words than a vector, exactly one, and every remainder beyond.
         for words in (1..=20).chain([64, 157]) {
-            let mut b = Barcodes::zeros(23, 64 * words);
+            // Fewer rows than a block holds.
+            let mut b = Barcodes::zeros(83, 64 * words);
             b.bits.fill_with(&mut word);
-            let row: Vec<u64> = (0..words).map(|_| word()).collect();
+            let mut a = Barcodes::zeros(1, 64 * words);
+            a.bits.fill_with(&mut word);
+            let mut block = ColumnBlock::new(words);
+            block.load(&b, &stats(&b), 3);
             let bit = |words: &[u64], i: usize| words[i / 64] >> (i % 64) & 1 == 1;
-            let expected: Vec<u32> = (3..23)
-                .map(|j| (0..64 * words).filter(|&i| bit(&row, i) && bit(b.row(j), i)).count() as u32)
-                .collect();
+            let frames = 64 * words;
             for &level in &levels {
-                let mut counts = vec![u32::MAX; 20];
-                level.common_counts(&row, &b, 3, &mut counts);
-                assert_eq!(counts, expected, "{level:?}, {words} words");
+                let mut scores = [f32::NAN; COLUMN_BLOCK];
+                let hits = level.scores(a.row(0), frames as f32, stats(&a)[0], &block, 0.0, &mut scores);
+                for j in 3..83 {
+                    let common = (0..frames).filter(|&i| bit(a.row(0), i) && bit(b.row(j), i)).count() as u32;
+                    let expected = correlation(frames as u32, a.ones(0), b.ones(j), common);
+                    assert!((f64::from(scores[j - 3]) - expected).abs() < 1e-4, "{level:?}, {words} words");
+                    if expected > 1e-4 {
+                        assert_eq!(hits >> ((j - 3) / GROUP) & 1, 1);
+                    }
+                }
+                assert!(scores[80..].iter().all(|s| *s == 0.0));
             }
         }
     }
