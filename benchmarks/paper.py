@@ -112,7 +112,7 @@ def cells(s: dict) -> list[str]:
 
 def main() -> None:
     parser = ArgumentParser(description=__doc__.splitlines()[0])
-    add_common(parser, lines=60_000)
+    add_common(parser, lines=100_000)
     parser.add_argument("--seeds", type=numbers, default=[1], help="such as 1-5 (default 1)")
     parser.add_argument("--frames", type=natural, default=800, help="per camera (default %(default)s)")
     parser.add_argument(

@@ -127,7 +127,7 @@ def cubes(
     *,
     cameras: int = 5,
     objects: int = 20,
-    size_m: tuple[float, float] = (0.25, 0.5),
+    size_m: tuple[float, float] = (0.15, 0.3),
     thin: bool = False,
     speed: tuple[float, float] = (0.4, 1.6),
     frames: int = 800,

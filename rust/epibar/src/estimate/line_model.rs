@@ -89,30 +89,30 @@ impl<'a> LineModel<'a> {
         self.candidates.iter().map(|c| self.is_inlier(f, c)).collect()
     }
 
-    /// Local optimisation on the inliers, repeated while their number grows.
+    /// Local optimisation on the inliers, repeated with those of the result.
+    ///
+    /// The robust fit is kept although it may lose a few inliers at the rim: which candidates lie just within the
+    /// area threshold is chance, their common geometry is not.
     pub fn optimise(&self, f: &Fundamental) -> Fundamental {
-        let mut best = *f;
-        let mut most = self.score(f);
-        for _ in 0..10 {
+        const ROUNDS: usize = 8;
+        const KEPT: f64 = 0.97;
+        let (mut best, mut most) = (*f, self.score(f));
+        for _ in 0..ROUNDS {
             let inliers: Vec<&Candidate> =
                 self.candidates.iter().filter(|c| self.is_inlier(&best, c)).collect();
             let Some(start) = SevenParameters::new(&best, self.sizes) else { break };
             if inliers.len() < 7 {
                 break;
             }
-            let problem = LineProblem { inliers };
-            let (end, _) = minimise(&problem, start, 30);
+            let scale = spread(&inliers, &start);
+            let (end, _) = minimise(&LineProblem { inliers, scale }, start, 30);
             let Some(refined) = end.fundamental() else { break };
             let count = self.score(&refined);
-            if count < most {
+            if count < KEPT * most {
                 break;
             }
-            let grew = count > most;
             best = refined;
-            most = count;
-            if !grew {
-                break;
-            }
+            most = most.max(count);
         }
         best
     }
@@ -142,10 +142,19 @@ impl Estimator for LineModel<'_> {
 /// Inlier lines against the lines that F gives them: distances at both ends of each segment, in both views.
 struct LineProblem<'a> {
     inliers: Vec<&'a Candidate>,
+    /// Scale of the Cauchy loss, pixels.
+    scale: f64,
 }
 
-/// Scale of the Cauchy loss, pixels: about the spread of good line pairs, which are sampled, not fitted.
-const LINE_SCALE: f64 = 2.0;
+/// Median distance of the inliers, pixels, at least 0.3: good line pairs are sampled, not fitted, and their spread is
+/// that of the sampling.
+fn spread(inliers: &[&Candidate], at: &SevenParameters) -> f64 {
+    let matrix = at.unscaled();
+    let mut sizes: Vec<f64> =
+        inliers.iter().flat_map(|c| LineProblem::residuals(&matrix, c)).map(f64::abs).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).map_or(0.3, |m| m.max(0.3))
+}
 
 impl LineProblem<'_> {
     /// Four residuals of a candidate, pixels.
@@ -180,7 +189,7 @@ impl Problem for LineProblem<'_> {
             let sides =
                 around.each_ref().map(|(plus, minus)| (Self::residuals(plus, c), Self::residuals(minus, c)));
             for (i, &r) in residuals.iter().enumerate() {
-                let (loss, weight) = cauchy(r, LINE_SCALE);
+                let (loss, weight) = cauchy(r, self.scale);
                 let row = Step::from_fn(|k, _| (sides[k].0[i] - sides[k].1[i]) / (2.0 * H));
                 cost += loss;
                 normal += row * row.transpose() * weight;
@@ -192,6 +201,6 @@ impl Problem for LineProblem<'_> {
 
     fn cost(&self, at: &SevenParameters) -> f64 {
         let matrix = at.unscaled();
-        self.inliers.iter().flat_map(|c| Self::residuals(&matrix, c)).map(|r| cauchy(r, LINE_SCALE).0).sum()
+        self.inliers.iter().flat_map(|c| Self::residuals(&matrix, c)).map(|r| cauchy(r, self.scale).0).sum()
     }
 }
