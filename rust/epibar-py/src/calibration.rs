@@ -214,6 +214,7 @@ impl Calibration {
             ("z_bottoms", e.z_bottoms),
             ("explained", e.explained),
             ("explained_by_chance", e.explained_by_chance),
+            ("plane_residual", e.plane_residual),
         ] {
             evidence.set_item(name, value)?;
         }

@@ -38,6 +38,8 @@ pub struct Evidence {
     pub explained: f64,
     /// The same at the mean of the shifts.
     pub explained_by_chance: f64,
+    /// Median distance of the matched points from the best homography, pixels in B.
+    pub plane_residual: f64,
 }
 
 /// Scores `F` at shift 0 and at about `count` others, none within `guard` frames of 0.
@@ -86,6 +88,7 @@ pub fn evidence_of(curve: &[ShiftScore]) -> Evidence {
         explained: share(&first.score),
         explained_by_chance: curve.iter().skip(1).map(|s| share(&s.score)).sum::<f64>()
             / (curve.len().saturating_sub(1)).max(1) as f64,
+        plane_residual: f64::NAN,
     }
 }
 

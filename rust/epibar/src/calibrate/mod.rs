@@ -218,8 +218,8 @@ fn calibrate_at(
     if busy.len() < MIN_FRAMES {
         return refuse(Verdict::too_few_silhouettes(busy.len(), MIN_FRAMES), candidates);
     }
-    // Fit on blocks of frames, test on every third block.
-    let block = (busy.len() / 24).clamp(4, 64);
+    // Fit on blocks of frames, test on every third block. Long blocks: who walks across the seam of two walks on.
+    let block = (busy.len() / 9).max(4);
     let (train, test): (Vec<_>, Vec<_>) = busy.iter().enumerate().partition(|(i, _)| i / block % 3 != 2);
     let strip = |v: Vec<(usize, &(u32, u32))>| v.into_iter().map(|(_, p)| *p).collect::<Vec<_>>();
     let (train, test) = (strip(train), strip(test));
@@ -243,7 +243,7 @@ fn calibrate_at(
         views: &views,
         test_views: &test_views,
         fundamental: &fundamental,
-        fitted: &winner.fitted,
+        fitted: found.fitted.as_ref().unwrap_or(&fundamental),
         found: &found,
         options,
         frame_rate: a.frame_rate(),
@@ -304,16 +304,10 @@ fn by_lines(
         .into_iter()
         .map(|scored| {
             let fundamental = model.optimise(&scored.model);
-            Solution {
-                fundamental,
-                fitted: fundamental,
-                evidence: scored.score,
-                chance: 0.0,
-                source: Source::BestLines,
-            }
+            Solution { fundamental, evidence: scored.score, chance: 0.0, source: Source::BestLines }
         })
         .collect();
-    Ok(Found { solutions, floor: None })
+    Ok(Found { solutions, fitted: None, floor: None })
 }
 
 /// Matched tangents of all frames under `f` at a radius in pixels.

@@ -123,6 +123,8 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 
 /// Evidence below this standard score on held-out frames is none.
 const MIN_Z: f64 = 8.0;
+/// A class of tangents below this standard score matches no better than chance.
+const MIN_CLASS_Z: f64 = 2.0;
 /// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
 const RIVAL_Z: f64 = 2.5;
 /// Share of the radius at which outlines agree that counts as a systematic error.
@@ -173,7 +175,8 @@ pub(super) fn judge(case: &Case) -> Judged {
 
     let guard = (test_views.frames() / 12).max(2);
     let curve = shift_curve(test_views, fitted, radius.max(2.0 * scale), upright, guard, 60);
-    let evidence_now = evidence_of(&curve);
+    let mut evidence_now = evidence_of(&curve);
+    evidence_now.plane_residual = plane_residual(views, &points);
 
     let second = if frame_rate.is_finite() { frame_rate.round().max(1.0) as usize } else { 25 };
     let parameters = SevenParameters::new(fundamental, views.sizes());
@@ -242,7 +245,7 @@ fn decide(
             ),
         );
     }
-    if evidence.z_tops < 3.0 || evidence.z_bottoms < 3.0 {
+    if evidence.z_tops < MIN_CLASS_Z || evidence.z_bottoms < MIN_CLASS_Z {
         let which = if evidence.z_tops < evidence.z_bottoms { "upper" } else { "lower" };
         return Verdict::new(
             Kind::Undetermined,
@@ -252,7 +255,7 @@ fn decide(
             ),
         );
     }
-    let plane = plane_residual(case.views, points);
+    let plane = evidence.plane_residual;
     if plane < 1.5 * radius {
         return Verdict::new(
             Kind::Undetermined,

@@ -71,12 +71,7 @@ pub fn explore(views: &Views, start: &Solution, scale: f64, upright: bool) -> Ve
                 let f = at.stepped(step).fundamental()?;
                 let refined = refine(views, &f, &[2.0 * radius, radius], 3, upright)?;
                 let evidence = evidence(views, &refined, upright).total - start.chance;
-                evidence.is_finite().then_some(Solution {
-                    fundamental: refined,
-                    fitted: refined,
-                    evidence,
-                    ..*start
-                })
+                evidence.is_finite().then_some(Solution { fundamental: refined, evidence, ..*start })
             })
             .collect();
         let next = found.iter().max_by(|p, q| p.evidence.total_cmp(&q.evidence)).cloned();

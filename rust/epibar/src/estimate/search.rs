@@ -84,8 +84,6 @@ impl Default for SearchOptions {
 pub struct Solution {
     /// The matrix, fitted to all frames.
     pub fundamental: Fundamental,
-    /// The same fitted to the training frames only.
-    pub fitted: Fundamental,
     /// Excess over chance of its tangents, at the radius that gives most, less `chance`.
     pub evidence: f64,
     /// The same excess with the clocks shifted: what the model of chance missed.
@@ -99,6 +97,8 @@ pub struct Solution {
 pub struct Found {
     /// Different geometries, most evidence first.
     pub solutions: Vec<Solution>,
+    /// The winner of the training frames alone, which the test frames had no part in.
+    pub fitted: Option<Fundamental>,
     /// The plane that many candidates fit, if there is one.
     pub floor: Option<Floor>,
 }
@@ -230,7 +230,7 @@ impl Searcher<'_> {
                 let weighed = evidence(&self.comparing, &refined, self.options.upright);
                 let chance = chance_level(&self.comparing, &refined, weighed.radius, self.options.upright);
                 let evidence = weighed.total - chance;
-                Some(Solution { fundamental: refined, fitted: refined, evidence, chance, source: *source })
+                Some(Solution { fundamental: refined, evidence, chance, source: *source })
             })
             .collect()
     }
@@ -250,6 +250,37 @@ impl Searcher<'_> {
             }
         }
         kept.into_iter().map(|(s, _)| s).collect()
+    }
+
+    /// Polishes the best on `views`, and walks on from those that could win there.
+    fn settled(
+        &self,
+        views: &Views,
+        solutions: &[Solution],
+        going: &mut dyn FnMut(f64) -> Result<()>,
+    ) -> Result<Vec<Solution>> {
+        let upright = self.options.upright;
+        let finalists: Vec<Solution> = solutions
+            .par_iter()
+            .take(12)
+            .filter_map(|s| {
+                let fundamental = polish(views, &s.fundamental, upright);
+                let weighed = evidence(views, &fundamental, upright);
+                let chance = chance_level(views, &fundamental, weighed.radius, upright);
+                let evidence = weighed.total - chance;
+                evidence.is_finite().then_some(Solution { fundamental, evidence, chance, ..s.clone() })
+            })
+            .collect();
+        let finalists = self.distinct(finalists, 0.5 * self.scale, 12);
+        let mut settled = finalists.clone();
+        for start in finalists.iter().take(EXPLORED) {
+            going(0.9)?;
+            if start.evidence < WORTH_EXPLORING * finalists[0].evidence {
+                break;
+            }
+            settled.extend(explore(views, start, self.scale, upright));
+        }
+        Ok(self.distinct(settled, 0.5 * self.scale, 12))
     }
 
     /// Copies of a solution moved at random, several sizes of move, the best few by tangents.
@@ -337,34 +368,14 @@ pub fn search(
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
     going(0.8)?;
-    // The few that remain, on all frames. Their place is decided by all frames as well; the copy fitted to the
-    // training frames goes along for the test.
-    let finalists: Vec<Solution> = solutions
-        .par_iter()
-        .take(12)
-        .filter_map(|s| {
-            let fundamental = polish(all, &s.fundamental, options.upright);
-            let weighed = evidence(all, &fundamental, options.upright);
-            let chance = chance_level(all, &fundamental, weighed.radius, options.upright);
-            let evidence = weighed.total - chance;
-            evidence.is_finite().then_some(Solution { fundamental, evidence, chance, ..s.clone() })
-        })
-        .collect();
-    let mut solutions = searcher.distinct(finalists, 0.5 * searcher.scale, 12);
-    for k in 0..solutions.len().min(EXPLORED) {
-        going(0.85 + 0.05 * k as f64)?;
-        if solutions[k].evidence < WORTH_EXPLORING * solutions[0].evidence {
-            break;
-        }
-        let walked = explore(all, &solutions[k].clone(), searcher.scale, options.upright);
-        solutions.extend(walked);
-    }
-    let mut solutions = searcher.distinct(solutions, 0.5 * searcher.scale, 12);
+    // The few that remain, once on the training frames alone, for the test, and once on all frames, for the answer.
+    let fitted = searcher.settled(train, &solutions, &mut going)?;
+    let mut solutions = searcher.settled(all, &solutions, &mut going)?;
     if let Some(winner) = solutions.first_mut() {
         winner.fundamental = polish(all, &winner.fundamental, options.upright);
-        winner.fitted = polish(train, &winner.fundamental, options.upright);
     }
-    Ok(Found { solutions, floor: floors.into_iter().next() })
+    let fitted = fitted.first().map(|s| polish(train, &s.fundamental, options.upright));
+    Ok(Found { solutions, fitted, floor: floors.into_iter().next() })
 }
 
 /// Refines down to the radius that suits the masks.

@@ -176,8 +176,9 @@ fn scan(
             let hits =
                 level.scores(a.row(i), a.frames as f32, stats_a[i], &block, best.threshold(), &mut scores);
             for group in (0..COLUMN_BLOCK / GROUP).filter(|g| hits >> g & 1 == 1) {
-                for offset in group * GROUP..(group + 1) * GROUP {
-                    let (score, j) = (scores[offset], first + offset);
+                let start = group * GROUP;
+                for (offset, &score) in scores.iter().enumerate().skip(start).take(GROUP) {
+                    let j = first + offset;
                     if score > best.threshold() {
                         best.offer(score, j as u32);
                     }
