@@ -129,6 +129,9 @@ const MIN_CLASS_Z: f64 = 2.0;
 const RIVAL_Z: f64 = 2.5;
 /// Share of the radius at which outlines agree that counts as a systematic error.
 const COARSE_SHARE: f64 = 1.0;
+/// Residuals of a fraction of a pixel are noise and average out; residuals of several pixels are outlines of different
+/// shape, and do not. Their square over this many pixels of a 640×480 image counts as systematic.
+const ROUGH_SPREAD: f64 = 1.5;
 /// Error that rasterisation leaves even in exact masks, pixels of a 640×480 image.
 const GRID_ERROR: f64 = 0.06;
 /// The covariance knows the noise of the outlines but not what all of them share; twice its error is what
@@ -208,7 +211,9 @@ pub(super) fn judge(case: &Case) -> Judged {
     let spread_error = undecided.iter().copied().fold(0.0, f64::max);
     // Outlines that agree only at a wide radius are inconsistent between the views, and what they share of that
     // does not average out; exact masks still carry the grid of pixels.
-    let coarseness = COARSE_SHARE * (own.radius - 1.5 * scale).max(0.0);
+    let rough = spread(&points);
+    let roughness = if rough.is_nan() { 0.0 } else { rough * rough / (ROUGH_SPREAD * scale) };
+    let coarseness = (COARSE_SHARE * (own.radius - 1.5 * scale).max(0.0)).hypot(roughness);
     let error = (FIT_FACTOR * fit_error).hypot(spread_error).hypot(coarseness).hypot(GRID_ERROR * scale);
 
     let verdict = decide(case, &evidence_now, &points, error, &rivals, radius);
