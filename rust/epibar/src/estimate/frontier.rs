@@ -11,12 +11,11 @@
 //! cameras a point in front of both lies on one half of its epipolar line. The map of rays is `± F`; the map of
 //! sides is fixed by `F` alone: it is the orientation of the 1-D homography.
 
-use std::f64::consts::{PI, TAU};
+use nalgebra::{Vector2, Vector3};
 
-use nalgebra::{Matrix3x2, Vector2, Vector3};
-
+use super::pencil_angle::{AngleHistogram, PencilAngle, centre_of_line};
 use super::views::{View, Views};
-use crate::geometry::fundamental::{Fundamental, denormaliser, normaliser};
+use crate::geometry::fundamental::{Fundamental, normaliser};
 use crate::geometry::tangent::epipolar_tangents;
 use crate::line::{Homogeneous, ImageSize};
 
@@ -149,92 +148,6 @@ pub struct FrontierOptions {
     pub shift: usize,
 }
 
-/// Oriented angle of lines in the pencil of B.
-struct PencilAngle {
-    basis: Matrix3x2<f64>,
-    to_normalised: nalgebra::Matrix3<f64>,
-}
-
-impl PencilAngle {
-    fn new(epipole: &Homogeneous, size: ImageSize) -> Self {
-        let e = (normaliser(size) * epipole).normalize();
-        // The first line is the one through the image centre, so that a far epipole's few visible lines lie
-        // near angle 0 or π and do not wrap. (In normalised coordinates the centre is the origin.)
-        let centre = e.cross(&Vector3::z()).try_normalize(1e-12);
-        let first = centre.unwrap_or_else(|| e.cross(&Vector3::x()).normalize());
-        let second = e.cross(&first);
-        Self {
-            basis: Matrix3x2::from_columns(&[first, second]),
-            to_normalised: denormaliser(size).transpose(),
-        }
-    }
-
-    fn coordinates(&self, line: &Homogeneous) -> Vector2<f64> {
-        self.basis.tr_mul(&(self.to_normalised * line))
-    }
-}
-
-/// How often tangents of each side lie at each angle, over all frames.
-struct AngleHistogram {
-    low: f64,
-    scale: f64,
-    wraps: bool,
-    /// Running sums, one more than bins.
-    sums: [Vec<f32>; 2],
-}
-
-const BINS: usize = 768;
-
-impl AngleHistogram {
-    fn new(angles: &[(f64, bool)]) -> Self {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for &(angle, _) in angles {
-            low = low.min(angle);
-            high = high.max(angle);
-        }
-        let wraps = high - low > PI;
-        if wraps || angles.is_empty() {
-            (low, high) = (-PI, PI);
-        }
-        let scale = BINS as f64 / (high - low).max(1e-12);
-        let mut sums = [vec![0f32; BINS + 1], vec![0f32; BINS + 1]];
-        for &(angle, positive) in angles {
-            let bin = (((angle - low) * scale) as usize).min(BINS - 1);
-            sums[usize::from(positive)][bin + 1] += 1.0;
-        }
-        for side in &mut sums {
-            for i in 0..BINS {
-                side[i + 1] += side[i];
-            }
-        }
-        Self { low, scale, wraps, sums }
-    }
-
-    fn below(&self, position: f64, side: usize) -> f64 {
-        let position = position.clamp(0.0, BINS as f64);
-        let bin = (position as usize).min(BINS - 1);
-        let (p, q) = (f64::from(self.sums[side][bin]), f64::from(self.sums[side][bin + 1]));
-        p + (q - p) * (position - bin as f64)
-    }
-
-    /// Tangents within `half` of `angle`.
-    fn count(&self, angle: f64, half: f64, positive: bool) -> f64 {
-        let side = usize::from(positive);
-        if half >= PI {
-            return self.below(BINS as f64, side);
-        }
-        let from = (angle - half - self.low) * self.scale;
-        let to = (angle + half - self.low) * self.scale;
-        let mut count = self.below(to, side) - self.below(from, side);
-        if self.wraps {
-            let turn = TAU * self.scale;
-            count += self.below(to - turn, side) - self.below((from - turn).min(to - turn), side);
-            count += self.below(to + turn, side) - self.below(from + turn, side);
-        }
-        count.max(0.0)
-    }
-}
-
 /// Whether the 1-D homography of `F` keeps the sense of rotation between oriented pencils `e × x` and `F x`.
 fn keeps_side(f: &Fundamental, size_a: ImageSize) -> bool {
     let (e, e_b) = (f.epipole_a(), f.epipole_b());
@@ -265,22 +178,24 @@ pub struct Comparison {
 
 /// Compares all tangents of two views under `F`.
 pub fn compare(views: &Views, f: &Fundamental, options: &FrontierOptions) -> Comparison {
-    let mut of_radius = compare_radii(views, f, &[options.radius], options.upright, options.shift);
+    let mut of_radius =
+        compare_radii(&views.a, &views.b, f, &[options.radius], options.upright, options.shift);
     of_radius.remove(0)
 }
 
-/// Compares all tangents at several radii at once, pixels; one [`Comparison`] each.
+/// Compares all tangents of view `a` with those of view `b` at several radii at once, pixels; one [`Comparison`] each.
 ///
-/// `upright` and `shift` as in [`FrontierOptions`].
+/// `f` is from `a` to `b`; `upright` and `shift` as in [`FrontierOptions`].
 pub fn compare_radii(
-    views: &Views,
+    a: &View,
+    b: &View,
     f: &Fundamental,
     radii: &[f64],
     upright: bool,
     shift: usize,
 ) -> Vec<Comparison> {
-    let comparer = Comparer::new(views, f, upright, shift);
-    let frames = views.frames();
+    let comparer = Comparer::new(a, b, f, upright, shift);
+    let frames = a.frames();
     // Which of the two maps of rays holds shows on a few frames.
     let few = |sign| {
         let found = comparer.run(radii, sign, (0..frames).step_by(SIGN_STEP));
@@ -309,11 +224,11 @@ struct Comparer<'a> {
 }
 
 impl<'a> Comparer<'a> {
-    fn new(views: &Views, f: &'a Fundamental, upright: bool, shift: usize) -> Self {
-        let a = Tangents::new(&views.a, f.epipole_a());
-        let b = Tangents::new(&views.b, f.epipole_b());
-        let pencil = PencilAngle::new(f.epipole_b(), views.b.size);
-        let to_pixels = normaliser(views.b.size).transpose();
+    fn new(view_a: &View, view_b: &View, f: &'a Fundamental, upright: bool, shift: usize) -> Self {
+        let a = Tangents::new(view_a, f.epipole_a());
+        let b = Tangents::new(view_b, f.epipole_b());
+        let pencil = PencilAngle::new(f.epipole_b(), view_b.size);
+        let to_pixels = normaliser(view_b.size).transpose();
         let mut angles = Vec::with_capacity(b.all.len());
         let lines_b = b
             .all
@@ -333,8 +248,8 @@ impl<'a> Comparer<'a> {
             lines_b,
             histogram: AngleHistogram::new(&angles),
             pencil,
-            same_side: keeps_side(f, views.a.size),
-            size_b: views.b.size,
+            same_side: keeps_side(f, view_a.size),
+            size_b: view_b.size,
             upright,
             shift,
         }
@@ -441,23 +356,6 @@ struct Gain {
     excess: f64,
     surprise: f64,
     matched: bool,
-}
-
-/// The point of `line` nearest the image centre, clamped into the image, and its pixels per radian.
-fn centre_of_line(
-    pencil: &PencilAngle,
-    c: &Vector2<f64>,
-    line: &Homogeneous,
-    size: ImageSize,
-) -> (Homogeneous, f64) {
-    let turned = pencil.basis * Vector2::new(-c.y, c.x);
-    let back = normaliser(size).transpose() * turned;
-    let norm2 = (line.x * line.x + line.y * line.y).max(1e-300);
-    let (cx, cy) = (0.5 * size.x_max(), 0.5 * size.y_max());
-    let d = (line.x * cx + line.y * cy + line.z) / norm2;
-    let (x, y) = ((cx - d * line.x).clamp(0.0, size.x_max()), (cy - d * line.y).clamp(0.0, size.y_max()));
-    let point = Vector3::new(x, y, 1.0);
-    (point, back.dot(&point).abs() / norm2.sqrt())
 }
 
 /// Buffers of the nearest-tangent search of one frame.

@@ -9,6 +9,7 @@ pub mod floor;
 pub mod frontier;
 pub mod line_model;
 pub mod optimise;
+mod pencil_angle;
 pub mod ransac;
 pub mod refine;
 pub mod search;

@@ -145,8 +145,8 @@ pub struct Weighed {
 /// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
 pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
     let radii = RADII.map(|r| r * pixel_scale(views));
-    let there = compare_radii(views, f, &radii, upright, 0);
-    let back = compare_radii(&views.exchanged(), &f.transposed(), &radii, upright, 0);
+    let there = compare_radii(&views.a, &views.b, f, &radii, upright, 0);
+    let back = compare_radii(&views.b, &views.a, &f.transposed(), &radii, upright, 0);
     let mut best = Weighed { total: f64::NEG_INFINITY, ..Weighed::default() };
     for ((radius, there), back) in radii.into_iter().zip(there).zip(back) {
         let total = 0.5 * (there.score.total() + back.score.total());

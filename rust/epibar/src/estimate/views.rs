@@ -86,16 +86,6 @@ impl Views {
         self.frame_pairs.len()
     }
 
-    /// The same moments with the cameras exchanged.
-    #[must_use]
-    pub fn exchanged(&self) -> Self {
-        Self {
-            a: self.b.clone(),
-            b: self.a.clone(),
-            frame_pairs: self.frame_pairs.iter().map(|&(i, j)| (j, i)).collect(),
-        }
-    }
-
     /// Sizes of both images.
     pub fn sizes(&self) -> [ImageSize; 2] {
         [self.a.size, self.b.size]

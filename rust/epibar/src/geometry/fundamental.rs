@@ -4,7 +4,7 @@
 //! coordinates; everything here is decomposed in normalised coordinates (centre of the image at the origin, half
 //! its diagonal as the unit).
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Matrix3;
 
 use crate::line::{Homogeneous, ImageSize};
 
@@ -105,9 +105,4 @@ impl Fundamental {
     pub fn transposed(&self) -> Self {
         Self { matrix: self.matrix.transpose(), epipole_a: self.epipole_b, epipole_b: self.epipole_a }
     }
-}
-
-/// The matrix `[v]×` with `[v]× w = v × w`.
-pub fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
-    v.cross_matrix()
 }

@@ -10,7 +10,7 @@
 
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Matrix4, Vector3};
 
-use super::fundamental::{Fundamental, cross_matrix, denormaliser, normaliser};
+use super::fundamental::{Fundamental, denormaliser, normaliser};
 use crate::line::{Homogeneous, ImageSize, Line};
 
 /// A line of A and the line of B that it may correspond to.
@@ -93,7 +93,7 @@ impl PencilHomography {
     pub fn fundamental(&self) -> Option<Fundamental> {
         let (ta, tb) = (normaliser(self.sizes[0]), normaliser(self.sizes[1]));
         let normalised: Matrix3<f64> =
-            self.basis_b * self.action * self.basis_a.transpose() * cross_matrix(&self.epipole_a);
+            self.basis_b * self.action * self.basis_a.transpose() * self.epipole_a.cross_matrix();
         let (da, db) = (denormaliser(self.sizes[0]), denormaliser(self.sizes[1]));
         Fundamental::from_parts(tb.transpose() * normalised * ta, da * self.epipole_a, db * self.epipole_b)
     }
