@@ -109,8 +109,7 @@ def clean_masks(masks: Iterable[Mask]) -> Iterable[Mask]:
     """Clean ready but dirty masks as the package cleans its own: median filter, closing, area filter."""
     foreground = Foreground(ForegroundOptions())
     for mask in masks:
-        foreground._set_size(mask)
-        yield foreground._clean(mask)
+        yield foreground.clean(mask)
 
 
 def record_masks(

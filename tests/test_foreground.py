@@ -159,6 +159,24 @@ def test_small_things_are_removed_at_every_resolution():
         assert mask[50 * scale : 80 * scale, 60 * scale : 75 * scale].mean() > 0.95
 
 
+def test_ready_masks_are_cleaned_alike():
+    truth = walkers(30, 480, 640)
+    dirty = truth.astype(bool)
+    dirty[55:57, 79:82] = False
+    dirty[5:8, 5:8] = True
+    foreground = Foreground()
+    cleaned = foreground.clean(dirty)
+    assert cleaned.dtype == np.uint8
+    assert not cleaned[:15].any()
+    assert overlap(cleaned, truth) > 0.97
+    assert cleaned[55:57, 79:82].all()
+    assert np.array_equal(cleaned, foreground.clean(dirty.astype(np.uint8) * 255))
+    with pytest.raises(EpibarError, match="10x10 after frames of 640x480"):
+        foreground.clean(np.zeros((10, 10), bool))
+    with pytest.raises(EpibarError, match="not float64"):
+        foreground.clean(np.zeros((HEIGHT, WIDTH)))
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [

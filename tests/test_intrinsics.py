@@ -163,9 +163,8 @@ def test_valid_area():
     pincushion = MaskUndistorter(camera((0.4, 0.0, 0.0, 0.0)))  # the corners look past the sensor
     assert not pincushion.valid[0, 0]
     assert pincushion.valid[125, 150]
-    assert np.array_equal(
-        pincushion(np.ones((240, 320), np.uint8)).astype(bool), pincushion.valid.astype(bool)
-    )
+    # OpenCV 4 rounds sources to 1/32 px, so that a few pixels on the very edge may differ.
+    assert np.count_nonzero(pincushion(np.ones((240, 320), np.uint8)) != pincushion.valid) < 10
     barrel = MaskUndistorter(camera((-0.3, 0.1, 0.0, 0.0)))
     assert barrel.valid.all()
 

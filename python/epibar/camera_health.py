@@ -1,9 +1,9 @@
-"""Whether the camera stood still and the light stayed on.
+"""Whether the camera stood still, the light stayed on and every frame was a new one.
 
-Corners found in the first frame are looked for again every few frames (Lucas-Kanade, forward and back, on an
-image with its local contrast normalised, so that light matters little). A camera that moves moves every
-corner, so it takes three quarters of them, three checks in a row; somebody who fills half of the picture is
-not enough.
+:mod:`epibar.camera_motion` follows the corners. The light is measured on the image averaged over 8x8 pixels,
+where noise must not look like a change: in horizontal bands, because a rolling shutter under flickering light
+brightens some rows and darkens others, and by the middle half of the differences to the first frame in each
+band, because that half is background unless a band is full of people.
 
 A flooded frame, more than 60 % foreground, tells nothing about what moves: it is blanked.
 """
@@ -12,23 +12,20 @@ from __future__ import annotations
 
 import numpy as np
 
+from .camera_motion import CameraMotion
+from .findings import camera_findings
 from .images import opencv
 
-__all__ = ["FLOOD_SHARE", "CameraHealth"]
+__all__ = ["FLOOD_SHARE", "CameraHealth", "flicker"]
 
 FLOOD_SHARE = 0.6
 BRIGHTNESS_JUMP = 8
 """Grey levels by which half of the pixels change, or more, from one frame to the next."""
-MANY_BLANKED = 0.05
-WORKING_WIDTH = 640
-CORNERS = 300
-LEAST_CORNERS = 20
-LOST_SHARE = 0.9
-"""Of the corners; when so many are not found again the view is another one."""
-TOLERANCE = 1.0
-"""Pixels at the working width."""
-CONFIRMATIONS = 3
-STILL_QUARTILE = 25.0
+BANDS = 8
+FLICKER_WINDOW = 15
+"""Frames: what changes slower than this is daylight, not flicker."""
+DARK_CONTRAST = 3.0
+"""Standard deviation over the image, grey levels, below which there is nothing to be seen."""
 
 
 class CameraHealth:
@@ -45,14 +42,13 @@ class CameraHealth:
 
     Attributes
     ----------
+    frames : int
+        Number of frames seen.
     blanked : int
         Number of flooded frames.
     light_switches : list of int
         Frames at which the light jumped.
-    moved_at : int or None
-        First frame at which the camera was seen displaced.
-    displacement : float
-        By how many pixels, then; infinite where the view is another one.
+    motion : CameraMotion
     """
 
     def __init__(self, name: str = "camera", every: int = 10, ignore: np.ndarray | None = None) -> None:
@@ -61,14 +57,26 @@ class CameraHealth:
         self.frames = 0
         self.blanked = 0
         self.light_switches: list[int] = []
-        self.moved_at: int | None = None
-        self.displacement = 0.0
         self._counted = None if ignore is None else np.asarray(ignore) == 0
+        self.motion = CameraMotion(self._counted)
         self._first_blanked = -1
+        self._first: np.ndarray | None = None
         self._sparse: np.ndarray | None = None
-        self._reference: np.ndarray | None = None
-        self._corners: np.ndarray | None = None
-        self._suspicions: list[int] = []
+        self._levels: list[np.ndarray] = []
+        self._dark = 0
+        self._repeated = 0
+        self._longest_repeat = (0, -1)
+        self._last_index = -1
+
+    @property
+    def moved_at(self) -> int | None:
+        """First frame at which the camera was seen displaced."""
+        return self.motion.moves[0].frame if self.motion.moves else None
+
+    @property
+    def displacement(self) -> float:
+        """By how many pixels, then; infinite where the view is another one."""
+        return self.motion.moves[0].distance if self.motion.moves else 0.0
 
     def update(self, index: int, frame: np.ndarray, mask: np.ndarray) -> np.ndarray:
         """Look at one frame.
@@ -88,72 +96,110 @@ class CameraHealth:
             The mask, or an empty one for a flooded frame.
         """
         self.frames += 1
-        share = _share(mask, self._counted)
-        # Averaged over 8x8 pixels: noise from frame to frame must not look like a change of the light.
-        cv2 = opencv()
-        small = cv2.resize(frame[..., 1], None, fx=0.125, fy=0.125, interpolation=cv2.INTER_AREA)
-        sparse = small.astype(np.int16)
-        if self._sparse is not None and np.median(np.abs(sparse - self._sparse)) > BRIGHTNESS_JUMP:
-            self.light_switches.append(index)
-        self._sparse = sparse
-        if (self.frames - 1) % self.every == 0 and self.moved_at is None:
-            self._check_motion(index, frame)
-        if share <= FLOOD_SHARE:
+        self._last_index = index
+        self._watch_light(index, frame)
+        if (self.frames - 1) % self.every == 0:
+            self.motion.look(index, frame)
+        if _share(mask, self._counted) <= FLOOD_SHARE:
             return mask
         if self.blanked == 0:
             self._first_blanked = index
         self.blanked += 1
         return np.zeros_like(mask)
 
-    def _check_motion(self, index: int, frame: np.ndarray) -> None:
-        import cv2
+    def _watch_light(self, index: int, frame: np.ndarray) -> None:
+        cv2 = opencv()
+        height, width = (max(1, size // 8) for size in frame.shape[:2])
+        small = cv2.resize(frame[..., 1], (width, height), interpolation=cv2.INTER_AREA)
+        sparse = small.astype(np.int16)
+        self._dark += small.std() < DARK_CONTRAST
+        if self._first is None or self._sparse is None:
+            self._first = sparse
+        else:
+            change = np.abs(sparse - self._sparse)
+            if np.median(change) > BRIGHTNESS_JUMP:
+                self.light_switches.append(index)
+            self._repeated = 0 if change.any() else self._repeated + 1
+            self._longest_repeat = max(
+                self._longest_repeat, (self._repeated, index - self._repeated), key=lambda run: run[0]
+            )
+        self._levels.append(_levels(sparse - self._first))
+        self._sparse = sparse
 
-        scale = min(1.0, WORKING_WIDTH / frame.shape[1])
-        view = _even_contrast(frame, scale)
-        if self._reference is None:
-            self._reference = view
-            counted = self._counted
-            if counted is not None:
-                counted = cv2.resize(
-                    counted.astype(np.uint8), view.shape[::-1], interpolation=cv2.INTER_NEAREST
-                )
-            self._corners = cv2.goodFeaturesToTrack(view, CORNERS, 0.01, 8, mask=counted)
-            return
-        if self._corners is None or len(self._corners) < LEAST_CORNERS:
-            return
-        shift = _displacement(self._reference, view, self._corners)
-        if shift <= TOLERANCE:
-            self._suspicions.clear()
-            return
-        self._suspicions.append(index)
-        if len(self._suspicions) == CONFIRMATIONS:
-            self.moved_at, self.displacement = self._suspicions[0], shift / scale
+    @property
+    def numbers(self) -> dict[str, float]:
+        """What was found so far, as a :class:`~epibar.Recording` keeps it; see `camera_findings`."""
+        if not self.frames:
+            return {}
+        motion = self.motion
+        found: dict[str, float] = {
+            "frames": self.frames,
+            "last_frame": self._last_index,
+            "blanked": self.blanked,
+            "first_blanked": self._first_blanked,
+            "light_switches": len(self.light_switches),
+            "first_light_switch": self.light_switches[0] if self.light_switches else -1,
+            "flicker": flicker(np.array(self._levels)),
+            "dark": self._dark,
+            "repeated": self._longest_repeat[0],
+            "repeated_from": self._longest_repeat[1],
+            "motion_checks": motion.checks,
+            "shaken": motion.shaken,
+            "moves": len(motion.moves),
+        }
+        if motion.moves:
+            first = motion.moves[0]
+            still = [*motion.stretches[-1]]
+            if motion.checks and still[1] > self._last_index - self.every:
+                still[1] = self._last_index
+            longest = max([*motion.stretches[:-1], still], key=lambda part: part[1] - part[0])
+            found |= {
+                "moved_at": first.frame,
+                "still_until": first.still_until,
+                "moved_by": first.distance,
+                "moved_in_all": sum(move.distance for move in motion.moves),
+                "gradual": sum(move.gradual for move in motion.moves),
+                "returned_at": -1 if motion.returned_at is None else motion.returned_at,
+                "still_first": longest[0],
+                "still_last": longest[1],
+            }
+        return {key: float(value) for key, value in found.items()}
 
     @property
     def warnings(self) -> list[str]:
         """Plain-English remarks about what was seen so far."""
-        remarks = []
-        if self.moved_at is not None:
-            far = "by a lot" if np.isinf(self.displacement) else f"by about {self.displacement:.0f} pixels"
-            remarks.append(
-                f"{self.name}: the camera moved, {far}, at or shortly before frame {self.moved_at}; "
-                "use only the frames before or only those after"
-            )
-        if self.light_switches:
-            more = ", ..." if len(self.light_switches) > 5 else ""
-            some = ", ".join(map(str, self.light_switches[:5])) + more
-            remarks.append(f"{self.name}: the light changed suddenly at frame {some}")
-        if self.blanked:
-            remark = (
-                f"{self.name}: {self.blanked} of {self.frames} frames, the first of them "
-                f"{self._first_blanked}, were left out: more than {FLOOD_SHARE:.0%} of the image changed"
-            )
-            if self.blanked > MANY_BLANKED * self.frames:
-                remark += (
-                    "; did the camera move, does the light flicker, or is somebody right in front of it?"
-                )
-            remarks.append(remark)
-        return remarks
+        return [f"{self.name}: {finding.text}" for finding in camera_findings(self.numbers)]
+
+
+def flicker(levels: np.ndarray) -> float:
+    """Measure by how much the light goes up and down from frame to frame.
+
+    Parameters
+    ----------
+    levels : ndarray, shape (T, bands)
+        Brightness of each band of the image over time.
+
+    Returns
+    -------
+    float
+        Robust standard deviation around the moving median, grey levels; the median over the bands.
+    """
+    if len(levels) < 2 * FLICKER_WINDOW:
+        return 0.0
+    slow = np.median(np.lib.stride_tricks.sliding_window_view(levels, FLICKER_WINDOW, axis=0), axis=-1)
+    half = FLICKER_WINDOW // 2
+    fast = levels[half : half + len(slow)] - slow
+    return float(1.4826 * np.median(np.median(np.abs(fast), axis=0)))
+
+
+def _levels(change: np.ndarray) -> np.ndarray:
+    """Mean of the middle half of a change in each horizontal band, (BANDS,)."""
+    levels = np.empty(BANDS)
+    for band, rows in enumerate(np.array_split(change, BANDS)):
+        values = np.sort(rows, axis=None)
+        quarter = len(values) // 4
+        levels[band] = values[quarter : len(values) - quarter].mean() if len(values) else 0.0
+    return levels
 
 
 def _share(mask: np.ndarray, counted: np.ndarray | None) -> float:
@@ -161,29 +207,3 @@ def _share(mask: np.ndarray, counted: np.ndarray | None) -> float:
     if counted is None:
         return float(mask.mean())
     return float((mask * counted).sum() / max(1, np.count_nonzero(counted)))
-
-
-def _even_contrast(frame: np.ndarray, scale: float) -> np.ndarray:
-    """Shrink a BGR frame to grey and give it the same mean and contrast everywhere."""
-    import cv2
-
-    grey = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
-    grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA).astype(np.float32)
-    grey = cv2.GaussianBlur(grey, (0, 0), 1.0)
-    centred = grey - cv2.GaussianBlur(grey, (0, 0), 10.0)
-    spread = np.sqrt(cv2.GaussianBlur(centred * centred, (0, 0), 10.0))
-    return np.clip(128.0 + 40.0 * centred / (spread + 4.0), 0, 255).astype(np.uint8)
-
-
-def _displacement(reference: np.ndarray, view: np.ndarray, corners: np.ndarray) -> float:
-    """Return by how many pixels three quarters of the corners moved at least; infinite if few are found."""
-    cv2 = opencv()
-
-    there, found, _ = cv2.calcOpticalFlowPyrLK(reference, view, corners, None)
-    back, found_back, _ = cv2.calcOpticalFlowPyrLK(view, reference, there, None)
-    again = np.linalg.norm((back - corners).reshape(-1, 2), axis=1) < 0.5
-    again &= (found.ravel() == 1) & (found_back.ravel() == 1)
-    if again.sum() < max(5.0, (1.0 - LOST_SHARE) * len(corners)):
-        return float("inf")
-    lengths = np.linalg.norm((there - corners).reshape(-1, 2)[again], axis=1)
-    return float(np.percentile(lengths, STILL_QUARTILE))

@@ -270,7 +270,7 @@ class Foreground:
 
         far = (cv2.absdiff(sample, background).max(axis=2) > 30).astype(np.uint8)
         margin = 2 * self._odd(2.0) + 1
-        far = cv2.dilate(self._clean(far, ignore=False), np.ones((margin, margin), np.uint8))
+        far = cv2.dilate(self._cleaned(far, ignore=False), np.ones((margin, margin), np.uint8))
         return np.where(far[..., None] > 0, background, sample)
 
     def apply(self, frame: np.ndarray) -> np.ndarray:
@@ -299,7 +299,32 @@ class Foreground:
         rate = FLOOD_LEARNING_RATE if self._flooded >= FLOOD_PATIENCE else self._rate
         moving = self._model.moving(frame, rate)
         self._flooded = self._flooded + 1 if moving.mean() > FLOOD_SHARE else 0
-        return self._clean(moving)
+        return self._cleaned(moving)
+
+    def clean(self, mask: np.ndarray) -> np.ndarray:
+        """Clean a ready mask as the model's own are: median filter, closing, area filter, ignore mask.
+
+        Parameters
+        ----------
+        mask : ndarray, shape (H, W), bool or uint8
+            Non-zero where something moves.
+
+        Returns
+        -------
+        ndarray, shape (H, W), uint8
+            1 where something moves, 0 elsewhere.
+
+        Raises
+        ------
+        EpibarError
+            The mask is of another kind, or of another size than what came before.
+        """
+        if mask.ndim != 2 or mask.dtype not in (np.bool_, np.uint8):
+            raise EpibarError(
+                f"a mask must be a (height, width) bool or uint8 image, not {mask.dtype} {mask.shape}"
+            )
+        self._set_size(mask)
+        return self._cleaned((mask != 0).astype(np.uint8))
 
     def _set_size(self, frame: np.ndarray) -> None:
         height, width = frame.shape[:2]
@@ -330,7 +355,7 @@ class Foreground:
             raise EpibarError(f"a frame must be a (height, width, 3) uint8 BGR image, not {found}")
         return frame
 
-    def _clean(self, mask: np.ndarray, ignore: bool = True) -> np.ndarray:
+    def _cleaned(self, mask: np.ndarray, ignore: bool = True) -> np.ndarray:
         import cv2
 
         hidden = self.options.ignore.astype(bool) if ignore and self.options.ignore is not None else None

@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import os
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .archive import write_atomically
 from .errors import EpibarError
 
 __all__ = ["Intrinsics", "MaskUndistorter", "Pose", "find_camera", "load_cameras", "write_cameras"]
@@ -341,11 +342,32 @@ def find_camera(cameras: Sequence[Intrinsics], stem: str, index: int) -> Intrins
     )
 
 
-def write_cameras(path: str | os.PathLike[str], cameras: Iterable[Intrinsics]) -> None:
-    """Write cameras the way :func:`load_cameras`, aniposelib and Caliscope read them."""
+def write_cameras(
+    path: str | os.PathLike[str],
+    cameras: Iterable[Intrinsics],
+    metadata: Mapping[str, str | list[str]] | None = None,
+    caliscope: bool = False,
+) -> None:
+    """Write cameras the way :func:`load_cameras` reads them, and aniposelib or Caliscope.
+
+    Parameters
+    ----------
+    path : str or path
+    cameras : iterable of Intrinsics
+    metadata : mapping of str to str or list of str, optional
+        For the table ``metadata``, which readers keep or skip.
+    caliscope : bool
+        Tables as Caliscope reads them, ``[cameras.0]``, rather than as aniposelib does, ``[cam_0]``.
+
+    Raises
+    ------
+    EpibarError
+        The file cannot be written.
+    """
     tables = []
     for index, camera in enumerate(cameras):
-        rows = [f"[cam_{index}]", f"name = {json.dumps(camera.name, ensure_ascii=False)}"]
+        rows = [f"[cameras.{index}]", f"cam_id = {index}"] if caliscope else [f"[cam_{index}]"]
+        rows += [f"name = {json.dumps(camera.name, ensure_ascii=False)}"]
         rows += [f"size = {list(camera.size)}", f"matrix = {camera.matrix.tolist()}"]
         rows += [f"distortions = {camera.distortions.tolist()}"]
         rows += ["fisheye = true"] if camera.fisheye else []
@@ -353,4 +375,8 @@ def write_cameras(path: str | os.PathLike[str], cameras: Iterable[Intrinsics]) -
             value = getattr(camera, key)
             rows += [] if value is None else [f"{key} = {value.tolist()}"]
         tables.append("\n".join(rows) + "\n")
-    Path(path).write_text("\n".join(tables), encoding="utf-8")
+    if metadata:
+        rows = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in metadata.items()]
+        tables.append("\n".join(["[metadata]", *rows]) + "\n")
+    text = "\n".join(tables)
+    write_atomically(path, lambda stream: stream.write(text.encode()))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from .errors import EpibarError
 from .foreground import CameraHealth, Foreground, ForegroundOptions
+from .frame_range import FrameRange
 from .images import read_image
 from .intrinsics import Intrinsics, MaskUndistorter, find_camera, load_cameras
 from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder
@@ -44,7 +45,8 @@ def record(
     ignore: str | os.PathLike[str] | NDArray[Any] | None = None,
     intrinsics: Intrinsics | str | os.PathLike[str] | None = None,
     fps: float | None = None,
-    progress: bool | None = None,
+    frames: Sequence[int | None] | None = None,
+    progress: bool | Callable[[str, float], None] | None = None,
 ) -> Recording:
     """Turn the video of one stationary camera into a recording.
 
@@ -72,8 +74,13 @@ def record(
         with it everything in the recording is in undistorted pixels of the same matrix.
     fps : float, optional
         Frames per second, instead of the times in the file.
-    progress : bool, optional
-        Show a progress bar on stderr; by default where that is a terminal.
+    frames : (int or None, int or None), optional
+        First frame to use and the one after the last, each None for the end of the video: a part in which
+        the camera stood still. Frames of the recording, and their times, count from the first of them, so
+        give the same part to cameras that were started together.
+    progress : bool or callable, optional
+        Show a progress bar on stderr; by default where that is a terminal. Or called after each frame with
+        the name of the stage and the share of the announced frames that is done, 0 to 1.
 
     Returns
     -------
@@ -90,7 +97,8 @@ def record(
     >>> import epibar
     >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)  # doctest: +SKIP
     """
-    with MaskFrames(path, fps=fps) if masks else Frames(path, fps=fps) as source:
+    part = FrameRange.of(frames)
+    with MaskFrames(path, fps=fps, frames=part) if masks else Frames(path, fps=fps, frames=part) as source:
         name = name or source.name
         if isinstance(intrinsics, (str, os.PathLike)):
             intrinsics = intrinsics_of(intrinsics, name)
@@ -116,6 +124,8 @@ def record(
             name=name,
             warnings=[*source.warnings, *health.warnings],
             matrix=None if intrinsics is None else intrinsics.matrix,
+            health=health.numbers,
+            first_frame=source.first,
         )
 
 
@@ -141,7 +151,7 @@ def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) ->
     foreground = Foreground.for_frames(frames, options)
     with closing(prefetched(frames)) as ahead:
         for index, time, frame in ahead:
-            yield time, health.update(index, frame, foreground.apply(frame))
+            yield time, health.update(frames.first + index, frame, foreground.apply(frame))
 
 
 def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Stream:
@@ -154,9 +164,14 @@ def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Stream:
 
 
 def _watched(
-    stream: Iterable[Moment], total: int | None, name: str, progress: bool | None
+    stream: Iterable[Moment],
+    total: int | None,
+    name: str,
+    progress: bool | Callable[[str, float], None] | None,
 ) -> Iterable[Moment]:
     """Put a progress bar around a stream where somebody watches."""
+    if callable(progress):
+        return _reported(stream, total, progress)
     if progress is None:
         progress = sys.stderr.isatty()
     if not progress:
@@ -165,6 +180,14 @@ def _watched(
 
     bar: Iterable[Moment] = tqdm(stream, total=total, desc=name, unit=" frames", file=sys.stderr, leave=False)
     return bar
+
+
+def _reported(
+    stream: Iterable[Moment], total: int | None, progress: Callable[[str, float], None]
+) -> Iterator[Moment]:
+    for count, moment in enumerate(stream, 1):
+        yield moment
+        progress("recording", min(count / total, 1.0) if total else 0.0)
 
 
 def _ignore_mask(ignore: str | os.PathLike[str] | NDArray[Any] | None, size: tuple[int, int]) -> Mask | None:

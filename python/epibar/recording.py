@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -48,6 +48,12 @@ class Recording:
         What was wrong with the video but bearable, in plain English.
     matrix : ndarray, shape (3, 3), or None
         Camera matrix of the undistorted pixels that all is in; None where no intrinsics were given.
+    health : dict of str to float
+        What was counted while the video was watched: how often the camera moved, by how much the light
+        flickers and so on. Empty where there were no images, as for ready masks. :func:`epibar.inspect` says
+        what it means.
+    first_frame : int
+        Number in the video of frame 0.
     """
 
     def __init__(
@@ -57,11 +63,15 @@ class Recording:
         name: str = "",
         warnings: Sequence[str] = (),
         matrix: ArrayLike | None = None,
+        health: Mapping[str, float] | None = None,
+        first_frame: int = 0,
     ) -> None:
         self._core = core
         self.name = name
         self.warnings = list(warnings)
         self.matrix = None if matrix is None else np.array(matrix, dtype=np.float64)
+        self.health = dict(health or {})
+        self.first_frame = first_frame
 
     @classmethod
     def from_masks(
@@ -179,6 +189,10 @@ class Recording:
         with core_errors():
             return self._core.hulls(index)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as arrays, on the way to another process or machine."""
+        return _unpickled, (self.to_arrays(),)
+
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""
         return (
@@ -193,13 +207,7 @@ class Recording:
         EpibarError
             The file cannot be written.
         """
-        arrays: dict[str, Any] = {PREFIX + key: value for key, value in self._core.to_arrays().items()}
-        arrays["epibar_recording"] = np.int64(FORMAT)
-        arrays["name"] = np.array(self.name)
-        arrays["warnings"] = np.array(self.warnings, dtype=np.str_)
-        if self.matrix is not None:
-            arrays["matrix"] = self.matrix
-        write_archive(path, arrays)
+        write_archive(path, self.to_arrays())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Recording:
@@ -210,8 +218,30 @@ class Recording:
         EpibarError
             The file is missing, damaged, something else, or of a newer format.
         """
-        where = os.fspath(path)
-        arrays = read_archive(path, KIND)
+        return cls.from_arrays(read_archive(path, KIND), os.fspath(path))
+
+    def to_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return everything as named arrays, as they are in the file."""
+        arrays: dict[str, Any] = {PREFIX + key: value for key, value in self._core.to_arrays().items()}
+        arrays["epibar_recording"] = np.array(FORMAT)
+        arrays["name"] = np.array(self.name)
+        arrays["warnings"] = np.array(self.warnings, dtype=np.str_)
+        arrays["health_names"] = np.array(list(self.health), dtype=np.str_)
+        arrays["health_values"] = np.array(list(self.health.values()), dtype=np.float64)
+        arrays["first_frame"] = np.array(self.first_frame)
+        if self.matrix is not None:
+            arrays["matrix"] = self.matrix
+        return arrays
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], where: str) -> Recording:
+        """Make a recording of the arrays that :meth:`to_arrays` returned; ``where`` names them in errors.
+
+        Raises
+        ------
+        EpibarError
+            The arrays are something else, damaged, or of a newer format.
+        """
         if "epibar_recording" not in arrays:
             hint = "; its key 'masks' says that it holds masks" if "masks" in arrays else ""
             raise EpibarError(f"{where}: not {KIND}{hint}")
@@ -232,10 +262,28 @@ class Recording:
                 name=str(arrays["name"]),
                 warnings=[str(text) for text in np.atleast_1d(arrays["warnings"])],
                 matrix=matrix,
+                health=_stored_health(arrays),
+                first_frame=int(arrays.get("first_frame", 0)),
             )
         except (ValueError, TypeError, KeyError, OverflowError) as error:
             text = str(error)
             raise EpibarError(text if text.startswith(where) else f"{where}: damaged ({text})") from error
+
+
+def _stored_health(arrays: Mapping[str, NDArray[Any]]) -> dict[str, float]:
+    """Read the numbers of the camera's health; files of older versions have none."""
+    names, values = arrays.get("health_names"), arrays.get("health_values")
+    if names is None or values is None:
+        return {}
+    if names.ndim != 1 or names.shape != values.shape:
+        raise ValueError("the numbers of the camera's health do not fit their names")
+    return {str(name): float(value) for name, value in zip(names, values, strict=True)}
+
+
+def _unpickled(arrays: dict[str, NDArray[Any]]) -> Recording:
+    # Buffers that came over a network need not be aligned, and the compiled module wants them so.
+    aligned = {name: np.require(array, requirements=["C", "A"]) for name, array in arrays.items()}
+    return Recording.from_arrays(aligned, "pickled recording")
 
 
 def new_recorder(width: int, height: int, lines: int, seed: int, min_component_area: int) -> _core.Recorder:

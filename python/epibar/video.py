@@ -14,12 +14,14 @@ import math
 import os
 import re
 from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 import numpy as np
 
 from .errors import EpibarError
+from .frame_range import FrameRange
 from .images import IMAGE_SUFFIXES, as_bgr, natural_order, opencv, read_image
 from .mask_array import ARRAY_SUFFIXES, MaskArray
 from .prefetch import prefetched
@@ -42,7 +44,9 @@ def _is_stream_or_pattern(source: str) -> bool:
 class _Source(Generic[T]):
     """What every source has: a name, a size, a rate, warnings and a way to be read from the start."""
 
-    def __init__(self, path: str | os.PathLike[str], fps: float | None) -> None:
+    def __init__(
+        self, path: str | os.PathLike[str], fps: float | None, frames: FrameRange | None = None
+    ) -> None:
         if fps is not None and not (math.isfinite(fps) and fps > 0):
             raise EpibarError(f"{path}: fps is {fps}; give a positive number of frames per second")
         self.path = os.fspath(path)
@@ -54,6 +58,12 @@ class _Source(Generic[T]):
         self.frame_count: int | None = None
         self.fps = DEFAULT_FPS
         self._given_fps = fps
+        self._range = frames or FrameRange()
+
+    @property
+    def first(self) -> int:
+        """Number in the file of the frame that is frame 0 here."""
+        return self._range.first
 
     @property
     def size(self) -> tuple[int, int]:
@@ -107,6 +117,8 @@ class Frames(_Source[np.ndarray]):
         ``image_%04d.png`` pattern.
     fps : float, optional
         Frames per second. Overrides what the file says, and its time stamps.
+    frames : FrameRange, optional
+        Which of them to use; all by default. Numbers and times then count from the first of these.
 
     Attributes
     ----------
@@ -134,8 +146,10 @@ class Frames(_Source[np.ndarray]):
     ...     times = [time for index, time, frame in frames]
     """
 
-    def __init__(self, path: str | os.PathLike[str], *, fps: float | None = None) -> None:
-        super().__init__(path, fps)
+    def __init__(
+        self, path: str | os.PathLike[str], *, fps: float | None = None, frames: FrameRange | None = None
+    ) -> None:
+        super().__init__(path, fps, frames)
         self._images: list[Path] | None = None
         self._started: tuple[Any, np.ndarray] | None = None
         file = Path(self.path)
@@ -165,6 +179,7 @@ class Frames(_Source[np.ndarray]):
         self._open_images(files)
 
     def _open_images(self, files: list[Path]) -> None:
+        files = files[self.first : self.first + self._range.count(self.path, len(files))]
         self._images = files
         self.height, self.width = read_image(files[0]).shape[:2]
         self.frame_count = len(files)
@@ -192,7 +207,8 @@ class Frames(_Source[np.ndarray]):
             )
         self.height, self.width = first.shape[:2]
         announced = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        self.frame_count = int(announced) if math.isfinite(announced) and 0 < announced < 1e12 else None
+        if math.isfinite(announced) and 0 < announced < 1e12:
+            self.frame_count = self._range.count(self.path, int(announced))
         self._announced = self.frame_count
         self._choose_fps(capture.get(cv2.CAP_PROP_FPS))
         self._started = (capture, first)
@@ -212,15 +228,20 @@ class Frames(_Source[np.ndarray]):
         capture = started[0] if started else self._capture()
         ok, frame = (True, started[1]) if started else capture.read()
         try:
+            if self.first:
+                ok = all(capture.grab() for _ in range(self.first))
+                ok, frame = capture.retrieve() if ok else (False, None)
+                if not ok:
+                    raise self._range.beyond(self.path)
             index, time, start, gaps = 0, 0.0, float(capture.get(cv2.CAP_PROP_POS_MSEC)), 0
             while ok and frame is not None:
-                self._check_size(frame.shape, f"{self.path}: frame {index}")
+                self._check_size(frame.shape, f"{self.path}: frame {self.first + index}")
                 if index:
                     previous, time = time, self._time(index, time, capture.get(cv2.CAP_PROP_POS_MSEC) - start)
                     gaps += time - previous > 1.5 / self.fps
                 yield index, time, as_bgr(frame)
                 index += 1
-                ok, frame = capture.read()
+                ok, frame = capture.read() if self._range.holds(self.first + index) else (False, None)
             self._finish(index, gaps)
         finally:
             capture.release()
@@ -266,7 +287,7 @@ class Frames(_Source[np.ndarray]):
         cv2 = opencv()
         capture, found = self._capture(), 0
         try:
-            for number in np.linspace(0, total - 1, count).astype(int):
+            for number in np.linspace(self.first, self.first + total - 1, count).astype(int):
                 capture.set(cv2.CAP_PROP_POS_FRAMES, float(number))
                 ok, frame = capture.read()
                 if ok and frame is not None and (frame.shape[1], frame.shape[0]) == self.size:
@@ -297,6 +318,8 @@ class MaskFrames(_Source[np.ndarray]):
         of images, likewise, except that images of only 0 and 1 are taken as they are.
     fps : float, optional
         Frames per second. Overrides what the file says.
+    frames : FrameRange, optional
+        As for :class:`Frames`.
 
     Raises
     ------
@@ -304,13 +327,15 @@ class MaskFrames(_Source[np.ndarray]):
         As for :class:`Frames`; a missing key, a wrong rank or dtype, no frames.
     """
 
-    def __init__(self, path: str | os.PathLike[str], *, fps: float | None = None) -> None:
-        super().__init__(path, fps)
+    def __init__(
+        self, path: str | os.PathLike[str], *, fps: float | None = None, frames: FrameRange | None = None
+    ) -> None:
+        super().__init__(path, fps, frames)
         self._frames: Frames | None = None
         if Path(self.path).suffix.lower() in ARRAY_SUFFIXES and not Path(self.path).is_dir():
             self._open_array()
         else:
-            self._frames = Frames(path, fps=fps)
+            self._frames = Frames(path, fps=fps, frames=frames)
             self.name, self.fps = self._frames.name, self._frames.fps
             self.width, self.height = self._frames.size
             self.frame_count = self._frames.frame_count
@@ -318,7 +343,8 @@ class MaskFrames(_Source[np.ndarray]):
 
     def _open_array(self) -> None:
         self._array = MaskArray(self.path)
-        self.frame_count, self.height, self.width = self._array.shape
+        total, self.height, self.width = self._array.shape
+        self.frame_count = self._range.count(self.path, total)
         self._choose_fps(self._array.fps)
 
     def __iter__(self) -> Iterator[tuple[int, float, np.ndarray]]:
@@ -327,13 +353,14 @@ class MaskFrames(_Source[np.ndarray]):
         return self._iterate_array(self._array)
 
     def _iterate_array(self, array: MaskArray) -> Iterator[tuple[int, float, np.ndarray]]:
-        index = -1
-        for index, mask in enumerate(array):
-            yield index, index / self.fps, mask
-        if index + 1 < array.shape[0]:
+        expected = self._range.count(self.path, array.shape[0])
+        found = 0
+        for found, mask in enumerate(islice(array, self.first, self.first + expected), 1):
+            yield found - 1, (found - 1) / self.fps, mask
+        if found < expected:
             self.truncated = True
-            self._warn(f"{self.path}: truncated, read {index + 1} of {array.shape[0]} frames; those are used")
-        self.frame_count = index + 1
+            self._warn(f"{self.path}: truncated, read {found} of {expected} frames; those are used")
+        self.frame_count = found
 
     def _iterate_frames(self, frames: Frames) -> Iterator[tuple[int, float, np.ndarray]]:
         brightest, moving = 0, False
