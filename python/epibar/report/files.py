@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import math
 import platform
-from argparse import Namespace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -16,12 +15,13 @@ from typing import Any
 import numpy as np
 
 from ..archive import write_atomically
-from ..calibration import Calibration
+from ..calibration import Calibration, FrontierPoints
 from ..errors import EpibarError
 from ..recording import Recording
 
 __all__ = [
     "camera_entry",
+    "json_text",
     "pair_entry",
     "read_frontier_points",
     "read_json",
@@ -34,18 +34,20 @@ FORMAT = 1
 COLUMNS = "frame_a,x_a,y_a,x_b,y_b,residual"
 
 
-def run_entry(args: Namespace) -> dict[str, Any]:
+def run_entry(
+    *, seed: int, method: str, lines: int, foreground: str | None, upright: bool, intrinsics: str | None
+) -> dict[str, Any]:
     """Start a calibration.json: the settings that the result depends on, and empty lists to fill."""
     return {
         "format": FORMAT,
         "convention": "x_b^T F x_a = 0; pixels, pixel centres at integers; "
-        + ("undistorted with the matrix of each camera" if args.intrinsics else "as in the video"),
-        "seed": args.seed,
-        "method": args.method,
-        "lines": args.lines,
-        "foreground": None if args.masks else args.foreground,
-        "upright": not args.any_way_up,
-        "intrinsics": args.intrinsics,
+        + ("undistorted with the matrix of each camera" if intrinsics else "as in the video"),
+        "seed": seed,
+        "method": method,
+        "lines": lines,
+        "foreground": foreground,
+        "upright": upright,
+        "intrinsics": intrinsics,
         "versions": {
             "python": platform.python_version(),
             **{name: _version(name) for name in ("epibar", "numpy", "opencv-python-headless")},
@@ -72,6 +74,7 @@ def camera_entry(name: str, source: str, index: int, recording: Recording) -> di
         "width": recording.width,
         "height": recording.height,
         "frames": recording.frames,
+        "first_frame": recording.first_frame,
         "lines": len(recording.segments),
         "informative_lines": recording.informative,
         "matrix": recording.matrix,
@@ -79,7 +82,7 @@ def camera_entry(name: str, source: str, index: int, recording: Recording) -> di
     }
 
 
-def pair_entry(a: str, b: str, calibration: Calibration, seconds: float) -> dict[str, Any]:
+def pair_entry(a: str, b: str, calibration: Calibration) -> dict[str, Any]:
     """Describe one pair for calibration.json."""
     return {
         "a": a,
@@ -97,7 +100,6 @@ def pair_entry(a: str, b: str, calibration: Calibration, seconds: float) -> dict
         "source": calibration.source,
         "floor": calibration.floor,
         "rivals": calibration.rivals,
-        "seconds": round(seconds, 2),
     }
 
 
@@ -116,9 +118,14 @@ def plain(value: Any) -> Any:
     return value
 
 
+def json_text(result: dict[str, Any]) -> str:
+    """Set the result as JSON."""
+    return json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False)
+
+
 def write_json(path: Path, result: dict[str, Any]) -> None:
     """Write the result, whole or not at all."""
-    text = json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False)
+    text = json_text(result)
     write_atomically(path, lambda stream: stream.write(text.encode() + b"\n"))
 
 
@@ -162,8 +169,14 @@ def write_frontier_points(path: Path, calibration: Calibration) -> Path:
     return path
 
 
-def read_frontier_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Read the points of A and of B, (n, 2) each, pixels."""
+def read_frontier_points(path: Path) -> FrontierPoints:
+    """Read the frontier points of a pair.
+
+    Raises
+    ------
+    EpibarError
+        Missing, or not what :func:`write_frontier_points` writes.
+    """
     try:
         lines = path.read_text(encoding="utf-8").splitlines()
         if not lines or lines[0] != COLUMNS:
@@ -171,4 +184,4 @@ def read_frontier_points(path: Path) -> tuple[np.ndarray, np.ndarray]:
         table = np.array([[float(number) for number in line.split(",")] for line in lines[1:]]).reshape(-1, 6)
     except (OSError, ValueError) as error:
         raise EpibarError(f"{path}: the frontier points cannot be read ({error})") from error
-    return table[:, 1:3], table[:, 3:5]
+    return FrontierPoints(table[:, 0].astype(np.int64), table[:, 1:3], table[:, 3:5], table[:, 5])

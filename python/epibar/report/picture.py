@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from ..archive import write_atomically
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..evaluation import clip_lines, epipoles
 from ..recording import Recording
+from .matched_lines import frames_to_show, matched_lines
 
 if TYPE_CHECKING:
     from ..intrinsics import Intrinsics
@@ -64,7 +64,7 @@ def write_pair_picture(
     """
     import cv2
 
-    frames = _frames_to_show(recordings, calibration)
+    frames = frames_to_show(recordings, calibration)
     images = [_view(*view) for view in zip(sources, frames, recordings, intrinsics, strict=True)]
     captions = [f"{name}, frame {frame}" for name, frame in zip(names, frames, strict=True)]
     picture = draw_pair((images[0], images[1]), (captions[0], captions[1]), calibration, frames[0])
@@ -107,23 +107,12 @@ def draw_pair(
     return np.vstack([heading, body, caption])
 
 
-def _frames_to_show(recordings: tuple[Recording, Recording], calibration: Calibration) -> tuple[int, int]:
-    """Frame of A with the most frontier points, or else the most motion, and B's frame of that moment."""
-    a, b = recordings
-    points = calibration.frontier_points.frame
-    counts = np.bincount(points, minlength=a.frames) if len(points) else a.moving_pixels
-    moment = np.arange(a.frames) + round(calibration.time_offset)
-    shown = np.where((moment >= 0) & (moment < b.frames), counts[: a.frames].astype(np.int64), -1)
-    frame = int(shown.argmax())
-    return frame, int(np.clip(moment[frame], 0, b.frames - 1))
-
-
 def _view(source: str, frame: int, recording: Recording, intrinsics: Intrinsics | None) -> Image:
     """Read one frame, undistorted where the recording is; the heat map where there is no such frame."""
     from ..video import read_frame
 
     try:
-        image = read_frame(source, frame)
+        image = read_frame(source, recording.first_frame + frame)
     except EpibarError:
         return _heat_map(recording)
     if image.shape[:2] != (recording.height, recording.width):
@@ -154,58 +143,15 @@ def _draw_lines(
     views: list[tuple[Image, float]], images: tuple[Image, Image], calibration: Calibration, frame: int
 ) -> None:
     """Draw the epipolar lines of a few points, and the points of the frame that is shown."""
-    assert calibration.F is not None
     sizes = [(image.shape[1], image.shape[0]) for image in images]
-    points = calibration.frontier_points
-    in_frame = points.frame == frame
-    if len(points):
-        lines_b = _homogeneous(points.a) @ calibration.F.T
-        lines_a = _homogeneous(points.b) @ calibration.F
-    else:
-        grid = np.linspace(0.15, 0.85, 2 * LINES)[:, None] * (np.array(sizes[0]) - 1.0)
-        lines_b = _homogeneous(grid) @ calibration.F.T
-        lines_a = np.cross(epipoles(calibration.F)[0], _homogeneous(grid))
-        in_frame = np.zeros(len(grid), bool)
-    segments_a, hit_a = clip_lines(lines_a, sizes[0])
-    segments_b, hit_b = clip_lines(lines_b, sizes[1])
-    shape = np.hstack([_unit_lines(lines_a, sizes[0]), _unit_lines(lines_b, sizes[1])])
-    chosen = _spread(shape, np.flatnonzero(hit_a & hit_b & in_frame), np.flatnonzero(hit_a & hit_b))
-    for colour, index in zip(COLOURS, chosen, strict=False):
-        for (view, scale), segment in zip(views, (segments_a[index], segments_b[index]), strict=True):
+    lines = list(zip(COLOURS, matched_lines(calibration, sizes[0], sizes[1], frame, LINES), strict=False))
+    for colour, line in lines:
+        for (view, scale), segment in zip(views, line.segments, strict=True):
             _line(view, segment, scale, colour)
-    for colour, index in zip(COLOURS, chosen, strict=False):
-        if in_frame[index]:
-            for (view, scale), point in zip(views, (points.a[index], points.b[index]), strict=True):
+    for colour, line in lines:
+        if line.points is not None:
+            for (view, scale), point in zip(views, line.points, strict=True):
                 _dot(view, point, scale, colour)
-
-
-def _spread(shape: Array, preferred: NDArray[np.intp], others: NDArray[np.intp]) -> list[int]:
-    """Choose lines far from each other, farthest first; ``others`` only when ``preferred`` runs out."""
-    chosen: list[int] = []
-    for pool in (preferred, others):
-        while len(pool) and len(chosen) < LINES:
-            if not chosen:
-                chosen.append(int(pool[0]))
-                continue
-            distance = np.abs(shape[pool][:, None] - shape[chosen][None]).max(axis=2).min(axis=1)
-            best = int(distance.argmax())
-            if distance[best] < 0.04:
-                break
-            chosen.append(int(pool[best]))
-    return chosen
-
-
-def _unit_lines(lines: Array, size: tuple[int, int]) -> Array:
-    """Direction modulo half a turn and distance from the image's middle, both of order one."""
-    middle = np.array([(size[0] - 1) / 2, (size[1] - 1) / 2, 1.0])
-    norm = np.maximum(np.hypot(lines[:, 0], lines[:, 1]), 1e-300)
-    angle = 2 * np.arctan2(lines[:, 1], lines[:, 0])
-    sign = np.where(np.abs(lines[:, 1]) > np.abs(lines[:, 0]), np.sign(lines[:, 1]), np.sign(lines[:, 0]))
-    return np.column_stack([np.cos(angle), np.sin(angle), sign * (lines @ middle) / norm / max(size)])
-
-
-def _homogeneous(points: Array) -> Array:
-    return np.column_stack([points, np.ones(len(points))])
 
 
 def _at(point: Any, scale: float) -> tuple[int, int]:

@@ -1,0 +1,139 @@
+// One pair, top to bottom.
+
+const EVIDENCE = {
+  z: ["evidence on frames kept aside", "standard deviations above shifted clocks", 1],
+  z_tops: ["upper edges alone", "standard deviations", 1],
+  z_bottoms: ["lower edges alone", "standard deviations", 1],
+  explained: ["outlines of A explained", "of its tangents", 0],
+  explained_by_chance: ["by chance", "of its tangents", 0],
+  plane_residual: ["distance from one plane", "px; near nought means undetermined", 1],
+};
+
+const COUNTS = {
+  frames: "frames in common", informative_a: "informative lines of A, with those drawn later",
+  informative_b: "informative lines of B, with those drawn later", on_motion_lines: "line pairs dropped as motion lines",
+  mutual_pairs: "mutual best line pairs", candidates: "candidate line pairs", line_inliers: "candidates that agree with F",
+};
+
+function showPair(host, index) {
+  forgetCharts(host);
+  const pair = DATA.pairs[index];
+  const [a, b] = [DATA.cameras[pair.a], DATA.cameras[pair.b]];
+  const strips = el("section", { class: "card strips" });
+  const viewer = new Viewer(pair, a, b, set => showStrips(strips, pair, set));
+  host.replaceChildren(
+    heading(pair, a, b, index), verdict(pair), viewer.element, strips, details(pair, a, b), ...tables(pair));
+  host.hidden = false;
+}
+
+function heading(pair, a, b, index) {
+  const step = (by, text, label) => {
+    const target = index + by;
+    return target in DATA.pairs ? el("a", { href: `#pair-${target + 1}`, "aria-label": label }, text) : el("span");
+  };
+  return el("div", { class: "pair-title" },
+    el("h2", { id: "pair-title", tabindex: -1 },
+      el("span", { class: "who" }, el("b", {}, "A"), ` ${a.name}`), " ",
+      el("span", { class: "who" }, el("b", {}, "B"), ` ${b.name}`)),
+    el("nav", { "aria-label": "Other pairs" }, step(-1, "‹ previous", "Previous pair"), step(1, "next ›", "Next pair")));
+}
+
+function verdict(pair) {
+  const error = pair.expected_error === null ? null
+    : el("p", { class: "error" }, el("strong", {}, `${number(pair.expected_error, 2)} px`), " expected error");
+  const offset = pair.time_offset
+    ? el("p", {}, `Frame i of A is frame i ${pair.time_offset < 0 ? "−" : "+"} ${number(Math.abs(pair.time_offset), 2)} of B.`)
+    : null;
+  const next = pair.advice.length
+    ? [el("h3", {}, "What to do next"), el("ul", {}, ...pair.advice.map(text => el("li", {}, ...withCode(text))))] : [];
+  const title = pair.accepted ? `✓ ${pair.verdict}` : `✕ Refused: ${pair.verdict.toLowerCase()}`;
+  return el("section", { class: pair.accepted ? "verdict accepted" : "verdict refused" },
+    el("div", {},
+      el("p", { class: "word" }, title), el("p", {}, pair.reason), offset, ...next),
+    el("div", { class: "matrix-box" }, pair.accepted ? error : null, matrixBox(pair)));
+}
+
+// What is between backticks is code.
+const withCode = text => text.split("`").map((part, k) => (k % 2 ? el("code", {}, part) : part));
+
+// F is there to be copied; that of a refused pair must be asked for, and says so wherever it is pasted.
+function matrixBox(pair) {
+  if (pair.F === null) return el("p", { class: "note" }, "No fundamental matrix was found.");
+  const rows = pair.F.map(row => `    [${row.join(", ")}],`).join("\n");
+  const warning = pair.accepted ? "" : `# REFUSED (${pair.kind}): not to be used\n`;
+  const text = `${warning}F = np.array([\n${rows}\n])  # x_b^T F x_a = 0\n`;
+  const button = el("button", { type: "button", class: "copy", onclick: async () => {
+    button.textContent = (await copyText(text)) ? "Copied" : "Copying failed: select it by hand";
+    setTimeout(() => { button.textContent = "Copy F for NumPy"; }, 2000);
+  } }, "Copy F for NumPy");
+  const table = el("table", { class: "F", "aria-label": "Fundamental matrix" }, ...pair.F.map(row =>
+    el("tr", {}, ...row.map(value => el("td", { title: String(value) }, value.toExponential(4).replace("-", "−").replace("e-", "e−"))))));
+  return pair.accepted ? el("div", {}, table, button)
+    : el("details", {}, el("summary", {}, "The refused matrix"), table, button);
+}
+
+function showStrips(host, pair, set) {
+  host.hidden = !set;
+  if (!set) return;
+  forgetCharts(host);
+  const frames = pair.strip_frames.length;
+  const some = frames < pair.common_frames ? ` The ${frames} busiest of ${number(pair.common_frames, 0)} frames.` : "";
+  const known = set.correlation.filter(value => value !== null).sort((p, q) => p - q);
+  const middle = known.length ? ` Correlation of A and B: ${number(known[0], 2)} to ${number(known.at(-1), 2)}.` : "";
+  host.replaceChildren(
+    el("h3", {}, "Motion barcodes of the lines"),
+    el("p", { class: "caption" },
+      "Bright where something moves on the line. " + LINE_WORDS[set.kind][1] +
+      ` ${pair.accepted ? "In colour" : "Light"}: both cameras at once; grey: one alone.` + middle + some),
+    chart(() => barcodeChart(pair, set, lineColours(pair)), "strip-plot"));
+}
+
+function details(pair, a, b) {
+  const card = (title, caption, ...plots) =>
+    el("section", { class: plots.length > 1 ? "card wide" : "card" }, el("h3", {}, title),
+      el("p", { class: "caption" }, caption), el("div", { class: "plots" }, ...plots));
+  const twin = describe => [[a, 0], [b, 1]].map(([camera, side]) =>
+    el("figure", {},
+      // Room for the colour bar beside an image of the camera's shape.
+      chart(() => describe(camera, side), "image-plot", `aspect-ratio: ${1.22 * camera.size[0]} / ${camera.size[1]}`),
+      el("figcaption", {}, el("b", {}, "AB"[side]), ` ${camera.name}`)));
+  const cards = [];
+  if (pair.shift_curve.shift.length > 1) cards.push(card("Time shift",
+    "How well F explains frames kept aside when B's clock is shifted, cyclically. A true geometry stands out at 0 and nowhere else.",
+    chart(() => shiftChart(pair))));
+  if (pair.residuals) cards.push(card("Residuals of the frontier points",
+    "Places where an epipolar plane touches an outline, seen by both: how far each lies from its line.",
+    chart(() => residualChart(pair))));
+  if (pair.error_maps) cards.push(card("Expected error over the image",
+    "How far the line of a point here is expected to be off in the other view. F is known best where things moved.",
+    ...twin((camera, side) => errorChart(camera, pair.error_maps, side))));
+  cards.push(card("Where things moved",
+    "In how many frames something moved. Dashed: motion lines, straight paths that much of the traffic follows.",
+    ...twin(camera => heatChart(camera))));
+  return el("div", { class: "cards" }, ...cards);
+}
+
+function tables(pair) {
+  const row = cells => el("tr", {}, ...cells.map((cell, k) => el(k ? "td" : "th", k ? {} : { scope: "row" }, cell)));
+  const found = [];
+  if (pair.rivals.length) {
+    const head = el("tr", {}, ...["", "distance", "share of the evidence", "behind by"].map(text => el("th", { scope: "col" }, text)));
+    const rows = pair.rivals.map((rival, k) => row([
+      `rival ${k + 1}`, rival.distance === null ? "unknown" : `${number(rival.distance, 1)} px`,
+      `${number(100 * rival.evidence_share, 0)} %`, `${number(rival.evidence_z, 1)} σ`]));
+    const more = pair.all_rivals > rows.length ? ` The first ${rows.length} of ${pair.all_rivals}.` : "";
+    found.push(el("section", { class: "card" }, el("h3", {}, "Rivals"),
+      el("p", { class: "caption" }, "Other geometries that were met. One with about the same evidence and far away makes a pair ambiguous." + more),
+      el("div", { class: "scroll" }, el("table", { class: "numbers" }, el("thead", {}, head), el("tbody", {}, ...rows)))));
+  }
+  const evidence = Object.entries(EVIDENCE).filter(([key]) => pair.evidence[key] !== undefined && pair.evidence[key] !== null)
+    .map(([key, [name, unit, digits]]) => {
+      const share = key.startsWith("explained");
+      return row([name, number(share ? 100 * pair.evidence[key] : pair.evidence[key], digits) + (share ? " % " : " ") + unit]);
+    });
+  const counts = Object.entries(pair.counts).map(([key, value]) => row([COUNTS[key] ?? key.replaceAll("_", " "), number(value, 0)]));
+  const rest = [row(["method", pair.method]), row(["computed in", `${number(pair.seconds, 1)} s`])];
+  found.push(el("section", { class: "card" }, el("h3", {}, "Evidence and counts"),
+    el("div", { class: "scroll" }, el("table", { class: "numbers" }, el("tbody", {}, ...evidence, ...counts, ...rest)))));
+  return [el("div", { class: "cards" }, ...found)];
+}
