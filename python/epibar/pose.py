@@ -1,0 +1,193 @@
+"""Relative pose of two cameras from F and their camera matrices, up to the length of the baseline.
+
+With ``X_b = R X_a + t`` the essential matrix is ``E = [t]ₓ R ~ K_bᵀ F K_a``. It allows four poses, and only
+the true one has the things seen in front of both cameras (cheirality; Hartley and Zisserman, *Multiple View
+Geometry*, 9.6). Pitfall: a wrong F passes this test as well. The verdict is what tells whether F is right.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .calibration import Calibration, FrontierPoints
+from .errors import EpibarError
+
+__all__ = ["RelativePose", "pose_entry", "relative_pose"]
+
+Array = NDArray[np.float64]
+
+LEAST_POINTS = 20
+DECISIVE = 0.8
+"""Share of the frontier points that must lie in front of both cameras; the other poses share the rest."""
+
+
+class PairGeometry(Protocol):
+    """What a pair needs to have for a pose: a :class:`~epibar.Calibration` has it."""
+
+    @property
+    def F(self) -> Array | None:
+        """(3, 3), ``x_b^T F x_a = 0``."""
+
+    @property
+    def frontier_points(self) -> FrontierPoints:
+        """Correspondences in undistorted pixels."""
+
+
+@dataclass(frozen=True, eq=False)
+class RelativePose:
+    """Where camera B stands relative to camera A: ``X_b = R X_a + t``, the baseline being the unit of length.
+
+    Attributes
+    ----------
+    E : ndarray, shape (3, 3)
+        Essential matrix ``[t]ₓ R``, singular values 1, 1, 0.
+    R : ndarray, shape (3, 3)
+        Rotation from A's axes (x right, y down, z forward) to B's.
+    t : ndarray, shape (3,)
+        Unit vector. B stands at ``-R.T @ t`` in A's axes.
+    points : int
+        Frontier points that the pose was chosen with.
+    in_front : int
+        How many of them it puts in front of both cameras.
+    singular_ratio : float
+        Second over first singular value of ``K_bᵀ F K_a``. It is 1 when F and the camera matrices agree, so a
+        low one says that a camera matrix (or F) is off.
+    """
+
+    E: Array
+    R: Array
+    t: Array
+    points: int
+    in_front: int
+    singular_ratio: float
+
+    def __repr__(self) -> str:
+        return f"<RelativePose {self.in_front} of {self.points} points in front of both cameras>"
+
+
+def relative_pose(calibration: PairGeometry, K_a: ArrayLike, K_b: ArrayLike) -> RelativePose:
+    """Rotation and direction of translation between the cameras of a pair.
+
+    Parameters
+    ----------
+    calibration : Calibration
+        Of the pair. Look at ``accepted`` first: this works on any F.
+    K_a, K_b : array_like, shape (3, 3)
+        Camera matrices, pixels. F has to be in undistorted pixels of these matrices: give the intrinsics to
+        :func:`epibar.record` where lenses distort.
+
+    Returns
+    -------
+    RelativePose
+
+    Raises
+    ------
+    EpibarError
+        There is no F, a matrix is no camera matrix, or the frontier points do not decide between the poses.
+
+    Examples
+    --------
+    >>> pose = epibar.relative_pose(cal, rec_a.matrix, rec_b.matrix)  # doctest: +SKIP
+    >>> position_of_b = -pose.R.T @ pose.t  # doctest: +SKIP
+    """
+    import cv2
+
+    if calibration.F is None:
+        raise EpibarError("no F was found for this pair, so there is no pose")
+    matrix_a, matrix_b = _camera_matrix("K_a", K_a), _camera_matrix("K_b", K_b)
+    points = calibration.frontier_points
+    if len(points) < LEAST_POINTS:
+        raise EpibarError(
+            f"{len(points)} frontier points: at least {LEAST_POINTS} are needed to tell the pose "
+            "from the three others that F allows; method='frontier' finds them"
+        )
+    essential = matrix_b.T @ calibration.F @ matrix_a
+    singular = np.linalg.svd(essential, compute_uv=False)
+    first, second, direction = cv2.decomposeEssentialMat(essential)
+    rays_a, rays_b = _rays(points.a, matrix_a), _rays(points.b, matrix_b)
+    counts = [
+        (_in_front(R, sign * direction.ravel(), rays_a, rays_b), which, sign)
+        for which, R in enumerate((first, second))
+        for sign in (1.0, -1.0)
+    ]
+    in_front, which, sign = max(counts)
+    if in_front < DECISIVE * len(points):
+        raise EpibarError(
+            f"the pose is not decided: the best of the four that F allows has only {in_front} of "
+            f"{len(points)} frontier points in front of both cameras; check the camera matrices"
+        )
+    R, t = np.asarray((first, second)[which], np.float64), sign * np.asarray(direction, np.float64).ravel()
+    ratio = float(singular[1] / singular[0])
+    return RelativePose(cross_matrix(t) @ R, R, t, len(points), in_front, ratio)
+
+
+def pose_entry(calibration: Calibration, K_a: Array | None, K_b: Array | None) -> dict[str, Any] | None:
+    """Describe the pose of a pair for calibration.json.
+
+    Returns
+    -------
+    dict or None
+        E, R, t and the check; or the ``reason`` why an accepted pair has no pose. None where the pair was not
+        accepted or a camera matrix is not known.
+    """
+    if not calibration.accepted or K_a is None or K_b is None:
+        return None
+    try:
+        pose = relative_pose(calibration, K_a, K_b)
+    except EpibarError as error:
+        return {"reason": str(error)}
+    return {
+        "convention": "X_b = R X_a + t, t of length 1; E = [t]x R ~ K_b^T F K_a",
+        "E": pose.E,
+        "R": pose.R,
+        "t": pose.t,
+        "points": pose.points,
+        "in_front": pose.in_front,
+        "singular_ratio": pose.singular_ratio,
+    }
+
+
+def depths(pose: RelativePose, a: Array, b: Array, K_a: Array, K_b: Array) -> tuple[Array, Array]:
+    """Depths of correspondences in both cameras, two (n,) arrays in units of the baseline."""
+    return _depths(pose.R, pose.t, _rays(a, K_a), _rays(b, K_b))
+
+
+def cross_matrix(vector: Array) -> Array:
+    """``[v]ₓ``, with ``[v]ₓ w = v × w``."""
+    x, y, z = vector
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _camera_matrix(name: str, value: ArrayLike) -> Array:
+    try:
+        matrix = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    usable = matrix.shape == (3, 3) and np.isfinite(matrix).all() and matrix[0, 0] > 0 and matrix[1, 1] > 0
+    if not usable or not np.allclose(matrix[2], (0, 0, 1), atol=1e-9):
+        raise EpibarError(f"{name} = {value!r}: expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels")
+    return matrix
+
+
+def _rays(points: Array, matrix: Array) -> Array:
+    """Viewing rays with depth 1, (n, 3)."""
+    return np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(matrix).T
+
+
+def _depths(R: Array, t: Array, rays_a: Array, rays_b: Array) -> tuple[Array, Array]:
+    """Least squares of ``depth_b ray_b = depth_a R ray_a + t``; not finite where the rays are parallel."""
+    turned = rays_a @ R.T
+    aa, bb = (turned**2).sum(axis=1), (rays_b**2).sum(axis=1)
+    ab, at, bt = (turned * rays_b).sum(axis=1), turned @ t, rays_b @ t
+    with np.errstate(divide="ignore", invalid="ignore"):
+        determinant = aa * bb - ab**2
+        return (ab * bt - bb * at) / determinant, (aa * bt - ab * at) / determinant
+
+
+def _in_front(R: Array, t: Array, rays_a: Array, rays_b: Array) -> int:
+    depth_a, depth_b = _depths(R, t, rays_a, rays_b)
+    return int(((depth_a > 0) & (depth_b > 0)).sum())
