@@ -5,6 +5,7 @@
 #   make check   formatting, lints, type stubs, documentation
 #   make bench   speed
 #   make paper   accuracy, in the settings of the paper
+#   make dist    source distribution and wheel, tried in an empty environment
 
 VENV   := .venv
 BIN    := $(VENV)/bin
@@ -27,7 +28,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test check bench paper clean
+.PHONY: help build demo test check bench paper dist clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -68,6 +69,20 @@ bench: build
 
 paper: build
 	$(BIN)/python benchmarks/paper.py
+
+# The wheel is built from the source distribution, so that one that lacks a file fails here. The demo then runs
+# outside the repository, where nothing but the wheel can be imported.
+DIST := $(abspath target/dist)
+
+dist: $(VENV)/.tools
+	rm -rf $(DIST)
+	$(BIN)/maturin build --sdist --release --locked --out $(DIST)
+	$(BIN)/python -m venv $(DIST)/venv
+	$(DIST)/venv/bin/python -m pip install $(DIST)/*.whl
+	cd $(DIST) && venv/bin/epibar demo --out demo
+	cd $(DIST) && venv/bin/epibar inspect demo/videos/cam1.*
+	rm -rf $(DIST)/venv $(DIST)/demo
+	ls $(DIST)
 
 clean:
 	rm -rf target $(VENV) demo

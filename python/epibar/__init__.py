@@ -19,47 +19,69 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from . import export, live, plot
     from .calibration import Calibration, Candidates, FrontierPoints, calibrate
+    from .diagnosis import Diagnosis, inspect
     from .errors import EpibarError
     from .evaluation import symmetric_epipolar_distance
     from .foreground import ForegroundOptions
     from .intrinsics import Intrinsics, load_cameras
+    from .jobs import AllPairs, calibrate_all
     from .matching import barcodes, match_barcodes
+    from .pose import RelativePose, relative_pose
     from .recorder import record
     from .recording import Recording
 
 __all__ = [
+    "AllPairs",
     "Calibration",
     "Candidates",
+    "Diagnosis",
     "EpibarError",
     "ForegroundOptions",
     "FrontierPoints",
     "Intrinsics",
     "Recording",
+    "RelativePose",
     "__version__",
     "barcodes",
     "calibrate",
+    "calibrate_all",
+    "export",
+    "inspect",
+    "live",
     "load_cameras",
     "match_barcodes",
+    "plot",
     "record",
+    "relative_pose",
     "symmetric_epipolar_distance",
 ]
 
 _HOME = {
+    "AllPairs": "jobs",
     "Calibration": "calibration",
     "Candidates": "calibration",
+    "Diagnosis": "diagnosis",
     "EpibarError": "errors",
     "ForegroundOptions": "foreground",
     "FrontierPoints": "calibration",
     "Intrinsics": "intrinsics",
     "Recording": "recording",
+    "RelativePose": "pose",
     "barcodes": "matching",
     "calibrate": "calibration",
+    "calibrate_all": "jobs",
+    "inspect": "diagnosis",
     "load_cameras": "intrinsics",
     "match_barcodes": "matching",
     "record": "recorder",
+    "relative_pose": "pose",
     "symmetric_epipolar_distance": "evaluation",
 }
+
+_MODULES = ("export", "live", "plot")
+"""Of functions that are called by the module's name, such as ``epibar.plot.heat_map``."""
 
 
 def __getattr__(name: str) -> object:
@@ -67,6 +89,8 @@ def __getattr__(name: str) -> object:
         from importlib.metadata import version
 
         value: object = version("epibar")
+    elif name in _MODULES:
+        value = import_module(f".{name}", __name__)
     elif name in _HOME:
         value = getattr(import_module(f".{_HOME[name]}", __name__), name)
     else:

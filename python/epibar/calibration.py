@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -11,6 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .archive import read_archive, write_archive
+from .calibration_file import KIND, from_arrays, to_arrays
+from .diagnosis import cause_of_refusal
 from .errors import EpibarError
 from .recording import Recording
 from .validation import MAX_SEED, as_whole_number, core_errors
@@ -126,6 +130,59 @@ class Calibration:
         error = "" if self.expected_error is None else f", expected error {self.expected_error:.2g} px"
         return f"<Calibration {self.kind}{error}: {self.reason}>"
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to one compressed ``.npz`` file, whole or not at all.
+
+        Raises
+        ------
+        EpibarError
+            The file cannot be written.
+        """
+        write_archive(path, to_arrays(self))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Calibration:
+        """Read what :meth:`save` wrote. No pickle is involved: the file may come from anyone.
+
+        Raises
+        ------
+        EpibarError
+            The file is missing, damaged, something else, or of another format.
+        """
+        return cls.from_arrays(read_archive(path, KIND), os.fspath(path))
+
+    @classmethod
+    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], where: str) -> Calibration:
+        """Make a calibration of the arrays of a saved one; ``where`` names them in errors.
+
+        Raises
+        ------
+        EpibarError
+            The arrays are something else, damaged, or of another format.
+        """
+        nested = {"candidates": Candidates, "frontier_points": FrontierPoints}
+        calibration = from_arrays(cls, nested, arrays, where)
+        calibration._check(where)
+        return calibration
+
+    def _check(self, where: str) -> None:
+        """Refuse arrays whose shapes do not belong together."""
+        pairs, points = len(self.candidates.correlation), len(self.frontier_points.residual)
+        found, told = self.candidates, self.frontier_points
+        expected = [
+            ("F", self.F, (3, 3)),
+            ("floor", self.floor, (3, 3)),
+            ("candidates.lines_a", found.lines_a, (pairs, 3)),
+            ("candidates.lines_b", found.lines_b, (pairs, 3)),
+            ("candidates.inliers", found.inliers, (pairs,)),
+            ("frontier_points.frame", told.frame, (points,)),
+            ("frontier_points.a", told.a, (points, 2)),
+            ("frontier_points.b", told.b, (points, 2)),
+        ]
+        for name, array, shape in expected:
+            if array is not None and np.shape(array) != shape:
+                raise EpibarError(f"{where}: damaged ({name} has shape {np.shape(array)}, expected {shape})")
+
 
 def calibrate(
     rec_a: Recording,
@@ -214,11 +271,12 @@ def calibrate(
             progress,
         )
     error = result.expected_error
+    cause = cause_of_refusal(result.kind, rec_a, rec_b)
     return Calibration(
         F=result.F,
         accepted=result.accepted,
         kind=result.kind,
-        reason=result.reason,
+        reason=result.reason if cause is None else f"{result.reason} {cause}",
         expected_error=error if error is not None and math.isfinite(error) else None,
         time_offset=result.time_offset,
         candidates=Candidates(result.lines_a, result.lines_b, result.correlation, result.inliers),

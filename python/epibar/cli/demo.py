@@ -42,10 +42,11 @@ def run(args: Namespace) -> int:
     scene = people(seed=args.seed, cameras=CAMERAS, walkers=WALKERS, frames=FRAMES, size=SIZE)
     console.note(f"rendering {CAMERAS} noisy videos of {WALKERS} walking people, {FRAMES} frames each ...")
     try:
-        sources = [
-            render_video(scene, index, videos / f"cam{index + 1}.mp4", seed=args.seed)
-            for index in range(CAMERAS)
-        ]
+        sources = []
+        with console:
+            for index in range(CAMERAS):
+                console.progress("rendering", index, CAMERAS)
+                sources.append(render_video(scene, index, videos / f"cam{index + 1}.mp4", seed=args.seed))
     except OSError as error:
         raise EpibarError(str(error)) from error
     known = out / "cameras.toml"
@@ -60,7 +61,8 @@ def run(args: Namespace) -> int:
 
     console.result("\nagainst the known answer:")
     evaluate.run(Namespace(calibration=str(out / "calibration.json"), cameras=str(known)))
-    console.result(f"\nthe pictures of matched epipolar lines: {out}/cam1_cam2.png, ...")
+    console.result(f"\nto look at, in any browser: {out / 'report.html'}")
+    console.result(f"the pictures of matched epipolar lines: {out}/cam1_cam2.png, ...")
     console.result(f"everything else, F included: {out / 'calibration.json'}")
     return 0
 

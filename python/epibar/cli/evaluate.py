@@ -73,7 +73,8 @@ def _world_points(path: Path, pair: dict[str, Any], cameras: dict[str, Pose]) ->
     """Triangulate the frontier points of a pair with the known cameras: where things moved, (n, 3)."""
     if not pair.get("frontier_points"):
         return np.empty((0, 3))
-    a, b = read_frontier_points(path.parent / pair["frontier_points"])
+    touched = read_frontier_points(path.parent / pair["frontier_points"])
+    a, b = touched.a, touched.b
     camera_a, camera_b = cameras[pair["a"]], cameras[pair["b"]]
     if len(a):
         right = symmetric_epipolar_distance(fundamental_from_cameras(camera_a, camera_b), a, b) < RADIUS

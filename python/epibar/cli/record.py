@@ -6,8 +6,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from ..errors import EpibarError
+from ..jobs.inputs import Camera
+from ..jobs.tasks import record_camera
 from ..recorder import intrinsics_of
-from .calibrate import Camera, record_camera
+from .calibrate import record_options
 from .console import Console
 
 __all__ = ["run"]
@@ -33,7 +35,11 @@ def run(args: Namespace) -> int:
         ignore=args.ignore[0] if args.ignore else None,
         intrinsics=intrinsics,
     )
-    console = Console(args.quiet)
-    record_camera(camera, args, console).save(out)
-    console.result(f"written: {out}")
+    with Console(args.quiet) as console:
+        recording, seconds = record_camera(
+            camera, record_options(args), lambda stage, share: console.progress(stage, share, 1)
+        )
+        console.recorded(name, recording, seconds)
+        recording.save(out)
+        console.result(f"written: {out}")
     return 0

@@ -1,0 +1,192 @@
+"""The whole job as one function: many cameras in, a fundamental matrix for every pair out."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from ..calibration import Calibration
+from ..errors import EpibarError
+from ..frame_range import FrameRange
+from ..recording import DEFAULT_LINES, Recording
+from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
+from .runner import Progress, Runner
+from .watch import Watch
+
+__all__ = ["AllPairs", "calibrate_all", "run_job"]
+
+THREADS = 4
+"""Tasks at a time without an executor. Each uses all cores already; they fill each other's pauses."""
+
+
+@dataclass(frozen=True, eq=False)
+class AllPairs:
+    """What came out of a job.
+
+    Attributes
+    ----------
+    recordings : dict of str to Recording
+        By camera name.
+    calibrations : dict of (str, str) to Calibration
+        By the names of the two cameras, in the order given.
+    errors : list of dict of str to str
+        What could not be done: ``message``, and ``camera`` and ``file``, or ``a`` and ``b``.
+    content : dict
+        What was written to calibration.json.
+    """
+
+    recordings: dict[str, Recording]
+    calibrations: dict[tuple[str, str], Calibration]
+    errors: list[dict[str, str]]
+    content: dict[str, Any]
+
+    def __repr__(self) -> str:
+        accepted = sum(calibration.accepted for calibration in self.calibrations.values())
+        pairs = f"{accepted} of {len(self.calibrations)} pairs accepted"
+        return f"<AllPairs {len(self.recordings)} cameras, {pairs}, {len(self.errors)} errors>"
+
+
+def calibrate_all(
+    cameras: Sequence[PathLike] | Mapping[str, PathLike],
+    out: PathLike,
+    *,
+    method: Literal["frontier", "lines"] = "frontier",
+    seed: int = 0,
+    time_offset: float | Literal["search"] = 0.0,
+    upright: bool = True,
+    lines: int = DEFAULT_LINES,
+    masks: bool = False,
+    foreground: str = "mog2",
+    background: Sequence[PathLike] | None = None,
+    ignore: Sequence[PathLike] | None = None,
+    intrinsics: PathLike | None = None,
+    frames: Sequence[int | None] | None = None,
+    executor: Executor | None = None,
+    fresh: bool = False,
+    report: bool = True,
+    watch: Watch | None = None,
+) -> AllPairs:
+    """Record every camera once, calibrate every pair, write what was found to a folder.
+
+    Recordings and pairs are kept under ``out/recordings`` and ``out/pairs``, each with a key of what it was
+    made of: the path, size and time of change of its files, the options, the versions of epibar and OpenCV. A
+    run that was interrupted, or to which a camera was added, does only what is missing.
+
+    Parameters
+    ----------
+    cameras : sequence of path, or mapping of name to path
+        A video, a folder of images or a saved recording for each of at least two cameras. Without names they
+        are called like their files.
+    out : path
+        Folder for calibration.json, frontier points, pictures, the report and what is kept. Made if missing.
+    method, seed, time_offset, upright
+        Of every pair, see :func:`epibar.calibrate`.
+    lines, seed, masks, foreground, frames
+        Of every camera, see :func:`epibar.record`.
+    background, ignore : sequence of path, optional
+        One per camera, see :func:`epibar.record`.
+    intrinsics : path, optional
+        Camera file in which each is found by its name, or else by its place.
+    executor : concurrent.futures.Executor, optional
+        Where the tasks run: one per camera records its video, one per pair matches two recordings. Threads of
+        this process by default. The result does not depend on it. It stays open. For Dask see
+        :func:`epibar.jobs.dask_executor`.
+    fresh : bool
+        Do everything again, whatever is kept.
+    report : bool
+        Write ``report.html`` too, which a person can look at.
+    watch : Watch, optional
+        Told what happens; by default the logger ``epibar`` is.
+
+    Returns
+    -------
+    AllPairs
+
+    Raises
+    ------
+    EpibarError
+        An argument is unusable, the folder cannot be written, or the executor has stopped. A camera or a pair
+        that cannot be done is no such error: it is in ``errors``, and the others are done.
+
+    Examples
+    --------
+    >>> done = epibar.calibrate_all(["cam1.mp4", "cam2.mp4", "cam3.mp4"], "calibrated")  # doctest: +SKIP
+    >>> done.calibrations["cam1", "cam3"].F  # doctest: +SKIP
+    """
+    job = Job(
+        cameras=camera_inputs(
+            cameras, background=background, ignore=ignore, intrinsics=intrinsics, time_offset=time_offset
+        ),
+        out=Path(out),
+        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames)),
+        pair=PairOptions(method, seed, time_offset, upright),
+        intrinsics=None if intrinsics is None else os.fspath(intrinsics),
+        fresh=fresh,
+        report=report,
+    )
+    return run_job(job, executor, watch or Watch())
+
+
+def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
+    """Run a job whose arguments are checked; see :func:`calibrate_all`."""
+    try:
+        job.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise EpibarError(f"{job.out}: cannot be made ({error.strerror})") from error
+    if executor is None:
+        with _own_threads() as (threads, reporting):
+            runner = Runner(job, threads, watch, at_once=_thread_count(), reporting=reporting)
+            runner.run()
+    else:
+        runner = Runner(job, executor, watch)
+        runner.run()
+    results = runner.results
+    if job.report:
+        watch.note("writing the report ...")
+        results.write_report()
+    return AllPairs(
+        {camera.name: recording for camera, recording in results.recordings.items()},
+        {
+            (a.name, b.name): results.calibrations[a, b]
+            for a, b in job.pairs
+            if (a, b) in results.calibrations
+        },
+        list(results.errors.values()),
+        results.content(),
+    )
+
+
+def _thread_count() -> int:
+    return min(THREADS, os.cpu_count() or 1)
+
+
+class _Interrupted(BaseException):
+    """Ends a task whose result nobody waits for any more."""
+
+
+@contextmanager
+def _own_threads() -> Iterator[tuple[Executor, Callable[[Progress], Progress]]]:
+    """Threads whose tasks report how far they are, and end early when this is left by an exception."""
+    stop = threading.Event()
+
+    def reporting(progress: Progress) -> Progress:
+        def report(stage: str, share: float) -> None:
+            if stop.is_set():
+                raise _Interrupted
+            progress(stage, share)
+
+        return report
+
+    with ThreadPoolExecutor(_thread_count(), thread_name_prefix="epibar-job") as executor:
+        try:
+            yield executor, reporting
+        except BaseException:
+            stop.set()
+            executor.shutdown(wait=False, cancel_futures=True)
+            raise

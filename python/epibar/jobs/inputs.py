@@ -1,0 +1,226 @@
+"""What a job is made of: its cameras and its options, checked before any work."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+from pathlib import Path
+from typing import Literal
+
+from ..calibration import METHODS
+from ..errors import EpibarError
+from ..foreground import METHODS as FOREGROUNDS
+from ..frame_range import FrameRange
+from ..intrinsics import Intrinsics, find_camera, load_cameras
+from ..recording import DEFAULT_LINES, MAX_LINES
+from ..validation import MAX_SEED, as_whole_number
+
+__all__ = ["Camera", "Job", "Pair", "PairOptions", "RecordOptions", "camera_inputs", "pair_stems"]
+
+PathLike = str | os.PathLike[str]
+
+
+@dataclass(frozen=True)
+class RecordOptions:
+    """How every camera is recorded; see :func:`epibar.record`."""
+
+    lines: int = DEFAULT_LINES
+    seed: int = 0
+    masks: bool = False
+    foreground: str = "mog2"
+    frames: FrameRange = field(default_factory=FrameRange)
+
+    def __post_init__(self) -> None:
+        if self.foreground not in FOREGROUNDS:
+            raise EpibarError(f"foreground = {self.foreground!r}: it must be one of {', '.join(FOREGROUNDS)}")
+        as_whole_number("lines", self.lines, 1, MAX_LINES)
+        as_whole_number("seed", self.seed, 0, MAX_SEED)
+
+
+@dataclass(frozen=True)
+class PairOptions:
+    """How every pair is calibrated; see :func:`epibar.calibrate`."""
+
+    method: Literal["frontier", "lines"] = "frontier"
+    seed: int = 0
+    time_offset: float | Literal["search"] = 0.0
+    upright: bool = True
+
+    def __post_init__(self) -> None:
+        if self.method not in METHODS:
+            raise EpibarError(f"method = {self.method!r}: it must be one of {', '.join(METHODS)}")
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """One camera of a job.
+
+    Attributes
+    ----------
+    name : str
+        Unlike that of any other camera; part of file names.
+    source : str
+        Video, folder of images, URL or saved recording, as it was given.
+    index : int
+        Place among the cameras.
+    background, ignore : str or None
+        Video of the empty scene; image that is white where motion does not count.
+    intrinsics : Intrinsics or None
+    """
+
+    name: str
+    source: str
+    index: int
+    background: str | None = None
+    ignore: str | None = None
+    intrinsics: Intrinsics | None = None
+
+    def located(self) -> Camera:
+        """Return the camera with absolute paths, which mean the same in every process."""
+        background = None if self.background is None else _absolute(self.background)
+        ignore = None if self.ignore is None else _absolute(self.ignore)
+        return replace(self, source=_absolute(self.source), background=background, ignore=ignore)
+
+    @property
+    def files(self) -> list[str]:
+        """Every path that recording this camera reads."""
+        return [path for path in (self.source, self.background, self.ignore) if path is not None]
+
+
+Pair = tuple[Camera, Camera]
+
+
+@dataclass(frozen=True)
+class Job:
+    """All pairs of some cameras.
+
+    Attributes
+    ----------
+    cameras : list of Camera
+    out : Path
+        Folder of the results.
+    record : RecordOptions
+    pair : PairOptions
+    intrinsics : str or None
+        The file that the cameras' intrinsics came from.
+    fresh : bool
+        Do everything again, though results of an earlier run are there.
+    report : bool
+        Write ``report.html``.
+    """
+
+    cameras: list[Camera]
+    out: Path
+    record: RecordOptions = field(default_factory=RecordOptions)
+    pair: PairOptions = field(default_factory=PairOptions)
+    intrinsics: str | None = None
+    fresh: bool = False
+    report: bool = True
+
+    @property
+    def pairs(self) -> list[Pair]:
+        """Every pair, in order."""
+        return list(combinations(self.cameras, 2))
+
+
+def _absolute(path: str) -> str:
+    return path if "://" in path else os.path.abspath(path)
+
+
+def camera_inputs(
+    cameras: Sequence[PathLike] | Mapping[str, PathLike],
+    *,
+    background: Sequence[PathLike] | None = None,
+    ignore: Sequence[PathLike] | None = None,
+    intrinsics: PathLike | None = None,
+    time_offset: float | str = 0.0,
+    spelt: Callable[[str], str] = str,
+) -> list[Camera]:
+    """Turn arguments into cameras.
+
+    Parameters
+    ----------
+    cameras : sequence of path, or mapping of name to path
+        Without names they are called like their files.
+    background, ignore : sequence of path, optional
+        One per camera.
+    intrinsics : path, optional
+        Camera file in which each is found by name, or else by its place.
+    time_offset : float or "search"
+        Of all pairs.
+    spelt : callable
+        How the caller writes an argument's name, for the messages.
+
+    Raises
+    ------
+    EpibarError
+        Fewer than two cameras, one twice, names that are no file names, a wrong number of something.
+    """
+    if isinstance(cameras, (str, os.PathLike)):
+        raise EpibarError(f"{spelt('cameras')} = {os.fspath(cameras)!r}: expected several paths")
+    sources = [os.fspath(path) for path in (cameras.values() if isinstance(cameras, Mapping) else cameras)]
+    names = list(map(str, cameras)) if isinstance(cameras, Mapping) else _names(sources)
+    if len(sources) < 2:
+        raise EpibarError(f"{spelt('cameras')}: at least two cameras are needed")
+    for name in names:
+        if not name or name in (".", "..") or any(sign in name for sign in '/\\:*?"<>|\0'):
+            raise EpibarError(f"{spelt('cameras')}: {name!r} cannot be part of a file name; rename it")
+    resolved = [str(Path(source).resolve()) for source in sources]
+    for source, path in zip(sources, resolved, strict=True):
+        if resolved.count(path) > 1:
+            raise EpibarError(f"{source}: given twice; a camera has no epipolar geometry with itself")
+    if len(sources) > 2 and time_offset not in (0, "search"):
+        raise EpibarError(
+            f"{spelt('time_offset')} = {time_offset} with {len(sources)} cameras does not say which pair it "
+            "is for; use 'search', or calibrate the pairs one by one"
+        )
+    known = load_cameras(intrinsics) if intrinsics is not None else None
+    backgrounds = _one_each(spelt("background"), background, len(sources))
+    ignored = _one_each(spelt("ignore"), ignore, len(sources))
+    return [
+        Camera(
+            name,
+            source,
+            index,
+            backgrounds[index],
+            ignored[index],
+            find_camera(known, name, index) if known is not None else None,
+        )
+        for index, (name, source) in enumerate(zip(names, sources, strict=True))
+    ]
+
+
+def _one_each(option: str, given: Sequence[PathLike] | None, count: int) -> list[str | None]:
+    if given is None:
+        return [None] * count
+    if isinstance(given, (str, os.PathLike)) or len(given) != count:
+        number = 1 if isinstance(given, (str, os.PathLike)) else len(given)
+        raise EpibarError(
+            f"{option}: {number} given for {count} cameras; give one per camera, in their order"
+        )
+    return [os.fspath(path) for path in given]
+
+
+def _names(sources: list[str]) -> list[str]:
+    """File stems, with the folder's name before them where two are the same, then a number."""
+    paths = [Path(source) for source in sources]
+    names = [path.resolve().name if path.is_dir() else path.stem for path in paths]
+    if len(set(names)) < len(names):
+        names = [f"{path.resolve().parent.name}_{name}" for path, name in zip(paths, names, strict=True)]
+    if len(set(names)) < len(names):
+        names = [f"{name}_{index}" for index, name in enumerate(names)]
+    return names
+
+
+def pair_stems(cameras: Sequence[Camera]) -> dict[tuple[str, str], str]:
+    """Name the files of each pair, ``a_b``, with the places of the two where that would be said twice."""
+    pairs = list(combinations(cameras, 2))
+    counts = Counter(f"{a.name}_{b.name}" for a, b in pairs)
+    return {
+        (a.name, b.name): stem if counts[stem] == 1 else f"{stem}_{a.index}_{b.index}"
+        for a, b in pairs
+        for stem in [f"{a.name}_{b.name}"]
+    }

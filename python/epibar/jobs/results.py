@@ -1,0 +1,147 @@
+"""What a job leaves in its folder for people and programs: calibration.json, points, pictures, report."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+from ..calibration import Calibration
+from ..pose import pose_entry
+from ..recording import Recording
+from ..report.files import camera_entry, pair_entry, run_entry, write_frontier_points, write_json
+from ..report.picture import write_pair_picture
+from .inputs import Camera, Job, Pair
+from .tasks import is_saved
+
+__all__ = ["Results", "summary"]
+
+PAUSE = 2.0
+"""Seconds between two versions of calibration.json, which grows with the pairs."""
+
+
+class Results:
+    """Results of one job; all that is written is in the order of the cameras, however the work was done.
+
+    Attributes
+    ----------
+    recordings : dict of Camera to Recording
+    calibrations : dict of (Camera, Camera) to Calibration
+    seconds : dict of (Camera, Camera) to float
+        What each calibration took, whenever it was made.
+    errors : dict of Camera or (Camera, Camera) to dict
+        Why some could not be done.
+    """
+
+    def __init__(self, job: Job) -> None:
+        self.recordings: dict[Camera, Recording] = {}
+        self.calibrations: dict[Pair, Calibration] = {}
+        self.seconds: dict[Pair, float] = {}
+        self.errors: dict[Camera | Pair, dict[str, str]] = {}
+        self._job = job
+        self._files: dict[Pair, dict[str, str]] = {}
+        self._written = time.monotonic()
+        self._in_file = 0
+
+    @property
+    def path(self) -> Path:
+        """The file calibration.json."""
+        return self._job.out / "calibration.json"
+
+    def add(self, pair: Pair, stem: str, calibration: Calibration, seconds: float) -> None:
+        """Take a calibration; write its points and its picture where they are missing."""
+        a, b = pair
+        points, picture = self._points(stem), self._picture(stem)
+        self.calibrations[pair], self.seconds[pair] = calibration, seconds
+        if not points.exists():
+            write_frontier_points(points, calibration)
+        if not picture.exists():
+            write_pair_picture(
+                picture,
+                (a.name, b.name),
+                (a.source, b.source),
+                (self.recordings[a], self.recordings[b]),
+                calibration,
+                (a.intrinsics, b.intrinsics),
+            )
+        self._files[pair] = {"frontier_points": points.name, "picture": picture.name}
+
+    def forget(self, stem: str) -> None:
+        """Remove the points and the picture of an earlier run."""
+        for path in (self._points(stem), self._picture(stem)):
+            path.unlink(missing_ok=True)
+
+    def _points(self, stem: str) -> Path:
+        return self._job.out / f"{stem}_frontier.csv"
+
+    def _picture(self, stem: str) -> Path:
+        return self._job.out / f"{stem}.png"
+
+    def content(self) -> dict[str, Any]:
+        """Return what calibration.json holds. No times are in it: the same job gives the same file."""
+        job = self._job
+        result = run_entry(
+            seed=job.record.seed,
+            method=job.pair.method,
+            lines=job.record.lines,
+            foreground=None if job.record.masks else job.record.foreground,
+            upright=job.pair.upright,
+            intrinsics=job.intrinsics,
+        )
+        result["cameras"] = [
+            camera_entry(camera.name, camera.source, camera.index, self.recordings[camera])
+            for camera in job.cameras
+            if camera in self.recordings
+        ]
+        result["pairs"] = [
+            {**self._pair_entry(a, b), **self._files[a, b]} for a, b in job.pairs if (a, b) in self._files
+        ]
+        tasks: list[Camera | Pair] = [*job.cameras, *job.pairs]
+        result["errors"] = [self.errors[task] for task in tasks if task in self.errors]
+        return result
+
+    def _pair_entry(self, a: Camera, b: Camera) -> dict[str, Any]:
+        calibration = self.calibrations[a, b]
+        pose = pose_entry(calibration, self.recordings[a].matrix, self.recordings[b].matrix)
+        return {**pair_entry(a.name, b.name, calibration), "pose": pose}
+
+    def write_report(self) -> None:
+        """Write report.html."""
+        from ..report.html import ReportCamera, ReportPair, write_report
+
+        job = self._job
+        cameras = [
+            ReportCamera(
+                camera.name,
+                None if is_saved(camera, job.record) else camera.source,
+                job.record.masks,
+                self.recordings[camera],
+                camera.intrinsics,
+            )
+            for camera in job.cameras
+            if camera in self.recordings
+        ]
+        pairs = [
+            ReportPair(pair[0].name, pair[1].name, self.calibrations[pair], self.seconds[pair])
+            for pair in job.pairs
+            if pair in self._files
+        ]
+        errors = [error["message"] for error in self.content()["errors"]]
+        write_report(job.out / "report.html", cameras, pairs, errors)
+
+    def write_now_and_then(self) -> None:
+        """Write calibration.json where pairs have come since, and it was some time ago."""
+        if len(self._files) > self._in_file and time.monotonic() - self._written > PAUSE:
+            self.write()
+
+    def write(self) -> None:
+        """Write calibration.json."""
+        write_json(self.path, self.content())
+        self._written, self._in_file = time.monotonic(), len(self._files)
+
+
+def summary(calibration: Calibration) -> str:
+    """Say in one line what came out of a pair."""
+    verdict = "accepted" if calibration.accepted else f"refused ({calibration.kind})"
+    offset = f", time offset {calibration.time_offset:+.2f} frames" if calibration.time_offset else ""
+    return f"{verdict}{offset}. {calibration.reason}"

@@ -1,0 +1,94 @@
+"""What a job keeps under its folder, so that the next run does only what is missing.
+
+``recordings/<name>.npz`` and ``pairs/<a>_<b>.npz``, each with the key of what it was made of. They are what
+:meth:`Recording.save` and :meth:`Calibration.save` write with two entries more, and can be loaded like those.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import calibration_file, recording
+from ..archive import read_archive, write_archive
+from ..calibration import Calibration
+from ..errors import EpibarError
+from ..recording import Recording
+
+__all__ = ["Store"]
+
+KEY = "epibar_key"
+SECONDS = "epibar_seconds"
+
+
+class Store:
+    """Recordings and calibrations kept in a folder.
+
+    Parameters
+    ----------
+    out : Path
+        The job's folder.
+
+    Attributes
+    ----------
+    damaged : list of str
+        What could not be read, one message per file.
+    """
+
+    def __init__(self, out: Path) -> None:
+        self.out = out
+        self.damaged: list[str] = []
+
+    def recording(self, name: str, key: str | None) -> Recording | None:
+        """Return the kept recording of a camera, if there is one with this key."""
+        path = self._recording(name)
+        try:
+            arrays = self._read(path, key, recording.KIND)
+            return None if arrays is None else Recording.from_arrays(arrays, str(path))
+        except EpibarError as error:
+            self.damaged.append(str(error))
+            return None
+
+    def pair(self, stem: str, key: str | None) -> tuple[Calibration, float] | None:
+        """Return the kept calibration of a pair and the seconds it took, if there is one with this key."""
+        path = self._pair(stem)
+        try:
+            arrays = self._read(path, key, calibration_file.KIND)
+            if arrays is None:
+                return None
+            return Calibration.from_arrays(arrays, str(path)), float(arrays[SECONDS])
+        except (KeyError, TypeError, ValueError) as error:
+            self.damaged.append(str(error) if isinstance(error, EpibarError) else f"{path}: damaged")
+            return None
+
+    def keep_recording(self, name: str, key: str | None, kept: Recording, seconds: float) -> None:
+        """Write a recording, unless it has no key to be found by."""
+        self._write(self._recording(name), key, kept.to_arrays(), seconds)
+
+    def keep_pair(self, stem: str, key: str | None, kept: Calibration, seconds: float) -> None:
+        """Write a calibration, unless it has no key to be found by."""
+        self._write(self._pair(stem), key, calibration_file.to_arrays(kept), seconds)
+
+    def _recording(self, name: str) -> Path:
+        return self.out / "recordings" / f"{name}.npz"
+
+    def _pair(self, stem: str) -> Path:
+        return self.out / "pairs" / f"{stem}.npz"
+
+    def _read(self, path: Path, key: str | None, kind: str) -> dict[str, NDArray[Any]] | None:
+        if key is None or not path.exists():
+            return None
+        arrays = read_archive(path, kind)
+        return arrays if str(arrays.get(KEY)) == key else None
+
+    def _write(self, path: Path, key: str | None, arrays: dict[str, NDArray[Any]], seconds: float) -> None:
+        if key is None:
+            return
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise EpibarError(f"{path.parent}: cannot be made ({error.strerror})") from error
+        write_archive(path, {**arrays, KEY: np.array(key), SECONDS: np.array(seconds)})

@@ -1,0 +1,77 @@
+"""The two tasks of a job. Plain functions of plain data: they run in any thread, process or machine.
+
+Only recordings travel: a video is opened by the task that records it, and nowhere else.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from ..calibration import Calibration, calibrate
+from ..recorder import record
+from ..recording import Recording
+from .inputs import Camera, PairOptions, RecordOptions
+
+__all__ = ["calibrate_pair", "is_saved", "record_camera"]
+
+Progress = Callable[[str, float], None]
+
+
+def is_saved(camera: Camera, options: RecordOptions) -> bool:
+    """Whether the camera's source is a recording, not a video."""
+    return camera.source.lower().endswith(".npz") and not options.masks
+
+
+def record_camera(
+    camera: Camera, options: RecordOptions, progress: Progress | bool = False
+) -> tuple[Recording, float]:
+    """Record one camera, or load it where it was recorded before; also returns the seconds it took.
+
+    Raises
+    ------
+    EpibarError
+        The source cannot be read, or does not fit its intrinsics, background or ignore mask.
+    """
+    started = time.perf_counter()
+    if is_saved(camera, options):
+        recording = Recording.load(camera.source)
+        recording.name = camera.name
+    else:
+        recording = record(
+            camera.source,
+            lines=options.lines,
+            seed=options.seed,
+            name=camera.name,
+            masks=options.masks,
+            background=camera.background,
+            foreground=options.foreground,
+            intrinsics=camera.intrinsics,
+            ignore=camera.ignore,
+            frames=(options.frames.first, options.frames.last),
+            progress=progress,
+        )
+    return recording, time.perf_counter() - started
+
+
+def calibrate_pair(
+    a: Recording, b: Recording, options: PairOptions, progress: Progress | None = None
+) -> tuple[Calibration, float]:
+    """Calibrate one pair; also returns the seconds it took.
+
+    Raises
+    ------
+    EpibarError
+        An option does not fit the recordings.
+    """
+    started = time.perf_counter()
+    calibration = calibrate(
+        a,
+        b,
+        method=options.method,
+        seed=options.seed,
+        time_offset=options.time_offset,
+        upright=options.upright,
+        progress=progress,
+    )
+    return calibration, time.perf_counter() - started
