@@ -257,7 +257,7 @@ impl Searcher<'_> {
         &self,
         views: &Views,
         solutions: &[Solution],
-        going: &mut dyn FnMut(f64) -> Result<()>,
+        going: &mut dyn FnMut(&'static str, f64) -> Result<()>,
     ) -> Result<Vec<Solution>> {
         let upright = self.options.upright;
         let finalists: Vec<Solution> = solutions
@@ -274,7 +274,7 @@ impl Searcher<'_> {
         let finalists = self.distinct(finalists, 0.5 * self.scale, 12);
         let mut settled = finalists.clone();
         for start in finalists.iter().take(EXPLORED) {
-            going(0.9)?;
+            going("settle", 0.5)?;
             if start.evidence < WORTH_EXPLORING * finalists[0].evidence {
                 break;
             }
@@ -355,11 +355,11 @@ pub fn search(
 
     let starts = searcher.different(&scored, options.starts, 4.0 * searcher.scale);
     let mut going =
-        |done: f64| if watch.keep_going("refine", done) { Ok(()) } else { Err(Error::Interrupted) };
-    going(0.0)?;
+        |stage, done: f64| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) };
+    going("refine", 0.0)?;
     let mut solutions = searcher.distinct(searcher.refined(&starts, &[16.0, 8.0, 4.0]), searcher.scale, 16);
     for round in 0..options.restarts {
-        going(0.3 + 0.5 * round as f64 / options.restarts as f64)?;
+        going("restart", round as f64 / options.restarts as f64)?;
         let mut shaken = Vec::new();
         for (k, solution) in solutions.iter().take(6).enumerate() {
             shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
@@ -367,9 +367,10 @@ pub fn search(
         solutions.extend(searcher.refined(&shaken, &[8.0, 4.0]));
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
-    going(0.8)?;
     // The few that remain, once on the training frames alone, for the test, and once on all frames, for the answer.
+    going("settle", 0.0)?;
     let fitted = searcher.settled(train, &solutions, &mut going)?;
+    going("settle", 0.5)?;
     let mut solutions = searcher.settled(all, &solutions, &mut going)?;
     if let Some(winner) = solutions.first_mut() {
         winner.fundamental = polish(all, &winner.fundamental, options.upright);
