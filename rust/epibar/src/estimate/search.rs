@@ -252,17 +252,28 @@ impl Searcher<'_> {
         kept.into_iter().map(|(s, _)| s).collect()
     }
 
-    /// Polishes the best on `views`, and walks on from those that could win there.
-    fn settled(
+    /// Walks on from those that could win, on the frames that compare.
+    fn walked(
         &self,
-        views: &Views,
         solutions: &[Solution],
         going: &mut dyn FnMut(&'static str, f64) -> Result<()>,
     ) -> Result<Vec<Solution>> {
+        let mut walked = solutions.to_vec();
+        for (k, start) in solutions.iter().take(EXPLORED).enumerate() {
+            going("explore", k as f64 / EXPLORED as f64)?;
+            if start.evidence < WORTH_EXPLORING * solutions[0].evidence {
+                break;
+            }
+            walked.extend(explore(&self.comparing, start, self.scale, self.options.upright));
+        }
+        Ok(self.distinct(walked, 0.5 * self.scale, 24))
+    }
+
+    /// Polishes the best on `views`.
+    fn settled(&self, views: &Views, solutions: &[Solution]) -> Vec<Solution> {
         let upright = self.options.upright;
         let finalists: Vec<Solution> = solutions
             .par_iter()
-            .take(12)
             .filter_map(|s| {
                 let fundamental = polish(views, &s.fundamental, upright);
                 let weighed = evidence(views, &fundamental, upright);
@@ -271,16 +282,7 @@ impl Searcher<'_> {
                 evidence.is_finite().then_some(Solution { fundamental, evidence, chance, ..s.clone() })
             })
             .collect();
-        let finalists = self.distinct(finalists, 0.5 * self.scale, 12);
-        let mut settled = finalists.clone();
-        for start in finalists.iter().take(EXPLORED) {
-            going("settle", 0.5)?;
-            if start.evidence < WORTH_EXPLORING * finalists[0].evidence {
-                break;
-            }
-            settled.extend(explore(views, start, self.scale, upright));
-        }
-        Ok(self.distinct(settled, 0.5 * self.scale, 12))
+        self.distinct(finalists, 0.5 * self.scale, 12)
     }
 
     /// Copies of a solution moved at random, several sizes of move, the best few by tangents.
@@ -367,11 +369,12 @@ pub fn search(
         solutions.extend(searcher.refined(&shaken, &[8.0, 4.0]));
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
-    // The few that remain, once on the training frames alone, for the test, and once on all frames, for the answer.
+    let solutions = searcher.walked(&solutions, &mut going)?;
     going("settle", 0.0)?;
-    let fitted = searcher.settled(train, &solutions, &mut going)?;
+    // The few that remain, once on the training frames alone, for the test, and once on all frames, for the answer.
+    let fitted = searcher.settled(train, &solutions);
     going("settle", 0.5)?;
-    let mut solutions = searcher.settled(all, &solutions, &mut going)?;
+    let mut solutions = searcher.settled(all, &solutions);
     if let Some(winner) = solutions.first_mut() {
         winner.fundamental = polish(all, &winner.fundamental, options.upright);
     }
