@@ -15,6 +15,7 @@ use super::line_model::LineModel;
 use super::optimise::{SevenParameters, Step};
 use super::ransac::{Estimator, Scored, Watch, generator, ransac};
 use super::refine::refine;
+use super::track_model::TrackModel;
 use super::views::Views;
 use super::volume::{Correspondence, disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
@@ -28,19 +29,29 @@ pub enum Source {
     BestLines,
     /// Pairs among all mutual candidates.
     AllLines,
+    /// Pairs among the best candidates, the lines deciding, as in the paper.
+    LineInliers,
     /// The floor's homography and heads.
     Floor,
+    /// Silhouettes followed through time.
+    Tracks,
     /// A shaken copy of another solution.
     Restart,
 }
 
 impl Source {
+    /// Those that do not need another solution to start from.
+    const GENERATORS: [Self; 5] =
+        [Self::BestLines, Self::AllLines, Self::LineInliers, Self::Floor, Self::Tracks];
+
     /// A word for reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::BestLines => "best_lines",
             Self::AllLines => "all_lines",
+            Self::LineInliers => "line_inliers",
             Self::Floor => "floor",
+            Self::Tracks => "tracks",
             Self::Restart => "restart",
         }
     }
@@ -53,12 +64,16 @@ pub struct SearchOptions {
     pub draws: usize,
     /// Hypotheses per floor homography.
     pub floor_draws: usize,
-    /// Frames that score hypotheses.
-    pub scoring_frames: usize,
-    /// Frames that compare refined solutions.
-    pub comparing_frames: usize,
+    /// Hypotheses from tracks.
+    pub track_draws: usize,
+    /// Silhouettes of a camera that score hypotheses: few frames of a crowd, many of a lone walker.
+    pub scoring_hulls: usize,
+    /// Silhouettes of a camera that compare refined solutions.
+    pub comparing_hulls: usize,
     /// Different starts that are refined.
     pub starts: usize,
+    /// Of those, starts that each source has for its own.
+    pub own_starts: usize,
     /// Rounds of shaking the best.
     pub restarts: usize,
     /// Both cameras are the right way up.
@@ -70,9 +85,11 @@ impl Default for SearchOptions {
         Self {
             draws: 10_000,
             floor_draws: 1500,
-            scoring_frames: 80,
-            comparing_frames: 240,
-            starts: 48,
+            track_draws: 20_000,
+            scoring_hulls: 1000,
+            comparing_hulls: 3000,
+            starts: 60,
+            own_starts: 12,
             restarts: 2,
             upright: true,
         }
@@ -191,7 +208,24 @@ struct Searcher<'a> {
     options: &'a SearchOptions,
 }
 
-impl Searcher<'_> {
+impl<'a> Searcher<'a> {
+    fn new(
+        all: &'a Views,
+        train: &Views,
+        subset: impl Fn(usize) -> Views,
+        options: &'a SearchOptions,
+    ) -> Self {
+        let per_frame = 0.5 * (train.a.hulls() + train.b.hulls()) as f64 / train.frames().max(1) as f64;
+        let frames = |hulls: usize| (hulls as f64 / per_frame.max(0.1)) as usize;
+        Self {
+            all,
+            scoring: subset(frames(options.scoring_hulls).clamp(60, 300)),
+            comparing: subset(frames(options.comparing_hulls).clamp(150, 600)),
+            scale: pixel_scale(all),
+            options,
+        }
+    }
+
     fn coarse(&self) -> FrontierOptions {
         FrontierOptions { radius: 5.0 * self.scale, upright: self.options.upright, shift: 0 }
     }
@@ -200,34 +234,53 @@ impl Searcher<'_> {
         moving_correspondences(&self.scoring, f, SPOTS)
     }
 
-    /// The best hypotheses that differ from one another by at least `apart` pixels.
+    /// The best hypotheses that differ from one another by at least `apart` pixels: first some of each source, then
+    /// the best of all.
     fn different(
         &self,
         scored: &[(Scored<Fundamental>, Source)],
+        own: usize,
         limit: usize,
         apart: f64,
     ) -> Vec<(Fundamental, Source)> {
         let mut kept: Vec<(Fundamental, Vec<Correspondence>, Source)> = Vec::new();
-        for (hypothesis, source) in scored {
-            if kept.len() >= limit {
-                break;
+        let mut take = |limit: usize, only: Option<Source>| {
+            let mut taken = 0;
+            for (hypothesis, source) in scored {
+                if taken >= limit {
+                    break;
+                }
+                let f = hypothesis.model;
+                if only.is_none_or(|s| s == *source)
+                    && kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart)
+                {
+                    kept.push((f, self.points(&f), *source));
+                    taken += 1;
+                }
             }
-            let f = hypothesis.model;
-            if kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart) {
-                kept.push((f, self.points(&f), *source));
-            }
+            kept.len()
+        };
+        for source in Source::GENERATORS {
+            take(own, Some(source));
         }
+        let already = take(0, None);
+        take(limit.saturating_sub(already), None);
         kept.into_iter().map(|(f, _, source)| (f, source)).collect()
     }
 
-    /// Refines in parallel and scores on the comparing frames.
-    fn refined(&self, starts: &[(Fundamental, Source)], radii: &[f64]) -> Vec<Solution> {
-        let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
+    /// Refines in parallel, from a wide radius and from a narrow one, and keeps what has more evidence on the comparing
+    /// frames: in a crowd nearly every tangent meets a wrong one within a wide radius, and a good start is lost there;
+    /// a bad start needs it.
+    fn refined(&self, starts: &[(Fundamental, Source)], schedules: &[&[f64]]) -> Vec<Solution> {
         starts
             .par_iter()
             .filter_map(|(f, source)| {
-                let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
-                let weighed = evidence(&self.comparing, &refined, self.options.upright);
+                let tried = schedules.iter().filter_map(|radii| {
+                    let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
+                    let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
+                    Some((evidence(&self.comparing, &refined, self.options.upright), refined))
+                });
+                let (weighed, refined) = tried.max_by(|p, q| p.0.total.total_cmp(&q.0.total))?;
                 let chance = chance_level(&self.comparing, &refined, weighed.radius, self.options.upright);
                 let evidence = weighed.total - chance;
                 Some(Solution { fundamental: refined, evidence, chance, source: *source })
@@ -308,6 +361,63 @@ impl Searcher<'_> {
     }
 }
 
+/// Hypotheses of all sources, best first, and the floors met on the way.
+struct Hypotheses {
+    scored: Vec<(Scored<Fundamental>, Source)>,
+    floors: Vec<Floor>,
+}
+
+/// Line models that are fitted to their inliers before they are scored with tangents.
+const LINE_FITS: usize = 60;
+
+fn hypotheses(
+    searcher: &Searcher,
+    train: &Views,
+    candidates: &Candidates,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Hypotheses> {
+    let (options, sizes) = (searcher.options, searcher.all.sizes());
+    let mut scored: Vec<(Scored<Fundamental>, Source)> = Vec::new();
+    let line_sources: [(&[Candidate], Source); 2] =
+        [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
+    for (pairs, source) in line_sources {
+        let estimator = TangentScored {
+            lines: LineModel::new(pairs, sizes),
+            views: &searcher.scoring,
+            options: searcher.coarse(),
+        };
+        let seed = seed.wrapping_add((source as u64 + 1) << 56);
+        let best = ransac(&estimator, options.draws, 300, seed, source.name(), watch)?;
+        scored.extend(best.into_iter().map(|s| (s, source)));
+    }
+    let lines = LineModel::new(candidates.best(), sizes);
+    let best = ransac(&lines, options.draws, LINE_FITS, seed, Source::LineInliers.name(), watch)?;
+    let fitted: Vec<_> = best
+        .into_par_iter()
+        .map(|start| {
+            let model = lines.optimise(&start.model);
+            let score = frontier_score(&searcher.scoring, &model, &searcher.coarse()).total();
+            (Scored { model, score, index: start.index }, Source::LineInliers)
+        })
+        .collect();
+    scored.extend(fitted);
+    let floors = find_floors(candidates.best(), sizes, seed, 3, watch)?;
+    for floor in &floors {
+        let estimator = FloorEpipoles::new(floor, &searcher.comparing, &searcher.scoring, searcher.coarse());
+        let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
+        scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
+    }
+    let tracks = TrackModel::new(train, &searcher.scoring, searcher.coarse(), searcher.scale);
+    if tracks.pairs() > 0 {
+        let best = ransac(&tracks, options.track_draws, 300, seed, Source::Tracks.name(), watch)?;
+        scored.extend(best.into_iter().map(|s| (s, Source::Tracks)));
+    }
+    scored.retain(|s| s.0.score.is_finite());
+    scored.sort_by(|p, q| q.0.score.total_cmp(&p.0.score));
+    Ok(Hypotheses { scored, floors })
+}
+
 /// Searches with all sources.
 ///
 /// # Errors
@@ -321,52 +431,20 @@ pub fn search(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Found> {
-    let searcher = Searcher {
-        all,
-        scoring: subset(options.scoring_frames),
-        comparing: subset(options.comparing_frames),
-        scale: pixel_scale(all),
-        options,
-    };
-    let mut scored: Vec<(Scored<Fundamental>, Source)> = Vec::new();
-    let line_sources: [(&[Candidate], Source); 2] =
-        [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
-    for (pairs, source) in line_sources {
-        let estimator = TangentScored {
-            lines: LineModel::new(pairs, all.sizes()),
-            views: &searcher.scoring,
-            options: searcher.coarse(),
-        };
-        let best = ransac(
-            &estimator,
-            options.draws,
-            300,
-            seed.wrapping_add((source as u64 + 1) << 56),
-            source.name(),
-            watch,
-        )?;
-        scored.extend(best.into_iter().map(|s| (s, source)));
-    }
-    let floors = find_floors(candidates.best(), all.sizes(), seed, 3, watch)?;
-    for floor in &floors {
-        let estimator = FloorEpipoles::new(floor, &searcher.comparing, &searcher.scoring, searcher.coarse());
-        let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
-        scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
-    }
-    scored.sort_by(|p, q| q.0.score.total_cmp(&p.0.score));
-
-    let starts = searcher.different(&scored, options.starts, 4.0 * searcher.scale);
+    let searcher = Searcher::new(all, train, subset, options);
+    let Hypotheses { scored, floors } = hypotheses(&searcher, train, candidates, seed, watch)?;
+    let starts = searcher.different(&scored, options.own_starts, options.starts, 4.0 * searcher.scale);
     let mut going =
         |stage, done: f64| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) };
     going("refine", 0.0)?;
-    let mut solutions = searcher.distinct(searcher.refined(&starts, &[16.0, 8.0, 4.0]), searcher.scale, 16);
+    let mut solutions = searcher.distinct(searcher.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]), searcher.scale, 16);
     for round in 0..options.restarts {
         going("restart", round as f64 / options.restarts as f64)?;
         let mut shaken = Vec::new();
         for (k, solution) in solutions.iter().take(6).enumerate() {
             shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
         }
-        solutions.extend(searcher.refined(&shaken, &[8.0, 4.0]));
+        solutions.extend(searcher.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
     let solutions = searcher.walked(&solutions, &mut going)?;
