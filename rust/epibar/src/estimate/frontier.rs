@@ -251,7 +251,8 @@ impl<'a> Comparer<'a> {
                 let back = f.line_in_a(&t.point);
                 Target {
                     line,
-                    lever: turned.dot(&t.point).abs() / (line.x * line.x + line.y * line.y).sqrt().max(1e-300),
+                    lever: turned.dot(&t.point).abs()
+                        / (line.x * line.x + line.y * line.y).sqrt().max(1e-300),
                     back_norm2: back.x * back.x + back.y * back.y,
                 }
             })
@@ -292,7 +293,8 @@ impl<'a> Comparer<'a> {
                 let c = self.pencil.coordinates(&line);
                 let (squared, j) = scratch.best_a[i];
                 // One to one: a match is the nearest of both.
-                let met = (squared.is_finite() && scratch.best_b[j].1 == i).then(|| (base + j, squared.sqrt()));
+                let met =
+                    (squared.is_finite() && scratch.best_b[j].1 == i).then(|| (base + j, squared.sqrt()));
                 let place = Place {
                     met: met.map(|(j, d)| {
                         let target = &self.targets[j];
@@ -385,14 +387,7 @@ struct Scratch {
 
 impl Scratch {
     /// For each tangent of A the nearest of B that it may meet, and the reverse, by squared Sampson distance.
-    fn nearest(
-        &mut self,
-        comparer: &Comparer,
-        a: &[Tangent],
-        b: &[Tangent],
-        targets: &[Target],
-        sign: f64,
-    ) {
+    fn nearest(&mut self, comparer: &Comparer, a: &[Tangent], b: &[Tangent], targets: &[Target], sign: f64) {
         let Comparer { f, same_side, upright, .. } = *comparer;
         self.lines.clear();
         self.best_a.clear();

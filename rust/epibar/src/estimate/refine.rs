@@ -46,11 +46,7 @@ impl Residual {
         let share = self.algebraic / self.norm2;
         let (xa, xb) = (&self.xa, &self.xb);
         // ∂algebraic = xb xaᵀ; ½ ∂norm² = in_b xaᵀ (first two rows) + xb in_aᵀ (first two columns).
-        let b = [
-            scale * (xb.x - share * self.in_b.x),
-            scale * (xb.y - share * self.in_b.y),
-            scale * xb.z,
-        ];
+        let b = [scale * (xb.x - share * self.in_b.x), scale * (xb.y - share * self.in_b.y), scale * xb.z];
         let a = [scale * share * self.in_a.x, scale * share * self.in_a.y, 0.0];
         std::array::from_fn(|k| {
             let (row, column) = (k % 3, k / 3);

@@ -1,61 +1,24 @@
 //! The search of the frontier method: many hypotheses, few different starts, refinement, restarts.
 //!
-//! Every source of hypotheses is an [`Estimator`] for the one loop in [`super::ransac`]; all are scored by
-//! tangents on a subset of frames. Of the best a few dozen *different* ones are refined with a shrinking
-//! radius, and compared on more frames; the best are shaken and refined again. What remains is a list of
-//! different geometries with their evidence: a winner and its rivals.
+//! Of the hypotheses of [`super::sources`] a few dozen *different* ones are refined with a shrinking radius, and
+//! compared on more frames; the best are shaken and refined again. What remains is a list of different geometries with
+//! their evidence: a winner and its rivals.
 
 use rand::RngExt;
 use rayon::prelude::*;
 
 use super::explore::explore;
-use super::floor::{Floor, FloorEpipoles, find_floors};
+use super::floor::Floor;
 use super::frontier::{FrontierOptions, compare_radii, frontier_score};
-use super::line_model::LineModel;
 use super::optimise::{SevenParameters, Step};
-use super::ransac::{Estimator, Scored, Watch, generator, ransac};
+use super::ransac::{Scored, Watch, generator};
 use super::refine::refine;
-use super::track_model::TrackModel;
+use super::sources::{Frames, Hypotheses, hypotheses};
 use super::views::Views;
 use super::volume::{Correspondence, disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
-use crate::matching::{Candidate, Candidates};
+use crate::matching::Candidates;
 use crate::{Error, Result};
-
-/// Where a hypothesis came from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
-    /// Pairs among the best candidates, as in the paper.
-    BestLines,
-    /// Pairs among all mutual candidates.
-    AllLines,
-    /// Pairs among the best candidates, the lines deciding, as in the paper.
-    LineInliers,
-    /// The floor's homography and heads.
-    Floor,
-    /// Silhouettes followed through time.
-    Tracks,
-    /// A shaken copy of another solution.
-    Restart,
-}
-
-impl Source {
-    /// Those that do not need another solution to start from.
-    const GENERATORS: [Self; 5] =
-        [Self::BestLines, Self::AllLines, Self::LineInliers, Self::Floor, Self::Tracks];
-
-    /// A word for reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::BestLines => "best_lines",
-            Self::AllLines => "all_lines",
-            Self::LineInliers => "line_inliers",
-            Self::Floor => "floor",
-            Self::Tracks => "tracks",
-            Self::Restart => "restart",
-        }
-    }
-}
 
 /// Options of the search.
 #[derive(Debug, Clone)]
@@ -86,8 +49,8 @@ impl Default for SearchOptions {
             draws: 10_000,
             floor_draws: 1500,
             track_draws: 20_000,
-            scoring_hulls: 1000,
-            comparing_hulls: 3000,
+            scoring_hulls: 700,
+            comparing_hulls: 1600,
             starts: 60,
             own_starts: 12,
             restarts: 2,
@@ -120,30 +83,13 @@ pub struct Found {
     pub floor: Option<Floor>,
 }
 
-/// Line pairs as hypotheses, tangents as the score.
-struct TangentScored<'a> {
-    lines: LineModel<'a>,
-    views: &'a Views,
-    options: FrontierOptions,
-}
-
-impl Estimator for TangentScored<'_> {
-    type Model = Fundamental;
-
-    fn generate(&self, index: usize, random: &mut rand_pcg::Pcg64Mcg) -> Option<Fundamental> {
-        self.lines.generate(index, random)
-    }
-
-    fn score(&self, model: &Fundamental) -> f64 {
-        frontier_score(self.views, model, &self.options).total()
-    }
-}
-
 /// Pixels of an 800-pixel diagonal (640×480) in these images.
 pub fn pixel_scale(views: &Views) -> f64 {
     let [a, b] = views.sizes();
     (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
 }
+
+pub use super::sources::Source;
 
 /// Radii, in pixels of a 640×480 image, at which evidence is weighed.
 const RADII: [f64; 4] = [1.5, 3.0, 6.0, 10.0];
@@ -195,6 +141,8 @@ pub fn chance_level(views: &Views, f: &Fundamental, radius: f64, upright: bool) 
     (sum / CHANCE_SHIFTS as f64).max(0.0)
 }
 
+/// How many of the best solutions are shaken in a round.
+const SHAKEN: usize = 6;
 /// How many of the best solutions are walked from.
 const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
@@ -260,7 +208,7 @@ impl<'a> Searcher<'a> {
             }
             kept.len()
         };
-        for source in Source::GENERATORS {
+        for source in Source::ALL {
             take(own, Some(source));
         }
         let already = take(0, None);
@@ -303,6 +251,15 @@ impl<'a> Searcher<'a> {
             }
         }
         kept.into_iter().map(|(s, _)| s).collect()
+    }
+
+    /// Whether no other geometry has half of the best one's evidence: the truth announces itself.
+    fn is_clear(&self, solutions: &[Solution]) -> bool {
+        const APART: f64 = 5.0;
+        let Some(best) = solutions.first() else { return false };
+        let points = self.points(&best.fundamental);
+        let rival = solutions.iter().find(|s| disagreement(&points, &s.fundamental) > APART * self.scale);
+        best.evidence > 0.0 && rival.is_none_or(|r| r.evidence < 0.5 * best.evidence)
     }
 
     /// Walks on from those that could win, on the frames that compare.
@@ -357,65 +314,8 @@ impl<'a> Searcher<'a> {
             })
             .collect();
         copies.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
-        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, Source::Restart)).collect()
+        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, solution.source)).collect()
     }
-}
-
-/// Hypotheses of all sources, best first, and the floors met on the way.
-struct Hypotheses {
-    scored: Vec<(Scored<Fundamental>, Source)>,
-    floors: Vec<Floor>,
-}
-
-/// Line models that are fitted to their inliers before they are scored with tangents.
-const LINE_FITS: usize = 60;
-
-fn hypotheses(
-    searcher: &Searcher,
-    train: &Views,
-    candidates: &Candidates,
-    seed: u64,
-    watch: &mut dyn Watch,
-) -> Result<Hypotheses> {
-    let (options, sizes) = (searcher.options, searcher.all.sizes());
-    let mut scored: Vec<(Scored<Fundamental>, Source)> = Vec::new();
-    let line_sources: [(&[Candidate], Source); 2] =
-        [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
-    for (pairs, source) in line_sources {
-        let estimator = TangentScored {
-            lines: LineModel::new(pairs, sizes),
-            views: &searcher.scoring,
-            options: searcher.coarse(),
-        };
-        let seed = seed.wrapping_add((source as u64 + 1) << 56);
-        let best = ransac(&estimator, options.draws, 300, seed, source.name(), watch)?;
-        scored.extend(best.into_iter().map(|s| (s, source)));
-    }
-    let lines = LineModel::new(candidates.best(), sizes);
-    let best = ransac(&lines, options.draws, LINE_FITS, seed, Source::LineInliers.name(), watch)?;
-    let fitted: Vec<_> = best
-        .into_par_iter()
-        .map(|start| {
-            let model = lines.optimise(&start.model);
-            let score = frontier_score(&searcher.scoring, &model, &searcher.coarse()).total();
-            (Scored { model, score, index: start.index }, Source::LineInliers)
-        })
-        .collect();
-    scored.extend(fitted);
-    let floors = find_floors(candidates.best(), sizes, seed, 3, watch)?;
-    for floor in &floors {
-        let estimator = FloorEpipoles::new(floor, &searcher.comparing, &searcher.scoring, searcher.coarse());
-        let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
-        scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
-    }
-    let tracks = TrackModel::new(train, &searcher.scoring, searcher.coarse(), searcher.scale);
-    if tracks.pairs() > 0 {
-        let best = ransac(&tracks, options.track_draws, 300, seed, Source::Tracks.name(), watch)?;
-        scored.extend(best.into_iter().map(|s| (s, Source::Tracks)));
-    }
-    scored.retain(|s| s.0.score.is_finite());
-    scored.sort_by(|p, q| q.0.score.total_cmp(&p.0.score));
-    Ok(Hypotheses { scored, floors })
 }
 
 /// Searches with all sources.
@@ -432,16 +332,23 @@ pub fn search(
     watch: &mut dyn Watch,
 ) -> Result<Found> {
     let searcher = Searcher::new(all, train, subset, options);
-    let Hypotheses { scored, floors } = hypotheses(&searcher, train, candidates, seed, watch)?;
+    let Hypotheses { scored, floors } = {
+        let frames = Frames { train, comparing: &searcher.comparing, scoring: &searcher.scoring };
+        hypotheses(&frames, candidates, options, searcher.coarse(), searcher.scale, seed, watch)?
+    };
     let starts = searcher.different(&scored, options.own_starts, options.starts, 4.0 * searcher.scale);
     let mut going =
         |stage, done: f64| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) };
     going("refine", 0.0)?;
-    let mut solutions = searcher.distinct(searcher.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]), searcher.scale, 16);
+    let mut solutions =
+        searcher.distinct(searcher.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]), searcher.scale, 16);
     for round in 0..options.restarts {
+        if searcher.is_clear(&solutions) {
+            break;
+        }
         going("restart", round as f64 / options.restarts as f64)?;
         let mut shaken = Vec::new();
-        for (k, solution) in solutions.iter().take(6).enumerate() {
+        for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
             shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
         }
         solutions.extend(searcher.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
