@@ -58,6 +58,7 @@ pub mod estimate;
 pub mod geometry;
 pub mod line;
 pub mod matching;
+pub mod planarity;
 pub mod recording;
 pub mod verify;
 

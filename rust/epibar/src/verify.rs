@@ -5,7 +5,7 @@
 //! turns the residuals of the frontier points into the uncertainty of the seven parameters, and
 //! [`expected_error`] carries it to pixels over the volume where things moved.
 
-use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::estimate::frontier::{FrontierOptions, FrontierPoint, FrontierScore, frontier_score};
@@ -14,7 +14,6 @@ use crate::estimate::refine::residual_row;
 use crate::estimate::views::Views;
 use crate::estimate::volume::Correspondence;
 use crate::geometry::Fundamental;
-use crate::geometry::fundamental::normaliser;
 
 /// Score of `F` at one shift of B's frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +37,8 @@ pub struct Evidence {
     pub explained: f64,
     /// The same at the mean of the shifts.
     pub explained_by_chance: f64,
-    /// Median distance of the matched points from the best homography, pixels in B.
+    /// How far four fifths of the matched points lie from the best plane, in widths of a silhouette
+    /// ([`crate::planarity`]).
     pub plane_residual: f64,
 }
 
@@ -137,57 +137,6 @@ pub fn expected_error(
         sum += (row.dot(&(covariance * row)).max(0.0) * 2.0 / std::f64::consts::PI).sqrt();
     }
     sum / (correspondences.len().max(1)) as f64
-}
-
-/// Median transfer distance, pixels in B, of the best homography between matched points: small where a plane,
-/// or a camera that only turned, explains everything, and `F` is therefore not determined.
-pub fn plane_residual(views: &Views, points: &[FrontierPoint]) -> f64 {
-    let sizes = views.sizes();
-    let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
-    let step = points.len().div_ceil(2000).max(1);
-    let sample: Vec<_> = points
-        .iter()
-        .step_by(step)
-        .map(|p| (ta * Vector3::new(p.a[0], p.a[1], 1.0), tb * Vector3::new(p.b[0], p.b[1], 1.0)))
-        .collect();
-    if sample.len() < 12 {
-        return f64::INFINITY;
-    }
-    let mut weights = vec![1.0; sample.len()];
-    let mut median = f64::INFINITY;
-    for _ in 0..10 {
-        let Some(h) = weighted_homography(&sample, &weights) else { break };
-        let distances: Vec<f64> = sample
-            .iter()
-            .map(|(a, b)| {
-                let p = h * a;
-                (p.x / p.z - b.x).hypot(p.y / p.z - b.y)
-            })
-            .collect();
-        let mut sorted = distances.clone();
-        sorted.sort_by(f64::total_cmp);
-        median = median.min(sorted[sorted.len() / 2]);
-        let scale = sorted[sorted.len() / 2].max(1e-9);
-        weights = distances.iter().map(|d| 1.0 / (1.0 + (d / scale).powi(2))).collect();
-    }
-    median * 0.5 * sizes[1].diagonal()
-}
-
-fn weighted_homography(sample: &[(Vector3<f64>, Vector3<f64>)], weights: &[f64]) -> Option<Matrix3<f64>> {
-    let mut normal = nalgebra::SMatrix::<f64, 9, 9>::zeros();
-    for ((a, b), weight) in sample.iter().zip(weights) {
-        for (i, s) in [(0, b.x), (1, b.y)] {
-            let mut row = nalgebra::SVector::<f64, 9>::zeros();
-            for j in 0..3 {
-                row[3 * i + j] = a[j];
-                row[6 + j] = -s * a[j];
-            }
-            normal.ger(*weight, &row, &row, 1.0);
-        }
-    }
-    let eigen: SymmetricEigen<f64, nalgebra::Const<9>> = normal.try_symmetric_eigen(1e-14, 300)?;
-    let v = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-    Some(Matrix3::new(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]))
 }
 
 /// Standard score of the difference in evidence between two geometries, from sums over blocks of frames.

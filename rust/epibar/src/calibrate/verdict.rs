@@ -9,9 +9,8 @@ use crate::estimate::views::Views;
 use crate::estimate::volume::{disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
 use crate::matching::Candidates;
-use crate::verify::{
-    Evidence, ShiftScore, covariance, evidence_of, expected_error, paired_z, plane_residual, shift_curve,
-};
+use crate::planarity::plane_residual;
+use crate::verify::{Evidence, ShiftScore, covariance, evidence_of, expected_error, paired_z, shift_curve};
 
 /// What a verdict says, for programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -123,6 +122,11 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 
 /// Evidence below this standard score on held-out frames is none.
 const MIN_Z: f64 = 8.0;
+/// Below this share of A's tangents that meet one of B, an `F` is not the geometry of the scene.
+const MIN_EXPLAINED: f64 = 0.15;
+/// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
+/// baseline.
+const MIN_DEPTH: f64 = 1.0;
 /// A class of tangents below this standard score matches no better than chance.
 const MIN_CLASS_Z: f64 = 2.0;
 /// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
@@ -240,7 +244,7 @@ fn decide(
             ),
         );
     }
-    if !evidence.explained.is_finite() || evidence.explained < 0.15 {
+    if !evidence.explained.is_finite() || evidence.explained < MIN_EXPLAINED {
         return Verdict::new(
             Kind::NoCommonScene,
             format!(
@@ -261,12 +265,13 @@ fn decide(
         );
     }
     let plane = evidence.plane_residual;
-    if plane < 1.5 * radius {
+    if plane < MIN_DEPTH {
         return Verdict::new(
             Kind::Undetermined,
             format!(
-                "The motion leaves the geometry undetermined: one plane, or one viewpoint turned, explains all matched \
-                 points to {plane:.1} px."
+                "The motion leaves the geometry undetermined: everything keeps to one straight path or one plane, or the \
+                 cameras stand at one place (most matched points lie within {:.0} % of a silhouette's width of a plane).",
+                100.0 * plane
             ),
         );
     }

@@ -12,6 +12,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::frontier::{FrontierOptions, frontier_score};
 use super::ransac::{Estimator, Watch, ransac};
+use super::tracks::{Extremes, extremes};
 use super::views::{View, Views};
 use crate::Result;
 use crate::geometry::Fundamental;
@@ -188,21 +189,6 @@ struct Standing {
     top_b: [f64; 2],
 }
 
-/// Highest and lowest vertex of each hull of a frame that does not end at the border.
-fn extremes(view: &View, frame: usize) -> Vec<([f64; 2], [f64; 2])> {
-    view.hulls_of(frame)
-        .filter_map(|hull| {
-            let extreme = |sign: f64| {
-                let y = hull.iter().map(|p| sign * p[1]).fold(f64::INFINITY, f64::min);
-                let level: Vec<_> = hull.iter().filter(|p| sign * p[1] == y).collect();
-                [level.iter().map(|p| p[0]).sum::<f64>() / level.len() as f64, sign * y]
-            };
-            let (top, bottom) = (extreme(1.0), extreme(-1.0));
-            (!view.on_border(top) && !view.on_border(bottom)).then_some((top, bottom))
-        })
-        .collect()
-}
-
 /// Draws epipoles for a known floor and scores with tangents.
 pub struct FloorEpipoles<'a> {
     homography: Matrix3<f64>,
@@ -218,12 +204,15 @@ impl<'a> FloorEpipoles<'a> {
         let near = 0.02 * association.b.size.diagonal();
         let mut standing = Vec::new();
         for frame in 0..association.frames() {
-            let (in_a, in_b) = (extremes(&association.a, frame), extremes(&association.b, frame));
-            for (top_a, bottom_a) in &in_a {
+            let standing_in = |view: &View| -> Vec<Extremes> {
+                view.hulls_of(frame).filter_map(|hull| extremes(view, hull)).collect()
+            };
+            let (in_a, in_b) = (standing_in(&association.a), standing_in(&association.b));
+            for [top_a, bottom_a] in &in_a {
                 let foot = h * Vector3::new(bottom_a[0], bottom_a[1], 1.0);
                 let distance = |b: &[f64; 2]| (foot.x / foot.z - b[0]).hypot(foot.y / foot.z - b[1]);
-                let nearest = in_b.iter().min_by(|p, q| distance(&p.1).total_cmp(&distance(&q.1)));
-                if let Some((top_b, bottom_b)) = nearest
+                let nearest = in_b.iter().min_by(|p, q| distance(&p[1]).total_cmp(&distance(&q[1])));
+                if let Some([top_b, bottom_b]) = nearest
                     && distance(bottom_b) < near
                 {
                     standing.push(Standing { top_a: *top_a, top_b: *top_b });

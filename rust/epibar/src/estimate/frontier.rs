@@ -61,13 +61,13 @@ impl Tangents {
                     }
                     let point = Vector3::new(tangent.point[0], tangent.point[1], 1.0);
                     let line = epipole.cross(&point);
-                    let norm = line.x.hypot(line.y);
+                    let norm2 = line.x * line.x + line.y * line.y;
                     let towards = if tangent.positive { line.y } else { -line.y };
                     all.push(Tangent {
                         point,
                         positive: tangent.positive,
                         class: if towards > 0.0 { Class::Top } else { Class::Bottom },
-                        steep: line.y.abs() < STEEP * norm,
+                        steep: line.y * line.y < STEEP * STEEP * norm2,
                     });
                 }
             }
@@ -208,13 +208,23 @@ pub fn compare_radii(
 /// One in so many frames decides the sign of the map of rays.
 const SIGN_STEP: usize = 6;
 
+/// A tangent of B as those of A see it.
+struct Target {
+    /// Its line, oriented.
+    line: Homogeneous,
+    /// Pixels that the line moves at its point per radian.
+    lever: f64,
+    /// Squared length of the normal of its point's epipolar line in A.
+    back_norm2: f64,
+}
+
 /// Tangents of both views from the epipoles of one `F`, and how often B's lie where.
 struct Comparer<'a> {
     f: &'a Fundamental,
     a: Tangents,
     b: Tangents,
-    /// Lines of B's tangents, with how many pixels each moves at its point per radian.
-    lines_b: Vec<(Homogeneous, f64)>,
+    /// What is the same for every tangent of A that is held against one of B.
+    targets: Vec<Target>,
     pencil: PencilAngle,
     histogram: AngleHistogram,
     same_side: bool,
@@ -230,22 +240,28 @@ impl<'a> Comparer<'a> {
         let pencil = PencilAngle::new(f.epipole_b(), view_b.size);
         let to_pixels = normaliser(view_b.size).transpose();
         let mut angles = Vec::with_capacity(b.all.len());
-        let lines_b = b
+        let targets = b
             .all
             .iter()
             .map(|t| {
                 let line = f.epipole_b().cross(&t.point);
                 let c = pencil.coordinates(&line);
                 angles.push((c.y.atan2(c.x), t.positive));
-                let back = to_pixels * (pencil.basis * Vector2::new(-c.y, c.x));
-                (line, back.dot(&t.point).abs() / line.x.hypot(line.y).max(1e-300))
+                let turned = to_pixels * (pencil.basis * Vector2::new(-c.y, c.x));
+                let back = f.line_in_a(&t.point);
+                Target {
+                    line,
+                    lever: turned.dot(&t.point).abs()
+                        / (line.x * line.x + line.y * line.y).sqrt().max(1e-300),
+                    back_norm2: back.x * back.x + back.y * back.y,
+                }
             })
             .collect();
         Self {
             f,
             a,
             b,
-            lines_b,
+            targets,
             histogram: AngleHistogram::new(&angles),
             pencil,
             same_side: keeps_side(f, view_a.size),
@@ -271,20 +287,23 @@ impl<'a> Comparer<'a> {
             let frame_b = (frame + self.shift) % frames;
             let base = self.b.frame_start[frame_b] as usize;
             let (tangents_a, tangents_b) = (self.a.of(frame), self.b.of(frame_b));
-            scratch.nearest(self, tangents_a, tangents_b, &self.lines_b[base..], sign);
+            scratch.nearest(self, tangents_a, tangents_b, &self.targets[base..], sign);
             for (i, t) in tangents_a.iter().enumerate() {
                 let line = scratch.lines[i] * sign;
                 let c = self.pencil.coordinates(&line);
-                let (distance, j) = scratch.best_a[i];
+                let (squared, j) = scratch.best_a[i];
                 // One to one: a match is the nearest of both.
-                let met = (distance.is_finite() && scratch.best_b[j].1 == i).then(|| (base + j, distance));
+                let met =
+                    (squared.is_finite() && scratch.best_b[j].1 == i).then(|| (base + j, squared.sqrt()));
                 let place = Place {
                     met: met.map(|(j, d)| {
-                        (self.pixels_per_radian(&line, &self.b.all[j].point, self.lines_b[j].1), d)
+                        let target = &self.targets[j];
+                        (pixels_per_radian(&line, target.back_norm2, target.lever), d)
                     }),
                     elsewhere: {
                         let (point, lever) = centre_of_line(&self.pencil, &c, &line, self.size_b);
-                        self.pixels_per_radian(&line, &point, lever)
+                        let back = self.f.line_in_a(&point);
+                        pixels_per_radian(&line, back.x * back.x + back.y * back.y, lever)
                     },
                     angle: c.y.atan2(c.x),
                     positive: t.positive == self.same_side,
@@ -309,16 +328,6 @@ impl<'a> Comparer<'a> {
         found
     }
 
-    /// Pixels of Sampson distance per radian where `line` touches B at `point`.
-    ///
-    /// A Sampson distance shares the gap between both views: near an epipole of A a pixel there is worth many in B,
-    /// and a wide range of angles is within the radius.
-    fn pixels_per_radian(&self, line: &Homogeneous, point: &Homogeneous, lever: f64) -> f64 {
-        let back = self.f.line_in_a(point);
-        let share = (back.x.powi(2) + back.y.powi(2)) / (line.x.powi(2) + line.y.powi(2)).max(1e-300);
-        (lever / (1.0 + share).sqrt()).max(1e-9)
-    }
-
     /// Adds one tangent of A to the score of its class.
     fn count(&self, t: &Tangent, place: &Place, radius: f64, comparison: &mut Comparison) -> Gain {
         let class = match t.class {
@@ -339,6 +348,16 @@ impl<'a> Comparer<'a> {
         class.excess += excess;
         Gain { excess, surprise, matched: met.is_some() }
     }
+}
+
+/// Pixels of Sampson distance per radian where `line` touches B at a point whose epipolar line in A has a normal
+/// of squared length `back_norm2`.
+///
+/// A Sampson distance shares the gap between both views: near an epipole of A a pixel there is worth many in B,
+/// and a wide range of angles is within the radius.
+fn pixels_per_radian(line: &Homogeneous, back_norm2: f64, lever: f64) -> f64 {
+    let share = back_norm2 / (line.x.powi(2) + line.y.powi(2)).max(1e-300);
+    (lever / (1.0 + share).sqrt()).max(1e-9)
 }
 
 /// Where a tangent of A falls in the pencil of B.
@@ -367,15 +386,8 @@ struct Scratch {
 }
 
 impl Scratch {
-    /// For each tangent of A the nearest of B that it may meet, and the reverse.
-    fn nearest(
-        &mut self,
-        comparer: &Comparer,
-        a: &[Tangent],
-        b: &[Tangent],
-        lines_b: &[(Homogeneous, f64)],
-        sign: f64,
-    ) {
+    /// For each tangent of A the nearest of B that it may meet, and the reverse, by squared Sampson distance.
+    fn nearest(&mut self, comparer: &Comparer, a: &[Tangent], b: &[Tangent], targets: &[Target], sign: f64) {
         let Comparer { f, same_side, upright, .. } = *comparer;
         self.lines.clear();
         self.best_a.clear();
@@ -392,18 +404,17 @@ impl Scratch {
                 if upright && t.class != u.class && !t.steep && !u.steep {
                     continue;
                 }
-                if lines_b[j].0.dot(&line) * sign <= 0.0 {
+                let target = &targets[j];
+                if target.line.dot(&line) * sign <= 0.0 {
                     continue;
                 }
                 let algebraic = u.point.dot(&line);
-                let back = f.line_in_a(&u.point);
-                let denominator = norm + back.x * back.x + back.y * back.y;
-                let distance = (algebraic * algebraic / denominator.max(1e-300)).sqrt();
-                if distance < nearest.0 {
-                    nearest = (distance, j);
+                let squared = algebraic * algebraic / (norm + target.back_norm2).max(1e-300);
+                if squared < nearest.0 {
+                    nearest = (squared, j);
                 }
-                if distance < self.best_b[j].0 {
-                    self.best_b[j] = (distance, i);
+                if squared < self.best_b[j].0 {
+                    self.best_b[j] = (squared, i);
                 }
             }
             self.lines.push(line);

@@ -198,9 +198,4 @@ impl Problem for LineProblem<'_> {
         }
         (cost, normal, gradient)
     }
-
-    fn cost(&self, at: &SevenParameters) -> f64 {
-        let matrix = at.unscaled();
-        self.inliers.iter().flat_map(|c| Self::residuals(&matrix, c)).map(|r| cauchy(r, self.scale).0).sum()
-    }
 }

@@ -1,8 +1,7 @@
 //! From candidates to a fundamental matrix: hypotheses, scores, refinement.
 //!
 //! [`ransac`] is the loop, and knows no geometry; [`line_model`] is the paper's estimator (§3). The frontier
-//! method scores with [`frontier`], draws from [`line_model`] and [`floor`], refines in [`refine`] and
-//! puts it together in [`search`].
+//! method scores with [`frontier`], draws from [`sources`], refines in [`refine`] and puts it together in [`search`].
 
 pub mod explore;
 pub mod floor;
@@ -13,5 +12,8 @@ mod pencil_angle;
 pub mod ransac;
 pub mod refine;
 pub mod search;
+pub mod sources;
+pub mod track_model;
+pub mod tracks;
 pub mod views;
 pub mod volume;

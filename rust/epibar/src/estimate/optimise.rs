@@ -101,9 +101,6 @@ impl SevenParameters {
 pub trait Problem {
     /// Robust cost, `JᵀWJ` and `JᵀWr` at a point.
     fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step);
-
-    /// Robust cost alone.
-    fn cost(&self, at: &SevenParameters) -> f64;
 }
 
 /// Levenberg–Marquardt: at most `iterations` accepted or refused steps, ends where the cost no longer falls.
@@ -125,11 +122,12 @@ pub fn minimise<P: Problem>(
             continue;
         };
         let tried = at.stepped(&step);
-        let new_cost = problem.cost(&tried);
+        // Most steps are accepted, so the normal equations are worth having at once.
+        let (new_cost, new_normal, new_gradient) = problem.linearise(&tried);
         if new_cost < cost {
             let gain = (cost - new_cost) / cost.max(f64::MIN_POSITIVE);
             at = tried;
-            (cost, normal, gradient) = problem.linearise(&at);
+            (cost, normal, gradient) = (new_cost, new_normal, new_gradient);
             damping = (damping * 0.3).max(1e-9);
             if gain < 1e-7 {
                 break;

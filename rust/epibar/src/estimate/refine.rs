@@ -5,7 +5,7 @@
 //! but only along the tangent itself, so to first order the residual does not notice (envelope theorem) and the
 //! Jacobian of fixed points is the right one.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::frontier::{FrontierOptions, FrontierPoint, compare};
 use super::optimise::{Information, Problem, SevenParameters, Step, cauchy, minimise};
@@ -40,40 +40,56 @@ impl Residual {
         Self { value: algebraic / norm2.sqrt(), algebraic, norm2, xa, xb, in_b, in_a }
     }
 
-    /// Derivative of the distance along a change `g` of the matrix.
-    fn along(&self, g: &Matrix3<f64>) -> f64 {
-        let (gb, ga) = (g * self.xa, g.tr_mul(&self.xb));
-        let half = self.in_b.x * gb.x + self.in_b.y * gb.y + self.in_a.x * ga.x + self.in_a.y * ga.y;
-        (self.xb.dot(&gb) - self.algebraic * half / self.norm2) / self.norm2.sqrt()
+    /// Derivative of the distance to the entries of the matrix, column by column.
+    fn entries(&self) -> [f64; 9] {
+        let scale = 1.0 / self.norm2.sqrt();
+        let share = self.algebraic / self.norm2;
+        let (xa, xb) = (&self.xa, &self.xb);
+        // ∂algebraic = xb xaᵀ; ½ ∂norm² = in_b xaᵀ (first two rows) + xb in_aᵀ (first two columns).
+        let b = [scale * (xb.x - share * self.in_b.x), scale * (xb.y - share * self.in_b.y), scale * xb.z];
+        let a = [scale * share * self.in_a.x, scale * share * self.in_a.y, 0.0];
+        std::array::from_fn(|k| {
+            let (row, column) = (k % 3, k / 3);
+            b[row] * xa[column] - xb[row] * a[column]
+        })
     }
 }
 
 /// One row of the Jacobian with its residual, pixels.
 pub fn residual_row(at: &SevenParameters, p: &FrontierPoint) -> (f64, Step) {
     let residual = Residual::new(&at.unscaled(), p);
+    let entries = residual.entries();
     let derivatives = at.derivatives();
-    (residual.value, Step::from_fn(|k, _| residual.along(&derivatives[k])))
+    let along = |k: usize| derivatives[k].as_slice().iter().zip(&entries).map(|(d, e)| d * e).sum();
+    (residual.value, Step::from_fn(|k, _| along(k)))
 }
 
 impl Problem for SampsonProblem<'_> {
     fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step) {
-        let (matrix, derivatives) = (at.unscaled(), at.derivatives());
-        let (mut cost, mut normal, mut gradient) = (0.0, Information::zeros(), Step::zeros());
+        let matrix = at.unscaled();
+        // Summed over the nine entries of the matrix, where a row is cheap, and carried to the seven parameters once.
+        let mut cost = 0.0;
+        let mut normal = SMatrix::<f64, 9, 9>::zeros();
+        let mut gradient = SVector::<f64, 9>::zeros();
         for p in self.points {
             let residual = Residual::new(&matrix, p);
             let (loss, weight) = cauchy(residual.value, self.scale);
             let weight = weight * p.surprise;
-            let row = Step::from_fn(|k, _| residual.along(&derivatives[k]));
             cost += loss * p.surprise;
-            normal.ger(weight, &row, &row, 1.0);
-            gradient.axpy(weight * residual.value, &row, 1.0);
+            let row = residual.entries();
+            for j in 0..9 {
+                let weighed = weight * row[j];
+                gradient[j] += weighed * residual.value;
+                // The lower triangle alone.
+                for i in j..9 {
+                    normal[(i, j)] += weighed * row[i];
+                }
+            }
         }
-        (cost, normal, gradient)
-    }
-
-    fn cost(&self, at: &SevenParameters) -> f64 {
-        let matrix = at.unscaled();
-        self.points.iter().map(|p| cauchy(Residual::new(&matrix, p).value, self.scale).0 * p.surprise).sum()
+        normal.fill_upper_triangle_with_lower_triangle();
+        let derivatives = at.derivatives();
+        let chain = SMatrix::<f64, 9, 7>::from_fn(|i, k| derivatives[k].as_slice()[i]);
+        (cost, chain.tr_mul(&(normal * chain)), chain.tr_mul(&gradient))
     }
 }
 

@@ -1,50 +1,24 @@
 //! The search of the frontier method: many hypotheses, few different starts, refinement, restarts.
 //!
-//! Every source of hypotheses is an [`Estimator`] for the one loop in [`super::ransac`]; all are scored by
-//! tangents on a subset of frames. Of the best a few dozen *different* ones are refined with a shrinking
-//! radius, and compared on more frames; the best are shaken and refined again. What remains is a list of
-//! different geometries with their evidence: a winner and its rivals.
+//! Of the hypotheses of [`super::sources`] a few dozen *different* ones are refined with a shrinking radius, and
+//! compared on more frames; the best are shaken and refined again. What remains is a list of different geometries with
+//! their evidence: a winner and its rivals.
 
 use rand::RngExt;
 use rayon::prelude::*;
 
 use super::explore::explore;
-use super::floor::{Floor, FloorEpipoles, find_floors};
+use super::floor::Floor;
 use super::frontier::{FrontierOptions, compare_radii, frontier_score};
-use super::line_model::LineModel;
 use super::optimise::{SevenParameters, Step};
-use super::ransac::{Estimator, Scored, Watch, generator, ransac};
+use super::ransac::{Scored, Watch, generator};
 use super::refine::refine;
+use super::sources::{Frames, Hypotheses, hypotheses};
 use super::views::Views;
 use super::volume::{Correspondence, disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
-use crate::matching::{Candidate, Candidates};
+use crate::matching::Candidates;
 use crate::{Error, Result};
-
-/// Where a hypothesis came from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
-    /// Pairs among the best candidates, as in the paper.
-    BestLines,
-    /// Pairs among all mutual candidates.
-    AllLines,
-    /// The floor's homography and heads.
-    Floor,
-    /// A shaken copy of another solution.
-    Restart,
-}
-
-impl Source {
-    /// A word for reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::BestLines => "best_lines",
-            Self::AllLines => "all_lines",
-            Self::Floor => "floor",
-            Self::Restart => "restart",
-        }
-    }
-}
 
 /// Options of the search.
 #[derive(Debug, Clone)]
@@ -53,12 +27,16 @@ pub struct SearchOptions {
     pub draws: usize,
     /// Hypotheses per floor homography.
     pub floor_draws: usize,
-    /// Frames that score hypotheses.
-    pub scoring_frames: usize,
-    /// Frames that compare refined solutions.
-    pub comparing_frames: usize,
+    /// Hypotheses from tracks.
+    pub track_draws: usize,
+    /// Silhouettes of a camera that score hypotheses: few frames of a crowd, many of a lone walker.
+    pub scoring_hulls: usize,
+    /// Silhouettes of a camera that compare refined solutions.
+    pub comparing_hulls: usize,
     /// Different starts that are refined.
     pub starts: usize,
+    /// Of those, starts that each source has for its own.
+    pub own_starts: usize,
     /// Rounds of shaking the best.
     pub restarts: usize,
     /// Both cameras are the right way up.
@@ -70,9 +48,11 @@ impl Default for SearchOptions {
         Self {
             draws: 10_000,
             floor_draws: 1500,
-            scoring_frames: 80,
-            comparing_frames: 240,
-            starts: 48,
+            track_draws: 20_000,
+            scoring_hulls: 700,
+            comparing_hulls: 1600,
+            starts: 60,
+            own_starts: 12,
             restarts: 2,
             upright: true,
         }
@@ -103,30 +83,13 @@ pub struct Found {
     pub floor: Option<Floor>,
 }
 
-/// Line pairs as hypotheses, tangents as the score.
-struct TangentScored<'a> {
-    lines: LineModel<'a>,
-    views: &'a Views,
-    options: FrontierOptions,
-}
-
-impl Estimator for TangentScored<'_> {
-    type Model = Fundamental;
-
-    fn generate(&self, index: usize, random: &mut rand_pcg::Pcg64Mcg) -> Option<Fundamental> {
-        self.lines.generate(index, random)
-    }
-
-    fn score(&self, model: &Fundamental) -> f64 {
-        frontier_score(self.views, model, &self.options).total()
-    }
-}
-
 /// Pixels of an 800-pixel diagonal (640×480) in these images.
 pub fn pixel_scale(views: &Views) -> f64 {
     let [a, b] = views.sizes();
     (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
 }
+
+pub use super::sources::Source;
 
 /// Radii, in pixels of a 640×480 image, at which evidence is weighed.
 const RADII: [f64; 4] = [1.5, 3.0, 6.0, 10.0];
@@ -178,6 +141,8 @@ pub fn chance_level(views: &Views, f: &Fundamental, radius: f64, upright: bool) 
     (sum / CHANCE_SHIFTS as f64).max(0.0)
 }
 
+/// How many of the best solutions are shaken in a round.
+const SHAKEN: usize = 6;
 /// How many of the best solutions are walked from.
 const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
@@ -191,7 +156,24 @@ struct Searcher<'a> {
     options: &'a SearchOptions,
 }
 
-impl Searcher<'_> {
+impl<'a> Searcher<'a> {
+    fn new(
+        all: &'a Views,
+        train: &Views,
+        subset: impl Fn(usize) -> Views,
+        options: &'a SearchOptions,
+    ) -> Self {
+        let per_frame = 0.5 * (train.a.hulls() + train.b.hulls()) as f64 / train.frames().max(1) as f64;
+        let frames = |hulls: usize| (hulls as f64 / per_frame.max(0.1)) as usize;
+        Self {
+            all,
+            scoring: subset(frames(options.scoring_hulls).clamp(60, 300)),
+            comparing: subset(frames(options.comparing_hulls).clamp(150, 600)),
+            scale: pixel_scale(all),
+            options,
+        }
+    }
+
     fn coarse(&self) -> FrontierOptions {
         FrontierOptions { radius: 5.0 * self.scale, upright: self.options.upright, shift: 0 }
     }
@@ -200,34 +182,53 @@ impl Searcher<'_> {
         moving_correspondences(&self.scoring, f, SPOTS)
     }
 
-    /// The best hypotheses that differ from one another by at least `apart` pixels.
+    /// The best hypotheses that differ from one another by at least `apart` pixels: first some of each source, then
+    /// the best of all.
     fn different(
         &self,
         scored: &[(Scored<Fundamental>, Source)],
+        own: usize,
         limit: usize,
         apart: f64,
     ) -> Vec<(Fundamental, Source)> {
         let mut kept: Vec<(Fundamental, Vec<Correspondence>, Source)> = Vec::new();
-        for (hypothesis, source) in scored {
-            if kept.len() >= limit {
-                break;
+        let mut take = |limit: usize, only: Option<Source>| {
+            let mut taken = 0;
+            for (hypothesis, source) in scored {
+                if taken >= limit {
+                    break;
+                }
+                let f = hypothesis.model;
+                if only.is_none_or(|s| s == *source)
+                    && kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart)
+                {
+                    kept.push((f, self.points(&f), *source));
+                    taken += 1;
+                }
             }
-            let f = hypothesis.model;
-            if kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart) {
-                kept.push((f, self.points(&f), *source));
-            }
+            kept.len()
+        };
+        for source in Source::ALL {
+            take(own, Some(source));
         }
+        let already = take(0, None);
+        take(limit.saturating_sub(already), None);
         kept.into_iter().map(|(f, _, source)| (f, source)).collect()
     }
 
-    /// Refines in parallel and scores on the comparing frames.
-    fn refined(&self, starts: &[(Fundamental, Source)], radii: &[f64]) -> Vec<Solution> {
-        let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
+    /// Refines in parallel, from a wide radius and from a narrow one, and keeps what has more evidence on the comparing
+    /// frames: in a crowd nearly every tangent meets a wrong one within a wide radius, and a good start is lost there;
+    /// a bad start needs it.
+    fn refined(&self, starts: &[(Fundamental, Source)], schedules: &[&[f64]]) -> Vec<Solution> {
         starts
             .par_iter()
             .filter_map(|(f, source)| {
-                let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
-                let weighed = evidence(&self.comparing, &refined, self.options.upright);
+                let tried = schedules.iter().filter_map(|radii| {
+                    let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
+                    let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
+                    Some((evidence(&self.comparing, &refined, self.options.upright), refined))
+                });
+                let (weighed, refined) = tried.max_by(|p, q| p.0.total.total_cmp(&q.0.total))?;
                 let chance = chance_level(&self.comparing, &refined, weighed.radius, self.options.upright);
                 let evidence = weighed.total - chance;
                 Some(Solution { fundamental: refined, evidence, chance, source: *source })
@@ -252,17 +253,37 @@ impl Searcher<'_> {
         kept.into_iter().map(|(s, _)| s).collect()
     }
 
-    /// Polishes the best on `views`, and walks on from those that could win there.
-    fn settled(
+    /// Whether no other geometry has half of the best one's evidence: the truth announces itself.
+    fn is_clear(&self, solutions: &[Solution]) -> bool {
+        const APART: f64 = 5.0;
+        let Some(best) = solutions.first() else { return false };
+        let points = self.points(&best.fundamental);
+        let rival = solutions.iter().find(|s| disagreement(&points, &s.fundamental) > APART * self.scale);
+        best.evidence > 0.0 && rival.is_none_or(|r| r.evidence < 0.5 * best.evidence)
+    }
+
+    /// Walks on from those that could win, on the frames that compare.
+    fn walked(
         &self,
-        views: &Views,
         solutions: &[Solution],
-        going: &mut dyn FnMut(f64) -> Result<()>,
+        going: &mut dyn FnMut(&'static str, f64) -> Result<()>,
     ) -> Result<Vec<Solution>> {
+        let mut walked = solutions.to_vec();
+        for (k, start) in solutions.iter().take(EXPLORED).enumerate() {
+            going("explore", k as f64 / EXPLORED as f64)?;
+            if start.evidence < WORTH_EXPLORING * solutions[0].evidence {
+                break;
+            }
+            walked.extend(explore(&self.comparing, start, self.scale, self.options.upright));
+        }
+        Ok(self.distinct(walked, 0.5 * self.scale, 24))
+    }
+
+    /// Polishes the best on `views`.
+    fn settled(&self, views: &Views, solutions: &[Solution]) -> Vec<Solution> {
         let upright = self.options.upright;
         let finalists: Vec<Solution> = solutions
             .par_iter()
-            .take(12)
             .filter_map(|s| {
                 let fundamental = polish(views, &s.fundamental, upright);
                 let weighed = evidence(views, &fundamental, upright);
@@ -271,16 +292,7 @@ impl Searcher<'_> {
                 evidence.is_finite().then_some(Solution { fundamental, evidence, chance, ..s.clone() })
             })
             .collect();
-        let finalists = self.distinct(finalists, 0.5 * self.scale, 12);
-        let mut settled = finalists.clone();
-        for start in finalists.iter().take(EXPLORED) {
-            going(0.9)?;
-            if start.evidence < WORTH_EXPLORING * finalists[0].evidence {
-                break;
-            }
-            settled.extend(explore(views, start, self.scale, upright));
-        }
-        Ok(self.distinct(settled, 0.5 * self.scale, 12))
+        self.distinct(finalists, 0.5 * self.scale, 12)
     }
 
     /// Copies of a solution moved at random, several sizes of move, the best few by tangents.
@@ -302,7 +314,7 @@ impl Searcher<'_> {
             })
             .collect();
         copies.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
-        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, Source::Restart)).collect()
+        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, solution.source)).collect()
     }
 }
 
@@ -319,58 +331,35 @@ pub fn search(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Found> {
-    let searcher = Searcher {
-        all,
-        scoring: subset(options.scoring_frames),
-        comparing: subset(options.comparing_frames),
-        scale: pixel_scale(all),
-        options,
+    let searcher = Searcher::new(all, train, subset, options);
+    let Hypotheses { scored, floors } = {
+        let frames = Frames { train, comparing: &searcher.comparing, scoring: &searcher.scoring };
+        hypotheses(&frames, candidates, options, searcher.coarse(), searcher.scale, seed, watch)?
     };
-    let mut scored: Vec<(Scored<Fundamental>, Source)> = Vec::new();
-    let line_sources: [(&[Candidate], Source); 2] =
-        [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
-    for (pairs, source) in line_sources {
-        let estimator = TangentScored {
-            lines: LineModel::new(pairs, all.sizes()),
-            views: &searcher.scoring,
-            options: searcher.coarse(),
-        };
-        let best = ransac(
-            &estimator,
-            options.draws,
-            300,
-            seed.wrapping_add((source as u64 + 1) << 56),
-            source.name(),
-            watch,
-        )?;
-        scored.extend(best.into_iter().map(|s| (s, source)));
-    }
-    let floors = find_floors(candidates.best(), all.sizes(), seed, 3, watch)?;
-    for floor in &floors {
-        let estimator = FloorEpipoles::new(floor, &searcher.comparing, &searcher.scoring, searcher.coarse());
-        let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
-        scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
-    }
-    scored.sort_by(|p, q| q.0.score.total_cmp(&p.0.score));
-
-    let starts = searcher.different(&scored, options.starts, 4.0 * searcher.scale);
+    let starts = searcher.different(&scored, options.own_starts, options.starts, 4.0 * searcher.scale);
     let mut going =
-        |done: f64| if watch.keep_going("refine", done) { Ok(()) } else { Err(Error::Interrupted) };
-    going(0.0)?;
-    let mut solutions = searcher.distinct(searcher.refined(&starts, &[16.0, 8.0, 4.0]), searcher.scale, 16);
+        |stage, done: f64| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) };
+    going("refine", 0.0)?;
+    let mut solutions =
+        searcher.distinct(searcher.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]), searcher.scale, 16);
     for round in 0..options.restarts {
-        going(0.3 + 0.5 * round as f64 / options.restarts as f64)?;
+        if searcher.is_clear(&solutions) {
+            break;
+        }
+        going("restart", round as f64 / options.restarts as f64)?;
         let mut shaken = Vec::new();
-        for (k, solution) in solutions.iter().take(6).enumerate() {
+        for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
             shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
         }
-        solutions.extend(searcher.refined(&shaken, &[8.0, 4.0]));
+        solutions.extend(searcher.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
-    going(0.8)?;
+    let solutions = searcher.walked(&solutions, &mut going)?;
+    going("settle", 0.0)?;
     // The few that remain, once on the training frames alone, for the test, and once on all frames, for the answer.
-    let fitted = searcher.settled(train, &solutions, &mut going)?;
-    let mut solutions = searcher.settled(all, &solutions, &mut going)?;
+    let fitted = searcher.settled(train, &solutions);
+    going("settle", 0.5)?;
+    let mut solutions = searcher.settled(all, &solutions);
     if let Some(winner) = solutions.first_mut() {
         winner.fundamental = polish(all, &winner.fundamental, options.upright);
     }

@@ -4,11 +4,13 @@
 //! line in A; `F e = 0` and `Fᵀ e' = 0` (Hartley and Zisserman, *Multiple View Geometry*, ch. 9).
 
 pub mod distance;
+pub mod eight_point;
 pub mod fundamental;
 pub mod pencil;
 pub mod tangent;
 
 pub use distance::{sampson_distance, symmetric_epipolar_distance};
+pub use eight_point::eight_point;
 pub use fundamental::Fundamental;
 pub use pencil::{LinePair, PencilHomography};
 pub use tangent::{TangentPoint, epipolar_tangents};

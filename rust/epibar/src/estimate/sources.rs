@@ -1,0 +1,136 @@
+//! Where hypotheses come from: every source is an [`Estimator`] for the one loop in [`super::ransac`], and all are
+//! scored by tangents on the same few frames.
+
+use rayon::prelude::*;
+
+use super::floor::{Floor, FloorEpipoles, find_floors};
+use super::frontier::{FrontierOptions, frontier_score};
+use super::line_model::LineModel;
+use super::ransac::{Estimator, Scored, Watch, ransac};
+use super::search::SearchOptions;
+use super::track_model::TrackModel;
+use super::views::Views;
+use crate::Result;
+use crate::geometry::Fundamental;
+use crate::matching::{Candidate, Candidates};
+
+/// Where a hypothesis came from; what is grown from a solution has the source of that.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Pairs among the best candidates, as in the paper.
+    BestLines,
+    /// Pairs among all mutual candidates.
+    AllLines,
+    /// Pairs among the best candidates, the lines deciding, as in the paper.
+    LineInliers,
+    /// The floor's homography and heads.
+    Floor,
+    /// Silhouettes followed through time.
+    Tracks,
+}
+
+impl Source {
+    /// Every source.
+    pub(super) const ALL: [Self; 5] =
+        [Self::BestLines, Self::AllLines, Self::LineInliers, Self::Floor, Self::Tracks];
+
+    /// A word for reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::BestLines => "best_lines",
+            Self::AllLines => "all_lines",
+            Self::LineInliers => "line_inliers",
+            Self::Floor => "floor",
+            Self::Tracks => "tracks",
+        }
+    }
+}
+
+/// Line pairs as hypotheses, tangents as the score.
+struct TangentScored<'a> {
+    lines: LineModel<'a>,
+    views: &'a Views,
+    options: FrontierOptions,
+}
+
+impl Estimator for TangentScored<'_> {
+    type Model = Fundamental;
+
+    fn generate(&self, index: usize, random: &mut rand_pcg::Pcg64Mcg) -> Option<Fundamental> {
+        self.lines.generate(index, random)
+    }
+
+    fn score(&self, model: &Fundamental) -> f64 {
+        frontier_score(self.views, model, &self.options).total()
+    }
+}
+
+/// Hypotheses of all sources, best first, and the floors met on the way.
+pub(super) struct Hypotheses {
+    pub(super) scored: Vec<(Scored<Fundamental>, Source)>,
+    pub(super) floors: Vec<Floor>,
+}
+
+/// The frames that hypotheses are made of and scored on.
+pub(super) struct Frames<'a> {
+    /// All training frames, consecutive for the most part.
+    pub(super) train: &'a Views,
+    /// Those that associate silhouettes.
+    pub(super) comparing: &'a Views,
+    /// Those that score.
+    pub(super) scoring: &'a Views,
+}
+
+/// Line models that are fitted to their inliers before they are scored with tangents.
+const LINE_FITS: usize = 60;
+
+/// Draws from every source.
+///
+/// # Errors
+/// [`crate::Error::Interrupted`].
+pub(super) fn hypotheses(
+    frames: &Frames,
+    candidates: &Candidates,
+    options: &SearchOptions,
+    coarse: FrontierOptions,
+    scale: f64,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Hypotheses> {
+    let sizes = frames.train.sizes();
+    let mut scored: Vec<(Scored<Fundamental>, Source)> = Vec::new();
+    let line_sources: [(&[Candidate], Source); 2] =
+        [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
+    for (pairs, source) in line_sources {
+        let estimator =
+            TangentScored { lines: LineModel::new(pairs, sizes), views: frames.scoring, options: coarse };
+        let seed = seed.wrapping_add((source as u64 + 1) << 56);
+        let best = ransac(&estimator, options.draws, 300, seed, source.name(), watch)?;
+        scored.extend(best.into_iter().map(|s| (s, source)));
+    }
+    let lines = LineModel::new(candidates.best(), sizes);
+    let best = ransac(&lines, options.draws, LINE_FITS, seed, Source::LineInliers.name(), watch)?;
+    let fitted: Vec<_> = best
+        .into_par_iter()
+        .map(|start| {
+            let model = lines.optimise(&start.model);
+            let score = frontier_score(frames.scoring, &model, &coarse).total();
+            (Scored { model, score, index: start.index }, Source::LineInliers)
+        })
+        .collect();
+    scored.extend(fitted);
+    let floors = find_floors(candidates.best(), sizes, seed, 3, watch)?;
+    for floor in &floors {
+        let estimator = FloorEpipoles::new(floor, frames.comparing, frames.scoring, coarse);
+        let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
+        scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
+    }
+    let tracks = TrackModel::new(frames.train, frames.scoring, coarse, scale);
+    if tracks.pairs() > 0 {
+        let best = ransac(&tracks, options.track_draws, 300, seed, Source::Tracks.name(), watch)?;
+        scored.extend(best.into_iter().map(|s| (s, Source::Tracks)));
+    }
+    scored.retain(|s| s.0.score.is_finite());
+    scored.sort_by(|p, q| q.0.score.total_cmp(&p.0.score));
+    Ok(Hypotheses { scored, floors })
+}

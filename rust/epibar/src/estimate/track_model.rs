@@ -1,0 +1,103 @@
+//! Hypotheses from silhouettes followed through time (DESIGN §6, tangents across frames).
+//!
+//! Upright walkers seen from the side: the highest point of a silhouette is about where a near-horizontal epipolar line
+//! touches it, and so is the lowest. Which silhouette of B is the same walker is unknown, but it stays the same for
+//! as long as both are followed: two or three tracks of A, each paired with one of B that lives at the same time,
+//! are a sample. A wrong pairing seldom fits any geometry, so most samples are refused by their own residual before
+//! anything else is computed.
+
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+
+use super::frontier::{FrontierOptions, frontier_score};
+use super::ransac::Estimator;
+use super::tracks::{Extremes, tracks};
+use super::views::Views;
+use crate::geometry::{Fundamental, eight_point, symmetric_epipolar_distance};
+
+/// Frames for which two tracks must live together.
+const SHORTEST: usize = 12;
+/// Frames of a pair of tracks that enter a sample.
+const SAMPLED: usize = 10;
+/// Largest mean epipolar distance of a sample under its own geometry, pixels of a 640×480 image.
+const TOLERANCE: f64 = 4.0;
+
+/// Top and bottom of one silhouette in A and of one in B at the same moments.
+struct TrackPair {
+    moments: Vec<(Extremes, Extremes)>,
+}
+
+/// Draws pairs of tracks, scores with tangents.
+pub struct TrackModel<'a> {
+    pairs: Vec<TrackPair>,
+    /// Running sum of the pairs' lengths.
+    cumulative: Vec<usize>,
+    tolerance: f64,
+    views: &'a Views,
+    options: FrontierOptions,
+}
+
+impl<'a> TrackModel<'a> {
+    /// Follows the silhouettes of `followed`, whose frames must be consecutive for the most part; hypotheses are
+    /// scored on `views`. `scale`: pixels of a 640×480 image in these.
+    pub fn new(followed: &Views, views: &'a Views, options: FrontierOptions, scale: f64) -> Self {
+        let frames = &followed.frame_pairs;
+        let in_a = tracks(&followed.a, |t| frames[t + 1].0 <= frames[t].0 + 2, SHORTEST);
+        let in_b = tracks(&followed.b, |t| frames[t + 1].1 <= frames[t].1 + 2, SHORTEST);
+        let mut pairs = Vec::new();
+        for p in &in_a {
+            for q in &in_b {
+                let (from, to) = (p.start.max(q.start), p.end().min(q.end()));
+                let moments: Vec<_> = (from..to)
+                    .filter_map(|t| Some((p.extremes[t - p.start]?, q.extremes[t - q.start]?)))
+                    .collect();
+                if moments.len() >= SHORTEST {
+                    pairs.push(TrackPair { moments });
+                }
+            }
+        }
+        let mut sum = 0;
+        let cumulative = pairs
+            .iter()
+            .map(|p| {
+                sum += p.moments.len();
+                sum
+            })
+            .collect();
+        Self { pairs, cumulative, tolerance: TOLERANCE * scale, views, options }
+    }
+
+    /// How many pairs of tracks there are to draw from.
+    pub fn pairs(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// One pair, with probability proportional to its length.
+    fn draw(&self, random: &mut Pcg64Mcg) -> Option<usize> {
+        let at = random.random_range(0..*self.cumulative.last()?);
+        Some(self.cumulative.partition_point(|&c| c <= at))
+    }
+}
+
+impl Estimator for TrackModel<'_> {
+    type Model = Fundamental;
+
+    fn generate(&self, index: usize, random: &mut Pcg64Mcg) -> Option<Fundamental> {
+        let count = 2 + index % 2;
+        let mut matches = Vec::with_capacity(2 * SAMPLED * count);
+        for _ in 0..count {
+            let moments = &self.pairs[self.draw(random)?].moments;
+            for k in 0..SAMPLED.min(moments.len()) {
+                let (a, b) = moments[k * moments.len() / SAMPLED.min(moments.len())];
+                matches.extend([(a[0], b[0]), (a[1], b[1])]);
+            }
+        }
+        let f = eight_point(&matches, self.views.sizes())?;
+        let sum: f64 = matches.iter().map(|(a, b)| symmetric_epipolar_distance(&f, *a, *b)).sum();
+        (sum <= self.tolerance * matches.len() as f64).then_some(f)
+    }
+
+    fn score(&self, model: &Fundamental) -> f64 {
+        frontier_score(self.views, model, &self.options).total()
+    }
+}

@@ -1,0 +1,116 @@
+//! Does one plane explain everything?
+//!
+//! Where all that moves keeps to one straight path, or where both cameras stand at one place, a homography sends
+//! every matched point of A to its match in B, and `F = [e']× H` for any `e'` (Hartley and Zisserman §11.9): the
+//! evidence is strong and says nothing of `F` off that plane. Objects have a width, so a path is a slab, not a plane: what
+//! is measured is the distance from the best plane in widths of a silhouette. Feet alone always lie on a plane, the
+//! floor, so it is four fifths of the points that must fit, not half.
+
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use rand::RngExt;
+use rayon::prelude::*;
+
+use crate::estimate::frontier::FrontierPoint;
+use crate::estimate::ransac::generator;
+use crate::estimate::views::Views;
+use crate::geometry::fundamental::normaliser;
+
+/// Share of the points that must fit.
+const SHARE: f64 = 0.8;
+/// Most points looked at.
+const POINTS: usize = 1500;
+/// Samples of four points.
+const SAMPLES: usize = 400;
+/// Rounds of fitting to the points that fit.
+const ROUNDS: usize = 6;
+
+type Match = (Vector3<f64>, Vector3<f64>);
+
+/// How far [`SHARE`] of the matched points lie from the best homography between the views, in widths of B's median
+/// silhouette; infinite with too few points to tell.
+pub fn plane_residual(views: &Views, points: &[FrontierPoint]) -> f64 {
+    let sizes = views.sizes();
+    let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
+    let step = points.len().div_ceil(POINTS).max(1);
+    let matches: Vec<Match> = points
+        .iter()
+        .step_by(step)
+        .map(|p| (ta * Vector3::new(p.a[0], p.a[1], 1.0), tb * Vector3::new(p.b[0], p.b[1], 1.0)))
+        .collect();
+    let width = median_width(views);
+    if matches.len() < 20 || width <= 0.0 {
+        return f64::INFINITY;
+    }
+    let best = (0..SAMPLES)
+        .into_par_iter()
+        .filter_map(|k| {
+            let mut random = generator(0x70_6C_61_6E_65, k as u64);
+            let drawn: [Match; 4] = std::array::from_fn(|_| matches[random.random_range(0..matches.len())]);
+            let h = homography(drawn.iter())?;
+            let (mut residual, mut distances) = within(&h, &matches);
+            for _ in 0..ROUNDS {
+                let near = matches.iter().zip(&distances).filter(|(_, d)| **d <= residual).map(|(m, _)| m);
+                let Some(better) = homography(near) else { break };
+                let (next, next_distances) = within(&better, &matches);
+                if next >= residual {
+                    break;
+                }
+                (residual, distances) = (next, next_distances);
+            }
+            Some(residual)
+        })
+        .reduce(|| f64::INFINITY, f64::min);
+    best * 0.5 * sizes[1].diagonal() / width
+}
+
+/// The transfer distance in B below which [`SHARE`] of the matches lie, and all distances; normalised coordinates.
+fn within(h: &Matrix3<f64>, matches: &[Match]) -> (f64, Vec<f64>) {
+    let distances: Vec<f64> = matches
+        .iter()
+        .map(|(a, b)| {
+            let p = h * a;
+            let d = (p.x / p.z - b.x).hypot(p.y / p.z - b.y);
+            if d.is_nan() { f64::INFINITY } else { d }
+        })
+        .collect();
+    let mut sorted = distances.clone();
+    let at = ((SHARE * sorted.len() as f64) as usize).min(sorted.len() - 1);
+    let (_, value, _) = sorted.select_nth_unstable_by(at, f64::total_cmp);
+    (*value, distances)
+}
+
+/// Homography of four or more matches by DLT.
+fn homography<'m>(matches: impl Iterator<Item = &'m Match>) -> Option<Matrix3<f64>> {
+    let mut normal = SMatrix::<f64, 9, 9>::zeros();
+    for (a, b) in matches {
+        for (i, s) in [(0, b.x), (1, b.y)] {
+            let mut row = SVector::<f64, 9>::zeros();
+            for j in 0..3 {
+                row[3 * i + j] = a[j];
+                row[6 + j] = -s * a[j];
+            }
+            normal.ger(1.0, &row, &row, 1.0);
+        }
+    }
+    let eigen = normal.try_symmetric_eigen(1e-14, 300)?;
+    let v = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+    Some(Matrix3::new(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]))
+}
+
+/// Median over B's silhouettes of the shorter side of the bounding box, pixels.
+fn median_width(views: &Views) -> f64 {
+    let mut widths: Vec<f64> = Vec::new();
+    for frame in (0..views.frames()).step_by(views.frames().div_ceil(200).max(1)) {
+        for hull in views.b.hulls_of(frame) {
+            let range = |k: usize| {
+                let (low, high) = hull
+                    .iter()
+                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[k]), h.max(p[k])));
+                high - low + 1.0
+            };
+            widths.push(range(0).min(range(1)));
+        }
+    }
+    widths.sort_by(f64::total_cmp);
+    widths.get(widths.len() / 2).copied().unwrap_or(0.0)
+}
