@@ -1,9 +1,10 @@
 //! From a stream of masks to a [`Recording`], in bounded memory.
 //!
-//! Each mask is read once: its runs set the bits of the current [`PixelBlock`] and make the
-//! silhouettes. After 512 frames the block is turned into 512 bits of every barcode and of the heat
-//! map, and reused. Memory is 64 bytes per pixel and the recording itself.
+//! Each mask is read once: its runs set bits of the current [`BitPlanes`] and make the silhouettes. Every 64 frames
+//! these become a word of the current [`PixelBlock`], and after 512 frames the block is turned into 512 bits of every
+//! barcode and of the heat map. Both are reused. Memory is 72 bytes per pixel and the recording itself.
 
+use super::bit_planes::BitPlanes;
 use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
 use super::{Barcodes, Recording, Silhouettes, border_segments};
@@ -65,6 +66,8 @@ pub struct Recorder {
     segments: Vec<Segment>,
     times: Vec<f64>,
     found: Components,
+    /// Frames since the last multiple of 64.
+    planes: BitPlanes,
     block: PixelBlock,
     /// Finished blocks: 512 frames of every line.
     blocks: Vec<Vec<[u64; BLOCK_WORDS]>>,
@@ -93,6 +96,7 @@ impl Recorder {
             segments: border_segments(size, options.lines, options.seed),
             times: Vec::new(),
             found: Components::new(),
+            planes: BitPlanes::new(size.pixels()),
             block: PixelBlock::new(size),
             blocks: Vec::new(),
             silhouettes: Silhouettes::default(),
@@ -128,11 +132,14 @@ impl Recorder {
         let mut moving = 0;
         for run in self.found.runs() {
             let first = usize::from(run.y) * self.size.width + usize::from(run.x_first);
-            self.block.set_range(bit, first..first + run.pixels());
+            self.planes.set_range(bit % 64, first..first + run.pixels());
             moving += run.pixels();
         }
         self.moving_pixels.push(moving as u32);
         self.times.push(time);
+        if bit % 64 == 63 {
+            self.block.take(bit / 64, &mut self.planes);
+        }
         if bit + 1 == BLOCK_FRAMES {
             self.flush();
         }
@@ -152,7 +159,10 @@ impl Recorder {
         if self.times.is_empty() {
             return Err(Error::NoFrames);
         }
-        if !self.times.len().is_multiple_of(BLOCK_FRAMES) {
+        let rest = self.times.len() % BLOCK_FRAMES;
+        if rest > 0 {
+            // Where the planes are empty this adds nothing.
+            self.block.take((rest - 1) / 64, &mut self.planes);
             self.flush();
         }
         Ok(Recording {
