@@ -1,7 +1,7 @@
 //! Scores of matrices that the caller already has, many at a time.
 
 use epibar::calibrate::common_frames;
-use epibar::estimate::frontier::{FrontierOptions, frontier_score};
+use epibar::estimate::frontier::{FrontierOptions, FrontierScore, frontier_score};
 use epibar::estimate::line_model::LineModel;
 use epibar::estimate::ransac::Estimator;
 use epibar::estimate::views::{Views, busy_frames};
@@ -42,6 +42,8 @@ pub fn score_lines<'py>(
     Ok(counts.into_pyarray(py))
 }
 
+type Evidence<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
+
 /// For each matrix (m, 3, 3) its evidence over chance and the number of tangents that meet.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "the Python layer names them")]
@@ -54,7 +56,7 @@ pub fn score_tangents<'py>(
     time_offset: f64,
     upright: bool,
     frames: usize,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>)> {
+) -> PyResult<Evidence<'py>> {
     let (a, b) = (&a.inner, &b.inner);
     let models = fundamentals(&matrices, [a.size, b.size])?;
     let scores = enter(py, || {
@@ -62,7 +64,7 @@ pub fn score_tangents<'py>(
         let options = FrontierOptions { radius, upright, shift: 0 };
         Ok(models.par_iter().map(|f| frontier_score(&views, f, &options)).collect::<Vec<_>>())
     })?;
-    let excess: Vec<f64> = scores.iter().map(|score| score.total()).collect();
+    let excess: Vec<f64> = scores.iter().map(FrontierScore::total).collect();
     let matches: Vec<i64> = scores.iter().map(|score| score.matches() as i64).collect();
     Ok((excess.into_pyarray(py), matches.into_pyarray(py)))
 }

@@ -17,16 +17,13 @@ const RUNS: usize = 5;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let (masks, size, lines) = match arguments.as_slice() {
-        [path, width, height, lines] => {
-            let number = |text: &str| text.parse().expect("a number");
-            let size = ImageSize::new(number(width), number(height)).expect("a size");
-            (std::fs::read(path).expect("a file of masks"), size, number(lines))
-        }
-        _ => {
-            let size = ImageSize::new(768, 576).expect("a size");
-            ((0..800).flat_map(|frame| squares(frame, size)).collect(), size, 10_000)
-        }
+    let (masks, size, lines) = if let [path, width, height, lines] = arguments.as_slice() {
+        let number = |text: &str| text.parse().expect("a number");
+        let size = ImageSize::new(number(width), number(height)).expect("a size");
+        (std::fs::read(path).expect("a file of masks"), size, number(lines))
+    } else {
+        let size = ImageSize::new(768, 576).expect("a size");
+        ((0..800).flat_map(|frame| squares(frame, size)).collect(), size, 10_000)
     };
     let frames: Vec<&[u8]> = masks.chunks_exact(size.pixels()).collect();
     let segments = border_segments(size, lines, 0);

@@ -30,10 +30,17 @@ impl BitPlanes {
     /// # Panics
     /// If `bit` is not below 64, or the mask has more pixels.
     pub fn set_frame(&mut self, bit: usize, mask: &[u8]) {
-        for (tile, mask) in self.tiles[..mask.len().div_ceil(TILE)].iter_mut().zip(mask.chunks(TILE)) {
+        assert!(mask.len().div_ceil(TILE) <= self.tiles.len());
+        let (whole, rest) = mask.as_chunks::<TILE>();
+        for (tile, mask) in self.tiles.iter_mut().zip(whole) {
             if mask.iter().fold(0, |any, v| any | v) != 0 {
                 tile[bit] |= non_zero(mask);
             }
+        }
+        if !rest.is_empty() {
+            let mut padded = [0; TILE];
+            padded[..rest.len()].copy_from_slice(rest);
+            self.tiles[whole.len()][bit] |= non_zero(&padded);
         }
     }
 
@@ -83,13 +90,11 @@ impl Tile<'_> {
     }
 }
 
-/// One bit for each of up to 64 bytes: whether it is not zero.
-fn non_zero(bytes: &[u8]) -> u64 {
+/// One bit for each byte: whether it is not zero.
+fn non_zero(bytes: &[u8; TILE]) -> u64 {
     const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
     let mut bits = 0;
-    for (i, bytes) in bytes.chunks(8).enumerate() {
-        let mut eight = [0; 8];
-        eight[..bytes.len()].copy_from_slice(bytes);
+    for (i, &eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
         let eight = u64::from_le_bytes(eight);
         // The top bit of each byte that is not zero, then these bits side by side.
         let tops = (((eight & LOW) + LOW) | eight) & !LOW;

@@ -15,8 +15,9 @@ pub const BLOCK_FRAMES: usize = 512;
 /// Words per pixel and block.
 pub const BLOCK_WORDS: usize = BLOCK_FRAMES / 64;
 
-/// Pixels that one task fills in [`PixelBlock::set_frames`]: 256 KiB of block, which stays in cache.
-const FILL_PIXELS: usize = 64 * TILE;
+/// Pixels that one task fills in [`PixelBlock::set_frames`]. Each of its frames is elsewhere in memory, so fewer pixels
+/// would change pages more often.
+const FILL_PIXELS: usize = 1024 * TILE;
 
 /// Bytes of block whose lines are followed together in [`PixelBlock::unions`]: they stay in the second-level cache.
 const BAND_BYTES: usize = 512 << 10;
@@ -106,7 +107,7 @@ impl PixelBlock {
     /// rows after the other: those that go down from the top, then those that go up from the bottom.
     pub fn unions(&self, segments: &[Segment]) -> Vec<[u64; BLOCK_WORDS]> {
         let mut unions = vec![[0; BLOCK_WORDS]; segments.len()];
-        let lines = segments.len().div_ceil(2 * rayon::current_num_threads()).max(LEAST_LINES);
+        let lines = segments.len().div_ceil(rayon::current_num_threads()).max(LEAST_LINES);
         unions.par_chunks_mut(lines).zip(segments.par_chunks(lines)).for_each(|(unions, segments)| {
             let mut down = Vec::new();
             let mut up = Vec::new();
