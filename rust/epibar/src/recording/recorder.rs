@@ -66,14 +66,29 @@ pub struct Recorder {
     segments: Vec<Segment>,
     times: Vec<f64>,
     found: Components,
-    /// Frames since the last multiple of 64.
-    planes: BitPlanes,
-    block: PixelBlock,
+    /// Nearly all of the memory, which is first taken when there is a frame: whoever learns a background before that
+    /// needs as much.
+    pixels: Option<Pixels>,
     /// Finished blocks: 512 frames of every line.
     blocks: Vec<Vec<[u64; BLOCK_WORDS]>>,
     silhouettes: Silhouettes,
     heat: Vec<u32>,
     moving_pixels: Vec<u32>,
+}
+
+/// Motion of all pixels on its way into barcodes.
+#[derive(Debug, Clone)]
+struct Pixels {
+    /// Frames since the last multiple of 64.
+    planes: BitPlanes,
+    /// Frames since the last multiple of 512.
+    block: PixelBlock,
+}
+
+impl Pixels {
+    fn new(size: ImageSize) -> Self {
+        Self { planes: BitPlanes::new(size.pixels()), block: PixelBlock::new(size) }
+    }
 }
 
 impl Recorder {
@@ -96,8 +111,7 @@ impl Recorder {
             segments: border_segments(size, options.lines, options.seed),
             times: Vec::new(),
             found: Components::new(),
-            planes: BitPlanes::new(size.pixels()),
-            block: PixelBlock::new(size),
+            pixels: None,
             blocks: Vec::new(),
             silhouettes: Silhouettes::default(),
             heat: vec![0; size.pixels()],
@@ -129,16 +143,17 @@ impl Recorder {
         let least = self.options.min_component_area;
         self.silhouettes.push(&self.found, self.size, least)?;
         let bit = frame % BLOCK_FRAMES;
+        let pixels = self.pixels.get_or_insert_with(|| Pixels::new(self.size));
         let mut moving = 0;
         for run in self.found.runs() {
             let first = usize::from(run.y) * self.size.width + usize::from(run.x_first);
-            self.planes.set_range(bit % 64, first..first + run.pixels());
+            pixels.planes.set_range(bit % 64, first..first + run.pixels());
             moving += run.pixels();
         }
         self.moving_pixels.push(moving as u32);
         self.times.push(time);
         if bit % 64 == 63 {
-            self.block.take(bit / 64, &mut self.planes);
+            pixels.block.take(bit / 64, &mut pixels.planes);
         }
         if bit + 1 == BLOCK_FRAMES {
             self.flush();
@@ -159,12 +174,10 @@ impl Recorder {
         if self.times.is_empty() {
             return Err(Error::NoFrames);
         }
-        let rest = self.times.len() % BLOCK_FRAMES;
-        if rest > 0 {
-            // Where the planes are empty this adds nothing.
-            self.block.take((rest - 1) / 64, &mut self.planes);
+        if !self.times.len().is_multiple_of(BLOCK_FRAMES) {
             self.flush();
         }
+        self.pixels = None;
         Ok(Recording {
             size: self.size,
             barcodes: Barcodes::from_blocks(self.times.len(), &self.blocks),
@@ -179,8 +192,11 @@ impl Recorder {
 
     /// Turns the block into bits of the barcodes and the heat map, and empties it.
     fn flush(&mut self) {
-        self.blocks.push(self.block.unions(&self.segments));
-        self.block.add_heat(&mut self.heat);
-        self.block.clear();
+        let Some(Pixels { planes, block }) = &mut self.pixels else { return };
+        // Where the planes are empty this adds nothing.
+        block.take((self.times.len() - 1) % BLOCK_FRAMES / 64, planes);
+        self.blocks.push(block.unions(&self.segments));
+        block.add_heat(&mut self.heat);
+        block.clear();
     }
 }
