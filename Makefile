@@ -3,7 +3,7 @@
 #   make demo    render videos of a crowd, calibrate them, compare with the known answer
 #   make test    every test, Rust and Python
 #   make check   formatting, lints, type stubs, documentation
-#   make bench   speed
+#   make bench   speed of every stage, beside its limit and its peers; writes bench.json
 #   make paper   accuracy, in the settings of the paper
 #   make dist    source distribution and wheel, tried in an empty environment
 
@@ -64,8 +64,14 @@ check: build
 	$(BIN)/ruff format --check
 	$(BIN)/python -m mypy.stubtest epibar._core
 
-bench: build
-	cargo bench --workspace --locked
+# What cannot be installed here is left out of the comparison.
+$(VENV)/.peers: pyproject.toml $(VENV)/.created
+	for peer in $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["bench"])'); do \
+		$(BIN)/python -m pip install --quiet "$$peer" || echo "$$peer cannot be installed" >&2; done
+	touch $@
+
+bench: build $(VENV)/.peers
+	$(BIN)/python benchmarks/performance --json bench.json
 
 paper: build
 	$(BIN)/python benchmarks/paper.py

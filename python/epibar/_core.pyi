@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -13,6 +13,8 @@ __all__ = [
     "examine",
     "match_barcodes",
     "motion_lines",
+    "score_lines",
+    "score_tangents",
 ]
 
 @final
@@ -117,3 +119,18 @@ def examine(
     refined: bool,
 ) -> dict[str, Any]: ...
 def motion_lines(rec: Recording) -> NDArray[np.float64]: ...
+def score_lines(
+    lines_a: NDArray[np.float64],
+    lines_b: NDArray[np.float64],
+    sizes: Sequence[tuple[int, int]],
+    matrices: NDArray[np.float64],
+) -> NDArray[np.int64]: ...
+def score_tangents(
+    a: Recording,
+    b: Recording,
+    matrices: NDArray[np.float64],
+    radius: float,
+    time_offset: float,
+    upright: bool,
+    frames: int,
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...

@@ -1,7 +1,8 @@
 """From one camera's video to a :class:`~epibar.recording.Recording`, streamed.
 
-decode (a thread of its own) -> foreground -> health check -> undistort -> pack. One frame is in memory at a
-time, a few more in the queue; the compiled recorder keeps one block of packed bits.
+decode -> foreground -> health check, undistort, pack: three threads, which overlap because OpenCV and the
+compiled recorder release the interpreter. A few frames are in the queues; the recorder keeps one block of packed
+bits.
 """
 
 from __future__ import annotations
@@ -149,9 +150,15 @@ def _options(
 def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) -> Stream:
     """Time and mask of each frame of a colour video."""
     foreground = Foreground.for_frames(frames, options)
-    with closing(prefetched(frames)) as ahead:
-        for index, time, frame in ahead:
-            yield time, health.update(frames.first + index, frame, foreground.apply(frame))
+
+    def masked() -> Generator[tuple[int, float, NDArray[np.uint8], Mask], None, None]:
+        with closing(prefetched(frames)) as ahead:
+            for index, time, frame in ahead:
+                yield index, time, frame, foreground.apply(frame)
+
+    with closing(prefetched(masked(), depth=2)) as ahead:
+        for index, time, frame, mask in ahead:
+            yield time, health.update(frames.first + index, frame, mask)
 
 
 def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Stream:

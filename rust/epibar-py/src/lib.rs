@@ -7,6 +7,7 @@ mod convert;
 mod examine;
 mod lines;
 mod recording;
+mod scores;
 mod watch;
 
 use pyo3::prelude::*;
@@ -21,5 +22,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::motion_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;
     Ok(())
 }

@@ -11,6 +11,7 @@ use common::flying::Scene;
 use criterion::{Criterion, criterion_group, criterion_main};
 use epibar::recording::block::{BLOCK_FRAMES, PixelBlock};
 use epibar::recording::components::Components;
+use epibar::recording::hull::convex_hull;
 use epibar::{Recorder, RecorderOptions, Recording, border_segments};
 
 fn record(scene: &Scene, masks: &[Vec<u8>]) -> Recording {
@@ -37,25 +38,28 @@ fn recording(criterion: &mut Criterion) {
         });
     });
 
-    let mut block = PixelBlock::new(size);
-    let pack = |block: &mut PixelBlock, found: &mut Components| {
-        for (bit, mask) in masks.iter().enumerate() {
-            found.find(mask, size);
-            for run in found.runs() {
-                let first = usize::from(run.y) * size.width + usize::from(run.x_first);
-                block.set_range(bit, first..first + run.pixels());
+    let mut hulls = Vec::new();
+    group.bench_function("components and hulls of 512 masks", |bencher| {
+        bencher.iter(|| {
+            hulls.clear();
+            for mask in &masks {
+                found.find(black_box(mask), size);
+                found.components().iter().for_each(|c| convex_hull(found.runs_of(c), &mut hulls));
             }
-        }
-    };
-    group.bench_function("components and packing", |bencher| {
+            hulls.len()
+        });
+    });
+
+    let mut block = PixelBlock::new(size);
+    let whole = masks.concat();
+    group.bench_function("packing", |bencher| {
         bencher.iter(|| {
             block.clear();
-            pack(&mut block, &mut found);
+            block.set_frames(black_box(&whole));
         });
     });
 
     let segments = border_segments(size, 20_000, 0);
-    pack(&mut block, &mut found);
     group.bench_function("20,000 lines over a block", |bencher| {
         bencher.iter(|| black_box(block.unions(black_box(&segments))));
     });

@@ -184,6 +184,27 @@ fn barcodes_from_pixels_and_from_hulls_agree() {
 }
 
 #[test]
+fn the_number_of_threads_does_not_matter() {
+    let mut random = Random(7);
+    let size = ImageSize::new(70, 260).unwrap();
+    let masks: Vec<Mask> = (0..600).map(|_| blob(size, &mut random)).collect();
+    let whole = masks.concat();
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let recording = record(&masks, size, options(1500));
+            let again = barcodes_of_segments(&whole, masks.len(), size, &recording.segments).unwrap();
+            assert_eq!(again, recording.barcodes);
+            recording
+        })
+    };
+    let one = with(1);
+    for threads in [2, 3, 7] {
+        assert!(one == with(threads), "{threads} threads");
+    }
+}
+
+#[test]
 fn each_frame_stands_for_itself() {
     let mut random = Random(6);
     let size = ImageSize::new(40, 27).unwrap();

@@ -2,22 +2,30 @@
 //!
 //! For two bit vectors of `N` frames with `a` and `b` ones of which `n₁₁` are common,
 //! `r = (N·n₁₁ − a·b) / √(a(N−a)·b(N−b))`: three counts decide it, so the kernel is AND and popcount.
-//! The `n₁ × n₂` matrix never exists: each block of rows of A keeps the best few of B and, at the
-//! same time, offers itself to the best few of each column.
+//! The `n₁ × n₂` matrix never exists: each row of A keeps the best few of B and, at the same time, offers itself to
+//! the best few of each column.
+//!
+//! Rows are taken in the order of their counts of ones, because those bound a correlation: `r² ≤ a(N−b) / (b(N−a))` for
+//! `a ≤ b`. Each row meets first the columns like it, and later skips those with which it cannot reach
+//! what it and they already have.
 //!
 //! A constant barcode has no variance; its correlation is defined as 0 and it is never matched.
 
+use std::sync::Mutex;
+
 use rayon::prelude::*;
 
+use super::best::{BestFew, NONE_YET};
+use super::popcount::{GROUP, Group, Lanes, Level, Row, RowStats, Thresholds, words_of};
 use crate::recording::Barcodes;
 use crate::{Error, Result};
 
-/// Rows of A by which the work is divided.
-const ROW_BLOCK: usize = 64;
-/// Rows of B handled together.
-const COLUMN_BLOCK: usize = 256;
-/// Rows of B whose counts are in registers at a time.
-const GROUP: usize = 32;
+/// Rows of A that one task compares with all of B.
+const ROWS: usize = 128;
+/// Bytes of B that are compared with all rows of a task before the next ones: they stay in the first-level cache.
+const BLOCK_BYTES: usize = 28 << 10;
+/// Pairs that are kept back before the columns are told of them.
+const HELD_BACK: usize = 1024;
 
 /// Correlation of two barcodes of `frames` frames from their counts.
 pub fn correlation(frames: u32, ones_a: u32, ones_b: u32, common: u32) -> f64 {
@@ -43,57 +51,6 @@ pub struct Match {
     pub rank: u32,
 }
 
-/// What one row needs for a correlation: `(N·n₁₁ − ones·other) · scale · scale_other`.
-#[derive(Clone, Copy)]
-struct RowStats {
-    ones: f32,
-    scale: f32,
-}
-
-fn stats(barcodes: &Barcodes) -> Vec<RowStats> {
-    let n = barcodes.frames as f64;
-    (0..barcodes.count)
-        .map(|i| {
-            let ones = f64::from(barcodes.ones(i));
-            let variance = ones * (n - ones);
-            RowStats {
-                ones: ones as f32,
-                scale: if variance > 0.0 { (1.0 / variance.sqrt()) as f32 } else { 0.0 },
-            }
-        })
-        .collect()
-}
-
-/// The best `k` partners of one row, best first; ties go to the lower index.
-#[derive(Clone)]
-struct Best {
-    k: usize,
-    entries: Vec<(f32, u32)>,
-}
-
-impl Best {
-    fn new(k: usize) -> Self {
-        Self { k, entries: Vec::with_capacity(k + 1) }
-    }
-
-    fn offer(&mut self, score: f32, index: u32) {
-        let at = self.entries.partition_point(|&(s, i)| s > score || (s == score && i < index));
-        if at < self.k {
-            self.entries.insert(at, (score, index));
-            self.entries.truncate(self.k);
-        }
-    }
-
-    /// Scores up to this are of no interest; only positive ones are.
-    fn threshold(&self) -> f32 {
-        if self.entries.len() < self.k { 0.0 } else { self.entries[self.k - 1].0 }
-    }
-
-    fn place(&self, index: u32) -> Option<usize> {
-        self.entries.iter().position(|&(_, i)| i == index)
-    }
-}
-
 /// Pairs that are in the mutual top `mutual` of each other, best correlation first, at most `limit`.
 ///
 /// Only pairs with positive correlation count. Ties are broken by the lower row index, so the result does
@@ -112,236 +69,217 @@ pub fn mutual_matches(a: &Barcodes, b: &Barcodes, mutual: usize, limit: usize) -
     if mutual == 0 {
         return Err(Error::Argument { name: "mutual", value: "0".into(), expected: "at least 1" });
     }
+    Ok(matches_at(Level::available()[0], a, b, mutual, limit))
+}
+
+fn matches_at(level: Level, a: &Barcodes, b: &Barcodes, mutual: usize, limit: usize) -> Vec<Match> {
     let (stats_a, stats_b) = (stats(a), stats(b));
-    let blocks = a.count.div_ceil(ROW_BLOCK).max(1);
-    // A few long tasks: each carries its own column table, merged at the end.
-    let tasks = (rayon::current_num_threads() * 4).min(blocks);
-    let per_task = blocks.div_ceil(tasks);
-    let parts: Vec<(Vec<Best>, Vec<Best>)> = (0..tasks)
-        .into_par_iter()
-        .map(|task| {
-            let first = task * per_task * ROW_BLOCK;
-            let last = ((task + 1) * per_task * ROW_BLOCK).min(a.count);
-            scan(a, b, &stats_a, &stats_b, first.min(last)..last, mutual)
+    let (order_a, columns) = (by_ones(&stats_a), Columns::new(b, &stats_b, mutual));
+    let rows: Vec<BestFew> = order_a
+        .par_chunks(ROWS)
+        .map(|indices| {
+            let rows: Vec<Row> =
+                indices.iter().map(|&i| Row::new(a.row(i as usize), a.frames, stats_a[i as usize])).collect();
+            scan(level, a.frames as f32, indices, &rows, &columns, mutual)
         })
         .collect();
 
-    let mut columns = vec![Best::new(mutual); b.count];
-    let mut rows = Vec::with_capacity(a.count);
-    for (part_rows, part_columns) in parts {
-        rows.extend(part_rows);
-        for (column, part) in columns.iter_mut().zip(part_columns) {
-            for (score, index) in part.entries {
-                column.offer(score, index);
-            }
-        }
-    }
-    let mut matches: Vec<Match> = rows
+    let columns = columns.finish(b.count);
+    let mut matches: Vec<Match> = order_a
         .iter()
         .enumerate()
-        .flat_map(|(i, best)| {
+        .flat_map(|(at, &i)| {
             let columns = &columns;
-            best.entries.iter().enumerate().filter_map(move |(place, &(correlation, j))| {
-                let other = columns[j as usize].place(i as u32)?;
-                Some(Match { a: i as u32, b: j, correlation, rank: place.max(other) as u32 })
+            rows[at / ROWS].of(at % ROWS).enumerate().filter_map(move |(place, (correlation, j))| {
+                let other = columns.place(j, i)?;
+                Some(Match { a: i, b: j, correlation, rank: place.max(other) as u32 })
             })
         })
         .collect();
     matches.sort_by(|p, q| q.correlation.total_cmp(&p.correlation).then(p.a.cmp(&q.a)).then(p.b.cmp(&q.b)));
     matches.truncate(limit);
-    Ok(matches)
+    matches
 }
 
-/// Best partners of the rows in `range` and, for every row of B, its best partners among them.
+fn stats(barcodes: &Barcodes) -> Vec<RowStats> {
+    (0..barcodes.count).into_par_iter().map(|i| RowStats::new(barcodes.frames, barcodes.ones(i))).collect()
+}
+
+/// The rows that are not constant, fewest ones first.
+fn by_ones(stats: &[RowStats]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..stats.len() as u32).filter(|&i| stats[i as usize].scale > 0.0).collect();
+    order.sort_by(|&i, &j| stats[i as usize].ones.total_cmp(&stats[j as usize].ones));
+    order
+}
+
+/// All rows of B, fewest ones first, with the best rows of A for each.
+struct Columns {
+    order: Vec<u32>,
+    blocks: Vec<Block>,
+    groups_per_block: usize,
+}
+
+/// Some groups that lie next to one another in the order.
+struct Block {
+    groups: Vec<Group>,
+    best: Mutex<BestFew>,
+    /// Middle of the block in the order of odds.
+    odds: f32,
+}
+
+impl Columns {
+    fn new(b: &Barcodes, stats: &[RowStats], mutual: usize) -> Self {
+        let order = by_ones(stats);
+        let groups_per_block = (BLOCK_BYTES / (4 * GROUP * words_of(b.frames).max(1))).max(1);
+        let blocks = order
+            .par_chunks(groups_per_block * GROUP)
+            .map(|rows| Block {
+                groups: rows.chunks(GROUP).map(|rows| Group::new(b, rows, stats)).collect(),
+                best: Mutex::new(BestFew::new(rows.len(), mutual)),
+                odds: stats[rows[rows.len() / 2] as usize].odds,
+            })
+            .collect();
+        Self { order, blocks, groups_per_block }
+    }
+
+    /// Row of B at a place of a block.
+    fn row(&self, block: usize, place: usize) -> u32 {
+        self.order[block * self.groups_per_block * GROUP + place]
+    }
+
+    fn finish(self, count: usize) -> FinishedColumns {
+        let mut place_of = vec![u32::MAX; count];
+        for (at, &j) in self.order.iter().enumerate() {
+            place_of[j as usize] = at as u32;
+        }
+        let best = self.blocks.into_iter().map(|block| block.best.into_inner().expect(UNPOISONED)).collect();
+        FinishedColumns { place_of, best, per_block: self.groups_per_block * GROUP }
+    }
+}
+
+const UNPOISONED: &str = "a task that panics ends the whole scan";
+
+/// The best rows of A for each row of B.
+struct FinishedColumns {
+    place_of: Vec<u32>,
+    best: Vec<BestFew>,
+    per_block: usize,
+}
+
+impl FinishedColumns {
+    fn place(&self, j: u32, i: u32) -> Option<usize> {
+        let at = self.place_of[j as usize] as usize;
+        self.best[at / self.per_block].place(at % self.per_block, i)
+    }
+}
+
+/// Best partners of some rows; the columns are told of them on the way.
 fn scan(
-    a: &Barcodes,
-    b: &Barcodes,
-    stats_a: &[RowStats],
-    stats_b: &[RowStats],
-    range: std::ops::Range<usize>,
+    level: Level,
+    frames: f32,
+    indices: &[u32],
+    rows: &[Row],
+    columns: &Columns,
     mutual: usize,
-) -> (Vec<Best>, Vec<Best>) {
-    let mut rows = vec![Best::new(mutual); range.len()];
-    let mut columns = vec![Best::new(mutual); b.count];
-    let level = Level::available()[0];
-    let mut block = ColumnBlock::new(b.words_per);
-    let mut scores = [0f32; COLUMN_BLOCK];
-    for first in (0..b.count).step_by(COLUMN_BLOCK) {
-        block.load(b, stats_b, first);
-        for i in range.clone() {
-            if stats_a[i].scale == 0.0 {
-                continue;
-            }
-            let best = &mut rows[i - range.start];
-            let hits =
-                level.scores(a.row(i), a.frames as f32, stats_a[i], &block, best.threshold(), &mut scores);
-            for group in (0..COLUMN_BLOCK / GROUP).filter(|g| hits >> g & 1 == 1) {
-                let start = group * GROUP;
-                for (offset, &score) in scores.iter().enumerate().skip(start).take(GROUP) {
-                    let j = first + offset;
-                    if score > best.threshold() {
-                        best.offer(score, j as u32);
+) -> BestFew {
+    let mut best = BestFew::new(rows.len(), mutual);
+    let mut asked = Asked::default();
+    let mut scores = Lanes([0.0; GROUP]);
+    for block in from_the_likest(&rows[rows.len() / 2].stats, &columns.blocks) {
+        asked.ask(&columns.blocks[block]);
+        for (r, row) in rows.iter().enumerate() {
+            let mut threshold = best.threshold(r);
+            for (g, group) in columns.blocks[block].groups.iter().enumerate() {
+                if group.bound(frames, &row.stats) < threshold.min(asked.least[g]) {
+                    continue;
+                }
+                let thresholds = Thresholds { row: threshold, columns: &asked.thresholds[g] };
+                let hits = level.scores(frames, row, group, thresholds, &mut scores);
+                for k in ones_of(hits) {
+                    let (score, place) = (scores.0[k], g * GROUP + k);
+                    if score >= threshold {
+                        best.offer(r, score, columns.row(block, place));
+                        threshold = best.threshold(r);
                     }
-                    if score > block.thresholds[offset] {
-                        columns[j].offer(score, i as u32);
-                        block.thresholds[offset] = columns[j].threshold();
+                    if score >= asked.thresholds[g].0[k] {
+                        asked.held_back.push((place as u32, indices[r], score));
                     }
                 }
             }
-        }
-    }
-    (rows, columns)
-}
-
-/// Rows of B side by side: word `w` of all of them, then word `w + 1`, so that one vector holds one word of many.
-struct ColumnBlock {
-    words: usize,
-    bits: Vec<u64>,
-    ones: [f32; COLUMN_BLOCK],
-    scales: [f32; COLUMN_BLOCK],
-    /// A score up to this does not concern the column: none but positive ones count.
-    thresholds: [f32; COLUMN_BLOCK],
-}
-
-impl ColumnBlock {
-    fn new(words: usize) -> Self {
-        Self {
-            words,
-            bits: vec![0; words * COLUMN_BLOCK],
-            ones: [0.0; COLUMN_BLOCK],
-            scales: [0.0; COLUMN_BLOCK],
-            thresholds: [0.0; COLUMN_BLOCK],
-        }
-    }
-
-    /// Takes the rows from `first` on; places beyond the last row get a scale of nought, and so never a score.
-    fn load(&mut self, b: &Barcodes, stats: &[RowStats], first: usize) {
-        self.thresholds.fill(0.0);
-        for offset in 0..COLUMN_BLOCK {
-            let j = first + offset;
-            let (ones, scale) = stats.get(j).map_or((0.0, 0.0), |s| (s.ones, s.scale));
-            (self.ones[offset], self.scales[offset]) = (ones, scale);
-            for w in 0..self.words {
-                self.bits[w * COLUMN_BLOCK + offset] = if j < b.count { b.row(j)[w] } else { 0 };
+            if asked.held_back.len() > HELD_BACK {
+                asked.tell(&columns.blocks[block]);
             }
         }
+        asked.tell(&columns.blocks[block]);
     }
+    best
 }
 
-/// How the popcount kernel is compiled: one body for what the CPU has, of which the plain one is the oracle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Level {
-    /// What every CPU of the target has.
-    Plain,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
+/// Places of the ones of a word.
+fn ones_of(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = (bits != 0).then(|| bits.trailing_zeros() as usize);
+        bits &= bits.wrapping_sub(1);
+        place
+    })
 }
 
-impl Level {
-    /// The levels that this CPU has, best first. No other way leads to a level but [`Level::Plain`].
-    fn available() -> Vec<Self> {
-        #[cfg(target_arch = "x86_64")]
-        let mut levels = x86::available();
-        #[cfg(not(target_arch = "x86_64"))]
-        let mut levels = Vec::new();
-        levels.push(Self::Plain);
-        levels
-    }
-
-    /// Correlations of `row` with the rows of a block. Bit `g` of the result is set where group `g` of columns has a
-    /// score above `threshold` or above that of its column.
-    fn scores(
-        self,
-        row: &[u64],
-        frames: f32,
-        stats: RowStats,
-        block: &ColumnBlock,
-        threshold: f32,
-        scores: &mut [f32; COLUMN_BLOCK],
-    ) -> u64 {
-        match self {
-            Self::Plain => correlations(row, frames, stats, block, threshold, scores),
-            // SAFETY: a level exists only where its features were detected, see `available`.
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => unsafe { x86::avx2(row, frames, stats, block, threshold, scores) },
-            // SAFETY: as above.
-            #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => unsafe { x86::avx512(row, frames, stats, block, threshold, scores) },
+/// All blocks, those whose odds are like the row's first.
+fn from_the_likest(row: &RowStats, blocks: &[Block]) -> impl Iterator<Item = usize> {
+    let mut above = blocks.partition_point(|block| block.odds < row.odds);
+    let mut below = above;
+    let unlike = |block: usize| {
+        let ratio = blocks[block].odds / row.odds;
+        ratio.max(1.0 / ratio)
+    };
+    std::iter::from_fn(move || {
+        let up = above < blocks.len() && (below == 0 || unlike(above) <= unlike(below - 1));
+        if up {
+            above += 1;
+            Some(above - 1)
+        } else {
+            below = below.checked_sub(1)?;
+            Some(below)
         }
-    }
+    })
 }
 
-#[cfg(target_arch = "x86_64")]
-mod x86 {
-    use super::{COLUMN_BLOCK, ColumnBlock, Level, RowStats, correlations};
-
-    pub(super) fn available() -> Vec<Level> {
-        let avx512 = is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512bw")
-            && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("avx512vpopcntdq");
-        let avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("popcnt");
-        let levels = [(avx512, Level::Avx512), (avx2, Level::Avx2)];
-        levels.into_iter().filter_map(|(has, level)| has.then_some(level)).collect()
-    }
-
-    #[target_feature(enable = "avx512f,avx512bw,avx512vl,avx512vpopcntdq")]
-    pub(super) fn avx512(
-        row: &[u64],
-        frames: f32,
-        stats: RowStats,
-        block: &ColumnBlock,
-        threshold: f32,
-        scores: &mut [f32; COLUMN_BLOCK],
-    ) -> u64 {
-        correlations(row, frames, stats, block, threshold, scores)
-    }
-
-    #[target_feature(enable = "avx2,popcnt")]
-    pub(super) fn avx2(
-        row: &[u64],
-        frames: f32,
-        stats: RowStats,
-        block: &ColumnBlock,
-        threshold: f32,
-        scores: &mut [f32; COLUMN_BLOCK],
-    ) -> u64 {
-        correlations(row, frames, stats, block, threshold, scores)
-    }
+/// What a task knows of the columns of one block, and has not yet told them.
+#[derive(Default)]
+struct Asked {
+    /// A score below this does not concern the column. They only rise, so that old ones cost time, not truth.
+    thresholds: Vec<Lanes<f32>>,
+    /// The least of each group.
+    least: Vec<f32>,
+    /// Place in the block, row of A, score.
+    held_back: Vec<(u32, u32, f32)>,
 }
 
-#[inline(always)]
-#[allow(clippy::inline_always, reason = "the body must be compiled under each target feature")]
-fn correlations(
-    row: &[u64],
-    frames: f32,
-    stats: RowStats,
-    block: &ColumnBlock,
-    threshold: f32,
-    scores: &mut [f32; COLUMN_BLOCK],
-) -> u64 {
-    let mut hits = 0;
-    for group in 0..COLUMN_BLOCK / GROUP {
-        let at = group * GROUP;
-        let mut counts = [0u64; GROUP];
-        for (w, word) in row.iter().enumerate() {
-            let columns = &block.bits[w * COLUMN_BLOCK + at..][..GROUP];
-            for (count, column) in counts.iter_mut().zip(columns) {
-                *count += u64::from((word & column).count_ones());
+impl Asked {
+    fn ask(&mut self, block: &Block) {
+        self.held_back.clear();
+        self.tell(block);
+    }
+
+    /// Offers what was held back, and asks again what they want.
+    fn tell(&mut self, block: &Block) {
+        let mut best = block.best.lock().expect(UNPOISONED);
+        for (place, row, score) in self.held_back.drain(..) {
+            best.offer(place as usize, score, row);
+        }
+        let groups = block.groups.len();
+        self.thresholds.resize(groups, Lanes([NONE_YET; GROUP]));
+        self.least.resize(groups, NONE_YET);
+        let last = block.groups.iter().map(|group| group.rows).sum::<usize>();
+        for g in 0..groups {
+            // Places beyond the last row score nought and reach no threshold.
+            self.thresholds[g].0.fill(f32::INFINITY);
+            for (k, threshold) in self.thresholds[g].0.iter_mut().enumerate().take(last - g * GROUP) {
+                *threshold = best.threshold(g * GROUP + k);
             }
+            self.least[g] = self.thresholds[g].0.iter().copied().fold(f32::INFINITY, f32::min);
         }
-        let mut hit = false;
-        for (k, &count) in counts.iter().enumerate() {
-            let score = (frames * count as f32 - stats.ones * block.ones[at + k])
-                * (stats.scale * block.scales[at + k]);
-            scores[at + k] = score;
-            hit |= score > threshold.min(block.thresholds[at + k]);
-        }
-        hits |= u64::from(hit) << group;
     }
-    hits
 }
 
 #[cfg(test)]
@@ -349,37 +287,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_level_scores_what_the_bits_say() {
-        let mut state = 1u64;
-        let mut word = || {
-            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
-            state ^ state >> 29
-        };
-        let levels = Level::available();
-        assert_eq!(levels.last(), Some(&Level::Plain));
-        for words in (1..=20).chain([64, 157]) {
-            // Fewer rows than a block holds.
-            let mut b = Barcodes::zeros(83, 64 * words);
-            b.bits.fill_with(&mut word);
-            let mut a = Barcodes::zeros(1, 64 * words);
-            a.bits.fill_with(&mut word);
-            let mut block = ColumnBlock::new(words);
-            block.load(&b, &stats(&b), 3);
-            let bit = |words: &[u64], i: usize| words[i / 64] >> (i % 64) & 1 == 1;
-            let frames = 64 * words;
-            for &level in &levels {
-                let mut scores = [f32::NAN; COLUMN_BLOCK];
-                let hits = level.scores(a.row(0), frames as f32, stats(&a)[0], &block, 0.0, &mut scores);
-                for j in 3..83 {
-                    let common = (0..frames).filter(|&i| bit(a.row(0), i) && bit(b.row(j), i)).count() as u32;
-                    let expected = correlation(frames as u32, a.ones(0), b.ones(j), common);
-                    assert!((f64::from(scores[j - 3]) - expected).abs() < 1e-4, "{level:?}, {words} words");
-                    if expected > 1e-4 {
-                        assert_eq!(hits >> ((j - 3) / GROUP) & 1, 1);
-                    }
+    fn every_level_finds_the_same() {
+        let mut state = 3u64;
+        let mut barcodes = |count| {
+            let mut barcodes = Barcodes::zeros(count, 200);
+            for row in 0..count {
+                let mut moving = 0;
+                for frame in 0..200 {
+                    state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+                    moving ^= u64::from(state >> 60 == 0);
+                    barcodes.bits[row * barcodes.words_per + frame / 64] |= moving << (frame % 64);
                 }
-                assert!(scores[80..].iter().all(|s| *s == 0.0));
             }
+            barcodes
+        };
+        let (a, b) = (barcodes(700), barcodes(900));
+        let levels = Level::available();
+        let found = levels.iter().map(|&level| matches_at(level, &a, &b, 4, usize::MAX));
+        let found: Vec<Vec<Match>> = found.collect();
+        assert!(found[0].len() > 100);
+        for (other, level) in found.iter().zip(&levels) {
+            assert_eq!(*other, found[0], "{level:?} against {:?}", levels[0]);
         }
     }
 }

@@ -3,10 +3,12 @@
 //! [`mod@correlation`] compares barcodes by popcount, [`candidates`] keeps the mutual best, and
 //! [`mod@motion_lines`] finds straight paths with heavy traffic, whose images correlate without being epipolar.
 
+mod best;
 pub mod candidates;
 pub mod correlation;
 mod densify;
 pub mod motion_lines;
+mod popcount;
 
 pub use candidates::{Candidate, CandidateOptions, Candidates};
 pub use correlation::{correlation, mutual_matches};

@@ -4,10 +4,10 @@
 //! paper asks for the OR of the pixels, frame by frame; here 512 frames are one step). A recording is
 //! streamed block by block, so memory is 64 bytes per pixel whatever its length.
 
-use super::traversal::for_each_pixel;
+use super::bit_planes::{BitPlanes, TILE};
+use super::traversal::{Walk, for_each_pixel};
 use crate::line::{ImageSize, Segment};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// Frames per block.
 pub const BLOCK_FRAMES: usize = 512;
@@ -15,8 +15,15 @@ pub const BLOCK_FRAMES: usize = 512;
 /// Words per pixel and block.
 pub const BLOCK_WORDS: usize = BLOCK_FRAMES / 64;
 
-/// Pixels that one task fills in [`PixelBlock::set_frames`]: 256 KiB of block, which stays in cache.
-const FILL_PIXELS: usize = 4096;
+/// Pixels that one task fills in [`PixelBlock::set_frames`]. Each of its frames is elsewhere in memory, so fewer pixels
+/// would change pages more often.
+const FILL_PIXELS: usize = 1024 * TILE;
+
+/// Bytes of block whose lines are followed together in [`PixelBlock::unions`]: they stay in the second-level cache.
+const BAND_BYTES: usize = 512 << 10;
+
+/// Fewest lines of one task.
+const LEAST_LINES: usize = 256;
 
 /// The motion of one pixel in 512 frames: bit `i % 64` of word `i / 64` is frame `i` of the block.
 #[derive(Debug, Clone, Copy)]
@@ -36,40 +43,38 @@ impl PixelBlock {
         Self { size, pixels: vec![PixelWords([0; BLOCK_WORDS]); size.pixels()] }
     }
 
-    /// Adds the non-zero pixels of a row-major mask as frame `bit` of the block and returns how many
-    /// there are. Bits that are set stay set: [`clear`](Self::clear) before the next 512 frames.
-    ///
-    /// # Panics
-    /// If `bit` is not below [`BLOCK_FRAMES`].
-    pub fn set_frame(&mut self, bit: usize, mask: &[u8]) -> usize {
-        set_frame(&mut self.pixels, bit, mask)
-    }
-
     /// Adds up to 512 masks, one after the other in `masks`, as the frames from 0 on.
     ///
     /// # Panics
     /// If there are more than [`BLOCK_FRAMES`] masks.
     pub fn set_frames(&mut self, masks: &[u8]) {
         let per_frame = self.size.pixels();
+        assert!(masks.len() <= BLOCK_FRAMES * per_frame);
         let tasks = self.pixels.par_chunks_mut(FILL_PIXELS).enumerate();
-        tasks.for_each(|(task, pixels)| {
-            let first = task * FILL_PIXELS;
-            for (bit, mask) in masks.chunks_exact(per_frame).enumerate() {
-                set_frame(pixels, bit, &mask[first..first + pixels.len()]);
-            }
-        });
+        tasks.for_each_init(
+            || BitPlanes::new(FILL_PIXELS),
+            |planes, (task, pixels)| {
+                let first = task * FILL_PIXELS;
+                for (word, masks) in masks.chunks(64 * per_frame).enumerate() {
+                    for (bit, mask) in masks.chunks_exact(per_frame).enumerate() {
+                        planes.set_frame(bit, &mask[first..first + pixels.len()]);
+                    }
+                    for (tile, pixels) in pixels.chunks_mut(TILE).enumerate() {
+                        planes.take(tile, |k, frames| pixels[k].0[word] |= frames);
+                    }
+                }
+            },
+        );
     }
 
-    /// Adds the pixels of a range of row-major indices as moving in frame `bit`.
+    /// Adds 64 frames, as the `word`-th of the block, and empties them.
     ///
     /// # Panics
-    /// If `bit` is not below [`BLOCK_FRAMES`] or the range not inside the image.
-    #[inline]
-    pub fn set_range(&mut self, bit: usize, range: Range<usize>) {
-        let (word, value) = (bit / 64, 1 << (bit % 64));
-        for pixel in &mut self.pixels[range] {
-            pixel.0[word] |= value;
-        }
+    /// If the planes are those of another number of pixels, or `word` is not below [`BLOCK_WORDS`].
+    pub fn take(&mut self, word: usize, planes: &mut BitPlanes) {
+        planes.par_tiles_mut().zip_eq(self.pixels.par_chunks_mut(TILE)).for_each(|(mut tile, pixels)| {
+            tile.take(|k, frames| pixels[k].0[word] |= frames);
+        });
     }
 
     /// Forgets all frames.
@@ -97,24 +102,47 @@ impl PixelBlock {
     }
 
     /// [`union_along`](Self::union_along) for many segments, in parallel.
+    ///
+    /// Pixels one above the other are far apart in memory, so the lines are followed together through one band of
+    /// rows after the other: those that go down from the top, then those that go up from the bottom.
     pub fn unions(&self, segments: &[Segment]) -> Vec<[u64; BLOCK_WORDS]> {
-        segments.par_iter().map(|segment| self.union_along(segment)).collect()
-    }
-}
-
-fn set_frame(pixels: &mut [PixelWords], bit: usize, mask: &[u8]) -> usize {
-    let (word, value) = (bit / 64, 1 << (bit % 64));
-    let mut moving = 0;
-    // Most of a mask is zero: look at eight pixels at a time.
-    for (pixels, mask) in pixels.chunks_mut(8).zip(mask.chunks(8)) {
-        if mask.iter().any(|&v| v != 0) {
-            for (pixel, _) in pixels.iter_mut().zip(mask).filter(|(_, v)| **v != 0) {
-                pixel.0[word] |= value;
-                moving += 1;
+        let mut unions = vec![[0; BLOCK_WORDS]; segments.len()];
+        let lines = segments.len().div_ceil(rayon::current_num_threads()).max(LEAST_LINES);
+        unions.par_chunks_mut(lines).zip(segments.par_chunks(lines)).for_each(|(unions, segments)| {
+            let mut down = Vec::new();
+            let mut up = Vec::new();
+            for (union, segment) in unions.iter_mut().zip(segments) {
+                if let Some(walk) = Walk::new(segment, self.size) {
+                    if walk.is_downwards() { &mut down } else { &mut up }.push((walk, union));
+                }
             }
+            let rows = (BAND_BYTES / (size_of::<PixelWords>() * self.size.width)).max(1);
+            let starts = || (0..self.size.height).step_by(rows);
+            for first in starts() {
+                // Those that begin or end outside the image go with its last band.
+                let end = if first + rows < self.size.height { (first + rows) as i64 } else { i64::MAX };
+                self.follow(&mut down, |row| row < end);
+            }
+            for first in starts().rev() {
+                let first = if first > 0 { first as i64 } else { i64::MIN };
+                self.follow(&mut up, |row| row >= first);
+            }
+        });
+        unions
+    }
+
+    /// Follows lines as far as `inside` holds.
+    fn follow(&self, lines: &mut [(Walk, &mut [u64; BLOCK_WORDS])], inside: impl Fn(i64) -> bool) {
+        for (walk, union) in lines {
+            let mut sum = **union;
+            walk.visit_while(&inside, |index| {
+                for (sum, word) in sum.iter_mut().zip(self.pixels[index].0) {
+                    *sum |= word;
+                }
+            });
+            **union = sum;
         }
     }
-    moving
 }
 
 #[cfg(test)]
@@ -126,9 +154,14 @@ mod tests {
         let size = ImageSize::new(13, 7).unwrap();
         let mut block = PixelBlock::new(size);
         let mask = |first: usize| -> Vec<u8> { (0..91).map(|i| u8::from(i % 7 == first) * 255).collect() };
-        assert_eq!(block.set_frame(0, &mask(0)), 13);
-        assert_eq!(block.set_frame(511, &mask(3)), 13);
-        block.set_range(64, 3..5);
+        let mut masks = vec![0; 512 * 91];
+        masks[..91].copy_from_slice(&mask(0));
+        masks[511 * 91..].copy_from_slice(&mask(3));
+        block.set_frames(&masks);
+        let mut planes = BitPlanes::new(91);
+        planes.set_range(0, 3..5);
+        block.take(1, &mut planes);
+        block.take(2, &mut planes);
         let mut heat = vec![0; 91];
         block.add_heat(&mut heat);
         assert_eq!(heat[..8], [1, 0, 0, 2, 1, 0, 0, 1]);
@@ -142,6 +175,31 @@ mod tests {
         block.clear();
         block.add_heat(&mut heat);
         assert_eq!(heat.iter().sum::<u32>(), 28);
+    }
+
+    #[test]
+    fn unions_band_by_band_are_those_along_each_line() {
+        let size = ImageSize::new(300, 90).unwrap();
+        assert!(BAND_BYTES < 64 * size.pixels() / 3, "several bands");
+        let mut block = PixelBlock::new(size);
+        let mut state = 1u64;
+        let mut next = |n: u64| {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (state >> 33) % n
+        };
+        for _ in 0..3000 {
+            let (pixel, bit) = (next(27000) as usize, next(512) as usize);
+            block.pixels[pixel].0[bit / 64] |= 1 << (bit % 64);
+        }
+        // Also from and to places outside the image.
+        let mut end = |n: u64| next(n + 40) as f64 - 20.0;
+        let segments: Vec<Segment> =
+            (0..700).map(|_| Segment { x0: end(300), y0: end(90), x1: end(300), y1: end(90) }).collect();
+        let unions = block.unions(&segments);
+        assert!(unions.iter().filter(|union| **union != [0; BLOCK_WORDS]).count() > 600);
+        for (segment, union) in segments.iter().zip(unions) {
+            assert_eq!(block.union_along(segment), union, "{segment:?}");
+        }
     }
 
     #[test]

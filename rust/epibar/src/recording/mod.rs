@@ -5,13 +5,14 @@
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
 //!    [`silhouettes`] keeps the hulls.
-//! 3. [`block`] packs 512 frames into one cache line per pixel, and [`traversal`] walks the lines over it:
+//! 3. [`bit_planes`] turns masks into words of time, [`block`] packs 512 frames into one cache line per pixel, and [`traversal`] walks the lines over it:
 //!    the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`].
 //!
 //! Points are `(x, y)` in pixels, pixel centres at integers; bit `i` of a barcode is frame `i`.
 
 pub mod barcode;
+pub mod bit_planes;
 pub mod block;
 pub mod components;
 pub mod hull;

@@ -1,9 +1,10 @@
 //! From a stream of masks to a [`Recording`], in bounded memory.
 //!
-//! Each mask is read once: its runs set the bits of the current [`PixelBlock`] and make the
-//! silhouettes. After 512 frames the block is turned into 512 bits of every barcode and of the heat
-//! map, and reused. Memory is 64 bytes per pixel and the recording itself.
+//! Each mask is read once: its runs set bits of the current [`BitPlanes`] and make the silhouettes. Every 64 frames
+//! these become a word of the current [`PixelBlock`], and after 512 frames the block is turned into 512 bits of every
+//! barcode and of the heat map. Both are reused. Memory is 72 bytes per pixel and the recording itself.
 
+use super::bit_planes::BitPlanes;
 use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
 use super::{Barcodes, Recording, Silhouettes, border_segments};
@@ -65,12 +66,29 @@ pub struct Recorder {
     segments: Vec<Segment>,
     times: Vec<f64>,
     found: Components,
-    block: PixelBlock,
+    /// Nearly all of the memory, which is first taken when there is a frame: whoever learns a background before that
+    /// needs as much.
+    pixels: Option<Pixels>,
     /// Finished blocks: 512 frames of every line.
     blocks: Vec<Vec<[u64; BLOCK_WORDS]>>,
     silhouettes: Silhouettes,
     heat: Vec<u32>,
     moving_pixels: Vec<u32>,
+}
+
+/// Motion of all pixels on its way into barcodes.
+#[derive(Debug, Clone)]
+struct Pixels {
+    /// Frames since the last multiple of 64.
+    planes: BitPlanes,
+    /// Frames since the last multiple of 512.
+    block: PixelBlock,
+}
+
+impl Pixels {
+    fn new(size: ImageSize) -> Self {
+        Self { planes: BitPlanes::new(size.pixels()), block: PixelBlock::new(size) }
+    }
 }
 
 impl Recorder {
@@ -93,7 +111,7 @@ impl Recorder {
             segments: border_segments(size, options.lines, options.seed),
             times: Vec::new(),
             found: Components::new(),
-            block: PixelBlock::new(size),
+            pixels: None,
             blocks: Vec::new(),
             silhouettes: Silhouettes::default(),
             heat: vec![0; size.pixels()],
@@ -125,14 +143,18 @@ impl Recorder {
         let least = self.options.min_component_area;
         self.silhouettes.push(&self.found, self.size, least)?;
         let bit = frame % BLOCK_FRAMES;
+        let pixels = self.pixels.get_or_insert_with(|| Pixels::new(self.size));
         let mut moving = 0;
         for run in self.found.runs() {
             let first = usize::from(run.y) * self.size.width + usize::from(run.x_first);
-            self.block.set_range(bit, first..first + run.pixels());
+            pixels.planes.set_range(bit % 64, first..first + run.pixels());
             moving += run.pixels();
         }
         self.moving_pixels.push(moving as u32);
         self.times.push(time);
+        if bit % 64 == 63 {
+            pixels.block.take(bit / 64, &mut pixels.planes);
+        }
         if bit + 1 == BLOCK_FRAMES {
             self.flush();
         }
@@ -155,6 +177,7 @@ impl Recorder {
         if !self.times.len().is_multiple_of(BLOCK_FRAMES) {
             self.flush();
         }
+        self.pixels = None;
         Ok(Recording {
             size: self.size,
             barcodes: Barcodes::from_blocks(self.times.len(), &self.blocks),
@@ -169,8 +192,11 @@ impl Recorder {
 
     /// Turns the block into bits of the barcodes and the heat map, and empties it.
     fn flush(&mut self) {
-        self.blocks.push(self.block.unions(&self.segments));
-        self.block.add_heat(&mut self.heat);
-        self.block.clear();
+        let Some(Pixels { planes, block }) = &mut self.pixels else { return };
+        // Where the planes are empty this adds nothing.
+        block.take((self.times.len() - 1) % BLOCK_FRAMES / 64, planes);
+        self.blocks.push(block.unions(&self.segments));
+        block.add_heat(&mut self.heat);
+        block.clear();
     }
 }

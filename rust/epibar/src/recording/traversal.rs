@@ -28,38 +28,88 @@ pub fn is_walkable(segment: &Segment) -> bool {
 /// The part outside the image is cut off without bending the rest. A segment that is not
 /// [walkable](is_walkable) has no pixels.
 #[inline]
-pub fn for_each_pixel(segment: &Segment, size: ImageSize, mut visit: impl FnMut(usize)) {
-    if !is_walkable(segment) {
-        return;
+pub fn for_each_pixel(segment: &Segment, size: ImageSize, visit: impl FnMut(usize)) {
+    if let Some(mut walk) = Walk::new(segment, size) {
+        walk.visit_while(|_| true, visit);
     }
-    let (width, height) = (size.width as i64, size.height as i64);
-    let (x0, y0) = (nearest(segment.x0), nearest(segment.y0));
-    let (x1, y1) = (nearest(segment.x1), nearest(segment.y1));
-    let steep = (y1 - y0).abs() > (x1 - x0).abs();
-    // From here on m runs along the major axis and n along the minor one.
-    let (from, to, lengths, strides) = if steep {
-        ((y0, x0), (y1, x1), (height, width), (width, 1))
-    } else {
-        ((x0, y0), (x1, y1), (width, height), (1, width))
-    };
-    let (from, to) = if from.0 <= to.0 { (from, to) } else { (to, from) };
-    let (dm, dn) = ((to.0 - from.0).max(1), to.1 - from.1);
+}
 
-    // n = floor(from.1 + (m − from.0)·dn/dm + ½) over the denominator 2·dm, remainder kept in 0..2·dm.
-    let (first, last) = (from.0.max(0), to.0.min(lengths.0 - 1));
-    let denominator = 2 * dm;
-    let start = 2 * (first - from.0) * dn + dm;
-    let mut n = from.1 + start.div_euclid(denominator);
-    let mut remainder = start.rem_euclid(denominator);
-    let (whole, part) = ((2 * dn).div_euclid(denominator), (2 * dn).rem_euclid(denominator));
-    for m in first..=last {
-        if (0..lengths.1).contains(&n) {
-            visit((m * strides.0 + n * strides.1) as usize);
+/// A walk along a segment that can be interrupted. From here on m runs along the major axis and n along the minor one.
+#[derive(Debug, Clone)]
+pub(super) struct Walk {
+    m: i64,
+    last: i64,
+    n: i64,
+    /// Of n over the denominator, from 0.
+    remainder: i64,
+    denominator: i64,
+    /// What n and the remainder grow by in a step.
+    whole: i64,
+    part: i64,
+    /// Length of the image along n.
+    length: i64,
+    /// Index steps along m and n.
+    strides: (i64, i64),
+    steep: bool,
+}
+
+impl Walk {
+    /// At the first pixel; `None` where the segment is not [walkable](is_walkable).
+    pub(super) fn new(segment: &Segment, size: ImageSize) -> Option<Self> {
+        if !is_walkable(segment) {
+            return None;
         }
-        remainder += part;
-        let carry = i64::from(remainder >= denominator);
-        remainder -= carry * denominator;
-        n += whole + carry;
+        let (width, height) = (size.width as i64, size.height as i64);
+        let (x0, y0) = (nearest(segment.x0), nearest(segment.y0));
+        let (x1, y1) = (nearest(segment.x1), nearest(segment.y1));
+        let steep = (y1 - y0).abs() > (x1 - x0).abs();
+        let (from, to, lengths, strides) = if steep {
+            ((y0, x0), (y1, x1), (height, width), (width, 1))
+        } else {
+            ((x0, y0), (x1, y1), (width, height), (1, width))
+        };
+        let (from, to) = if from.0 <= to.0 { (from, to) } else { (to, from) };
+        let (dm, dn) = ((to.0 - from.0).max(1), to.1 - from.1);
+
+        // n = floor(from.1 + (m − from.0)·dn/dm + ½) over the denominator 2·dm, remainder kept in 0..2·dm.
+        let (first, last) = (from.0.max(0), to.0.min(lengths.0 - 1));
+        let denominator = 2 * dm;
+        let start = 2 * (first - from.0) * dn + dm;
+        Some(Self {
+            m: first,
+            last,
+            n: from.1 + start.div_euclid(denominator),
+            remainder: start.rem_euclid(denominator),
+            denominator,
+            whole: (2 * dn).div_euclid(denominator),
+            part: (2 * dn).rem_euclid(denominator),
+            length: lengths.1,
+            strides,
+            steep,
+        })
+    }
+
+    /// Whether rows only grow along the walk; otherwise they only shrink.
+    pub(super) fn is_downwards(&self) -> bool {
+        self.steep || self.whole >= 0
+    }
+
+    /// Goes on for as long as `inside` holds for the row (which may lie outside the image), and visits the pixels inside
+    /// the image.
+    #[inline]
+    pub(super) fn visit_while(&mut self, inside: impl Fn(i64) -> bool, mut visit: impl FnMut(usize)) {
+        let Self { mut m, mut n, mut remainder, .. } = *self;
+        while m <= self.last && inside(if self.steep { m } else { n }) {
+            if (0..self.length).contains(&n) {
+                visit((m * self.strides.0 + n * self.strides.1) as usize);
+            }
+            remainder += self.part;
+            let carry = i64::from(remainder >= self.denominator);
+            remainder -= carry * self.denominator;
+            n += self.whole + carry;
+            m += 1;
+        }
+        (self.m, self.n, self.remainder) = (m, n, remainder);
     }
 }
 
