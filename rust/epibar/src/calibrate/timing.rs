@@ -63,8 +63,8 @@ const SAME_OFFSET: f64 = 0.05;
 const MIN_Z_FOR_CLOCK: f64 = 4.0;
 /// An offset with a larger standard error, frames, is not known any better than before.
 const MAX_OFFSET_ERROR: f64 = 0.25;
-/// Times that a geometry is found anew with a better clock.
-const ROUNDS: usize = 3;
+/// Frames for a first geometry.
+const SOME_FRAMES: usize = 300;
 
 pub(super) fn calibrate(
     a: &Recording,
@@ -125,6 +125,8 @@ fn measured(
 }
 
 /// From a clock that is right to a frame or two.
+///
+/// A geometry from some of the frames is enough to sharpen the clock with; the answer takes all of them.
 fn sharpened(
     a: &Recording,
     b: &Recording,
@@ -133,25 +135,33 @@ fn sharpened(
     options: &CalibrateOptions,
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
-    let mut clock = start;
-    for round in 1.. {
-        let mut found = calibrate_at(a, b, &Aligned::new(a, b, links, clock), options, watch)?;
+    let better = |clock: Clock, found: &Calibration, sharp: bool| {
         let near = match found.fundamental {
-            Some(f) if round == 1 => nearest_frame(a, b, links, clock, &f, options.upright),
+            Some(f) if !sharp => nearest_frame(a, b, links, clock, &f, options.upright),
             _ => clock,
         };
-        let Some(measured) = measured(a, b, links, near, &found, options) else { return Ok(found) };
+        measured(a, b, links, near, found, options)
+    };
+    let some = Aligned::new(a, b, links, start).thinned(SOME_FRAMES);
+    let first = calibrate_at(a, b, &some, options, watch)?;
+    let (mut clock, mut sharp) = match better(start, &first, false) {
+        Some(measured) => (measured.clock, true),
+        None => (start, false),
+    };
+    for last in [false, true] {
+        let mut found = calibrate_at(a, b, &Aligned::new(a, b, links, clock), options, watch)?;
+        let Some(measured) = better(clock, &found, sharp) else { return Ok(found) };
         let end = |clock: Clock| clock.offset + a.frames() as f64 * clock.frames_per_frame(a, b);
-        let better = measured.clock;
-        let moved = (better.offset - clock.offset).abs().max((end(better) - end(clock)).abs());
-        if moved < SAME_OFFSET || round == ROUNDS {
-            found.timing.offset = better.offset;
-            found.timing.frames_per_frame = better.frames_per_frame(a, b);
+        let now = measured.clock;
+        let moved = (now.offset - clock.offset).abs().max((end(now) - end(clock)).abs());
+        if moved < SAME_OFFSET || last {
+            found.timing.offset = now.offset;
+            found.timing.frames_per_frame = now.frames_per_frame(a, b);
             found.timing.offset_error = measured.offset_error;
             found.timing.with_drift(&measured);
             return Ok(found);
         }
-        clock = better;
+        (clock, sharp) = (now, true);
     }
     unreachable!("the last round returns")
 }

@@ -175,6 +175,16 @@ impl<'a> Aligned<'a> {
         Self { a, b, clock, positions: clock.positions(a, b), links }
     }
 
+    /// The same with only every so many-th frame, at most `limit` of them.
+    #[must_use]
+    pub fn thinned(mut self, limit: usize) -> Self {
+        let common = self.positions.iter().filter(|p| !p.is_nan()).count();
+        let step = common.div_ceil(limit.max(1)).max(1);
+        let known = self.positions.iter_mut().filter(|p| !p.is_nan());
+        known.enumerate().filter(|(k, _)| k % step != 0).for_each(|(_, p)| *p = f64::NAN);
+        self
+    }
+
     /// The clock.
     pub fn clock(&self) -> Clock {
         self.clock
