@@ -65,6 +65,10 @@ class Calibration:
     @property
     def time_offset(self) -> float: ...
     @property
+    def timing(self) -> dict[str, Any]: ...
+    @property
+    def error_maps(self) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None: ...
+    @property
     def source(self) -> str: ...
     @property
     def lines_a(self) -> NDArray[np.float64]: ...
@@ -99,6 +103,7 @@ def calibrate(
     method: str,
     seed: int,
     time_offset: float | None,
+    search_seconds: float,
     upright: bool,
     candidates: int,
     draws: int,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .archive import read_archive, write_archive
@@ -19,9 +19,12 @@ from .errors import EpibarError
 from .recording import Recording
 from .validation import MAX_SEED, as_whole_number, core_errors
 
-__all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "calibrate"]
+__all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "calibrate"]
 
 METHODS = ("frontier", "lines")
+
+SEARCH_SECONDS = 21.0
+"""How far either way ``time_offset="search"`` looks, unless told."""
 
 Array = NDArray[np.float64]
 
@@ -72,6 +75,42 @@ class FrontierPoints:
         return len(self.frame)
 
 
+@dataclass(frozen=True)
+class Timing:
+    """What is known about the clocks of two cameras, beside the offset.
+
+    Attributes
+    ----------
+    frames_per_frame : float
+        Frames of B for each frame of A: the ratio of the frame rates, times 1 + 1e-6 ``drift`` where that is
+        used. 1 for equal frame rates and clocks that run alike.
+    offset_uncertainty : float or None
+        Standard error of a searched offset, frames of B. None where it was given, or could not be measured.
+    drift : float or None
+        By how much B's clock runs faster than A's, parts per million. None where the recordings are too short
+        to show it: where its standard error would be above 100 ppm.
+    drift_uncertainty : float or None
+        Its standard error, parts per million.
+    drift_used : bool
+        The drift is significant, and F and ``frames_per_frame`` take it into account.
+    runner_up : float or None
+        Second best offset by the motion barcodes, where the offset was searched.
+    runner_up_share : float or None
+        Its score as a share of the best.
+    offsets_tried : int
+        1 where the offset was given.
+    """
+
+    frames_per_frame: float = 1.0
+    offset_uncertainty: float | None = None
+    drift: float | None = None
+    drift_uncertainty: float | None = None
+    drift_used: bool = False
+    runner_up: float | None = None
+    runner_up_share: float | None = None
+    offsets_tried: int = 1
+
+
 @dataclass(frozen=True, eq=False)
 class Calibration:
     """What is known about a pair of cameras, and how far to trust it.
@@ -90,7 +129,8 @@ class Calibration:
     expected_error : float or None
         Mean symmetric epipolar distance to expect over the volume where things moved, pixels.
     time_offset : float
-        Frames: frame i of A is frame ``i + time_offset`` of B.
+        Where A's first frame falls in B, in frames of B after B's first; not a whole number as a rule. At
+        equal frame rates frame i of A is frame ``i + time_offset`` of B; for others see :meth:`frame_of_b`.
     candidates : Candidates
     frontier_points : FrontierPoints
     counts : dict of str to int
@@ -107,6 +147,14 @@ class Calibration:
         Shifts of B's frames, and the score of F at each.
     method : str
     seed : int
+    timing : Timing
+        Frame rates, drift of the clocks, and how well the offset is known.
+    error_maps : tuple of two ndarray, or None
+        Where in each image F is known how well: for (24, 32) cells spread evenly over A, the distance in
+        pixels to expect between the epipolar line of a point there and the true one, averaged over the part
+        of the line inside B; and the same the other way for B. NaN where the line misses the other image.
+        Made of the same parts as ``expected_error``, which is about the volume where things moved. None where
+        there is none.
     """
 
     F: Array | None
@@ -125,6 +173,17 @@ class Calibration:
     shift_curve: tuple[Array, Array] = field(default_factory=lambda: (np.empty(0), np.empty(0)))
     method: str = METHODS[0]
     seed: int = 0
+    timing: Timing = field(default_factory=Timing)
+    error_maps: tuple[Array, Array] | None = None
+
+    @property
+    def clock_drift(self) -> float | None:
+        """By how much B's clock runs faster than A's, parts per million; None where that is not known."""
+        return self.timing.drift
+
+    def frame_of_b(self, frame: ArrayLike) -> Array:
+        """Return where frames of A fall among the frames of B, where no frame of either is missing."""
+        return self.time_offset + np.asarray(frame, dtype=np.float64) * self.timing.frames_per_frame
 
     def __repr__(self) -> str:
         error = "" if self.expected_error is None else f", expected error {self.expected_error:.2g} px"
@@ -195,6 +254,7 @@ def calibrate(
     candidates: int = 1000,
     draws: int = 10_000,
     max_expected_error: float = 3.0,
+    search_seconds: float = SEARCH_SECONDS,
     progress: Callable[[str, float], None] | None = None,
 ) -> Calibration:
     """Find the fundamental matrix of two cameras from what moved before both.
@@ -209,7 +269,9 @@ def calibrate(
     seed : int
         Of every random draw. The result depends on it and the recordings, not on the number of threads.
     time_offset : float or "search"
-        Frames: frame i of A is frame ``i + time_offset`` of B. ``"search"`` finds it.
+        Where frame 0 of A falls in B, in frames of B after B's frame 0; it need not be a whole number. At
+        equal frame rates frame i of A is frame ``i + time_offset`` of B; other rates meet through the times.
+        ``"search"`` finds it, to a fraction of a frame.
     upright : bool
         Both cameras are the right way up, rolled by less than a quarter turn. Upright walkers look nearly the
         same upside down, and without this the mirrored geometry may have as much evidence as the true one.
@@ -219,6 +281,8 @@ def calibrate(
         How many hypotheses to draw from line pairs (paper, section 4.3: 10,000).
     max_expected_error : float
         Accept only below this, pixels.
+    search_seconds : float
+        How far either way ``time_offset="search"`` looks. A wider search asks for more evidence.
     progress : callable, optional
         Called with the name of the stage and the share of it that is done, 0 to 1.
 
@@ -257,13 +321,16 @@ def calibrate(
         raise EpibarError(
             f"max_expected_error = {max_expected_error!r}: it must be a positive number of pixels"
         )
+    if not (_is_number(search_seconds) and search_seconds > 0):
+        raise EpibarError(f"search_seconds = {search_seconds!r}: it must be a positive number of seconds")
     with core_errors():
         result = _core.calibrate(
             rec_a._core,
             rec_b._core,
             method,
             seed,
-            _checked_offset(time_offset, min(rec_a.frames, rec_b.frames)),
+            _checked_offset(time_offset, rec_a, rec_b),
+            float(search_seconds),
             bool(upright),
             as_whole_number("candidates", candidates, 3),
             as_whole_number("draws", draws, 1),
@@ -291,6 +358,8 @@ def calibrate(
         shift_curve=result.shift_curve,
         method=method,
         seed=seed,
+        timing=Timing(**result.timing),
+        error_maps=result.error_maps,
     )
 
 
@@ -303,12 +372,17 @@ def _is_number(value: Any) -> bool:
     )
 
 
-def _checked_offset(time_offset: Any, frames: int) -> float | None:
-    """Return the offset in frames, None to search for it."""
+def _checked_offset(time_offset: Any, rec_a: Recording, rec_b: Recording) -> float | None:
+    """Return the offset in frames of B, None to search for it."""
     if isinstance(time_offset, str) and time_offset == "search":
         return None
     if not _is_number(time_offset):
         raise EpibarError(f"time_offset = {time_offset!r}: expected a finite number of frames, or 'search'")
-    if abs(time_offset) >= frames:
-        raise EpibarError(f"time_offset = {time_offset}: the shorter recording has only {frames} frames")
+    seconds, step = rec_a.times[-1] - rec_a.times[0], np.diff(rec_b.times)
+    before = seconds / np.median(step) if len(step) else 0.0
+    if time_offset >= rec_b.frames or -time_offset > before + 1:
+        raise EpibarError(
+            f"time_offset = {time_offset}: the recordings, of {rec_a.frames} and {rec_b.frames} frames, have "
+            "none in common"
+        )
     return float(time_offset)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,18 @@ class Solids:
             np.concatenate([self.seen_by, other.seen_by]),
         )
 
+    def at(self, frames: Array) -> Solids:
+        """Return the solids at moments between frames, (K,) frame numbers; between two they move straight."""
+        first = np.clip(np.floor(frames).astype(np.int64), 0, max(len(self.centres) - 2, 0))
+        second = np.minimum(first + 1, len(self.centres) - 1)
+        share = np.clip(frames - first, 0.0, 1.0)
+
+        def between(values: Array) -> Array:
+            part = share.reshape(-1, *(1,) * (values.ndim - 1))
+            return (1 - part) * values[first] + part * values[second]
+
+        return replace(self, centres=between(self.centres), axes=between(self.axes))
+
     def random_points(self, n: int, rng: np.random.Generator) -> Array:
         """Draw (n, 3) points, each in a random moving solid that all cameras may see, at a random time."""
         common = np.flatnonzero(self.moving & self.seen_by.all(axis=1))
@@ -112,6 +124,19 @@ class Scene:
     def fundamental(self, a: int, b: int) -> Array:
         """Return the true fundamental matrix from camera a to camera b, ``x_bᵀ F x_a = 0``."""
         return true_fundamental(self.cameras[a], self.cameras[b])
+
+    def filmed_at(self, seconds: Array, fps: float) -> Scene:
+        """Return the scene as a camera of another clock films it: frame k shows the moment ``seconds[k]``.
+
+        Parameters
+        ----------
+        seconds : (K,) array
+            Moments since frame 0 of this scene; they should not go beyond its last frame.
+        fps : float
+            Frames per second by the clock of that camera.
+        """
+        solids = self.solids.at(np.asarray(seconds, dtype=np.float64) * self.fps)
+        return replace(self, solids=solids, frames=len(solids.centres), fps=fps)
 
     def visible(self, camera_index: int) -> NDArray[np.bool_]:
         """Tell which of the volume points lie inside this camera's image."""

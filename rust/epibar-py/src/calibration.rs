@@ -3,7 +3,7 @@
 use epibar::calibrate::TimeOffset;
 use epibar::matching::Candidate;
 use epibar::{CalibrateOptions, Line, Method};
-use numpy::{IntoPyArray, PyArray1, PyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,8 +12,7 @@ use crate::convert::{matrix, rows, to_python_error};
 use crate::recording::Recording;
 use crate::watch::PythonWatch;
 
-/// Seconds either way that a search for the time offset covers.
-const OFFSET_SECONDS: f64 = 21.0;
+type ErrorMaps<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
 /// What is known about a pair of cameras.
 #[pyclass(module = "epibar._core", frozen)]
@@ -31,6 +30,7 @@ pub fn calibrate(
     method: &str,
     seed: u64,
     time_offset: Option<f64>,
+    search_seconds: f64,
     upright: bool,
     candidates: usize,
     draws: usize,
@@ -49,7 +49,7 @@ pub fn calibrate(
     let mut options = CalibrateOptions {
         method,
         seed,
-        time_offset: time_offset.map_or(TimeOffset::Search { seconds: OFFSET_SECONDS }, TimeOffset::Known),
+        time_offset: time_offset.map_or(TimeOffset::Search { seconds: search_seconds }, TimeOffset::Known),
         upright,
         draws,
         max_expected_error,
@@ -107,7 +107,33 @@ impl Calibration {
 
     #[getter]
     fn time_offset(&self) -> f64 {
-        self.inner.time_offset
+        self.inner.timing.offset
+    }
+
+    /// Numbers of the clocks; None where one is not known.
+    #[getter]
+    fn timing<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let timing = PyDict::new(py);
+        let t = &self.inner.timing;
+        let known = |value: f64| Some(value).filter(|v| v.is_finite());
+        timing.set_item("frames_per_frame", t.frames_per_frame)?;
+        timing.set_item("offset_uncertainty", known(t.offset_error))?;
+        timing.set_item("drift", known(t.drift))?;
+        timing.set_item("drift_uncertainty", known(t.drift_error))?;
+        timing.set_item("drift_used", t.drift_used)?;
+        timing.set_item("runner_up", t.runner_up.map(|r| r.offset))?;
+        timing.set_item("runner_up_share", t.runner_up.map(|r| r.share))?;
+        timing.set_item("offsets_tried", t.trials)?;
+        Ok(timing)
+    }
+
+    /// Expected error over each image, (rows, columns).
+    #[getter]
+    fn error_maps<'py>(&self, py: Python<'py>) -> PyResult<Option<ErrorMaps<'py>>> {
+        let Some(maps) = &self.inner.error_maps else { return Ok(None) };
+        let [a, b] =
+            maps.each_ref().map(|map| map.values.clone().into_pyarray(py).reshape([map.rows, map.columns]));
+        Ok(Some((a?, b?)))
     }
 
     #[getter]

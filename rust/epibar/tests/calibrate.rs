@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use common::cameras::error;
 use common::flying::Scene;
-use epibar::calibrate::{Kind, TimeOffset, common_frames, search_offset};
+use epibar::calibrate::{Kind, TimeOffset};
 use epibar::estimate::ransac::{Unwatched, Watch};
 use epibar::{
     CalibrateOptions, Calibration, Error, Fundamental, Method, Recorder, RecorderOptions, Recording,
@@ -50,7 +50,7 @@ fn a_small_scene_is_accepted_and_right() {
     assert!(found.expected_error > off / 8.0 && found.expected_error < 0.5, "{}", found.expected_error);
     assert!(found.evidence.z > 20.0 && found.evidence.z_tops > 5.0 && found.evidence.z_bottoms > 5.0);
     assert_eq!((found.frames, found.inliers.len()), (240, found.candidates.best().len()));
-    assert!(found.time_offset.abs() < f64::EPSILON);
+    assert!(found.timing.offset.abs() < f64::EPSILON);
     // The frontier points are correspondences of the true geometry, too.
     assert!(found.frontier_points.len() > 500);
     let truth = common::cameras::fundamental(&scene.cameras[0], &scene.cameras[1]);
@@ -220,57 +220,4 @@ fn options_out_of_range() {
     let found = run(a, b, &strict);
     assert_eq!(found.verdict.kind, Kind::Inaccurate);
     assert!(found.fundamental.is_some());
-}
-
-/// Camera A started nine frames late: its frame i is B's frame i + 9.
-fn late() -> Recording {
-    shared().0.record_frames(0, LINES, 9..240)
-}
-
-#[test]
-fn the_time_offset_is_found_to_a_frame_or_so() {
-    let (scene, [_, b]) = shared();
-    let late = late();
-    for (a, b, expected) in [(&late, b, 9.0), (b, &late, -9.0)] {
-        let found = search_offset(a, b, 1.0, &mut Unwatched).unwrap();
-        assert!((found - expected).abs() < 1.5, "{found} for {expected}");
-    }
-    let search = CalibrateOptions { time_offset: TimeOffset::Search { seconds: 0.6 }, ..options() };
-    let found = run(&late, b, &search);
-    assert!((found.time_offset - 9.0).abs() < 1.5, "{}", found.time_offset);
-    assert!(!found.verdict.accepted() || error(&found.fundamental.unwrap(), &scene.cameras) < 3.0);
-    let known = CalibrateOptions { time_offset: TimeOffset::Known(9.0), ..options() };
-    let found = run(&late, b, &known);
-    assert!(found.verdict.accepted() && found.frames == 231, "{:?}", found.verdict);
-    assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.3);
-}
-
-#[test]
-fn the_time_offset_is_exact() {
-    let (scene, [_, b]) = shared();
-    let search = CalibrateOptions { time_offset: TimeOffset::Search { seconds: 0.6 }, ..options() };
-    let found = run(&late(), b, &search);
-    assert!(found.verdict.accepted() && (found.time_offset - 9.0).abs() < 0.5, "{}", found.time_offset);
-    assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.3);
-}
-
-#[test]
-fn frames_meet_by_time() {
-    let (scene, [a, b]) = shared();
-    let frames = |pairs: &[(u32, u32)]| (pairs.len(), pairs[0], pairs[pairs.len() - 1]);
-    assert_eq!(frames(&common_frames(a, b, 0.0)), (240, (0, 0), (239, 239)));
-    assert_eq!(frames(&common_frames(a, b, 30.0)), (210, (0, 30), (209, 239)));
-    assert_eq!(frames(&common_frames(a, b, -30.0)), (210, (30, 0), (239, 209)));
-    // Clocks that start elsewhere: each counts from its own first frame.
-    let mut shifted = a.clone();
-    shifted.times.iter_mut().for_each(|time| *time += 1000.0);
-    assert_eq!(common_frames(&shifted, b, 5.0), common_frames(a, b, 5.0));
-    // Half the rate in A: its frame i is B's frame 2 i.
-    let mut slow = scene.record_frames(0, 1, 0..50);
-    slow.times.iter_mut().for_each(|time| *time *= 2.0);
-    let pairs = common_frames(&slow, b, 0.0);
-    assert!(pairs.len() == 50 && pairs.iter().all(|&(i, j)| j == 2 * i), "{pairs:?}");
-    let back = common_frames(b, &slow, 0.0);
-    assert!(back.iter().all(|&(i, j)| i.abs_diff(2 * j) <= 1), "{back:?}");
-    assert!((0..49).all(|j| back.contains(&(2 * j, j))), "{back:?}");
 }

@@ -3,17 +3,24 @@
 //! Common time line → candidates → `F` by the chosen method → verdict.
 
 mod alignment;
+mod error_map;
+mod timing;
 mod verdict;
 
 use nalgebra::Matrix3;
 
-pub use alignment::{TimeOffset, common_frames, search_offset};
+pub use alignment::{
+    Aligned, Clock, Links, Measured, RunnerUp, Searched, TimeOffset, common_frames, frame_interval, measure,
+    search_offset,
+};
+pub use error_map::{ErrorMap, Uncertainty};
+pub use timing::Timing;
 pub use verdict::{Kind, Verdict};
 
 use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
 use crate::estimate::line_model::LineModel;
 use crate::estimate::ransac::{Watch, ransac};
-use crate::estimate::search::{Found, SearchOptions, Solution, Source, evidence, search};
+use crate::estimate::search::{Found, SearchOptions, Solution, Source, search};
 use crate::estimate::views::{Views, busy_frames};
 use crate::geometry::Fundamental;
 use crate::matching::candidates::find_candidates;
@@ -89,8 +96,10 @@ pub struct Calibration {
     pub verdict: Verdict,
     /// Expected symmetric epipolar distance over the volume where things moved, pixels; NaN where unknown.
     pub expected_error: f64,
-    /// Frame `i` of A is frame `i + time_offset` of B.
-    pub time_offset: f64,
+    /// Expected error over image A and over image B; `None` where it is not known.
+    pub error_maps: Option<[ErrorMap; 2]>,
+    /// Which frame of A is which moment of B, and how well that is known.
+    pub timing: Timing,
     /// Candidates with the counts of their filters.
     pub candidates: Candidates,
     /// Which of the best candidates fit the result (area below 3 × image width).
@@ -113,12 +122,13 @@ pub struct Calibration {
 
 impl Calibration {
     /// A refusal before anything could be estimated.
-    fn refused(verdict: Verdict, time_offset: f64, frames: usize, candidates: Candidates) -> Self {
+    fn refused(verdict: Verdict, timing: Timing, frames: usize, candidates: Candidates) -> Self {
         Self {
             fundamental: None,
             verdict,
             expected_error: f64::NAN,
-            time_offset,
+            error_maps: None,
+            timing,
             inliers: vec![false; candidates.best().len()],
             candidates,
             frontier_points: Vec::new(),
@@ -152,49 +162,20 @@ pub fn calibrate(
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
     check(options)?;
-    match options.time_offset {
-        TimeOffset::Known(offset) => calibrate_at(a, b, offset, options, watch),
-        TimeOffset::Search { seconds } => {
-            let offset = search_offset(a, b, seconds, watch)?;
-            let first = calibrate_at(a, b, offset, options, watch)?;
-            let better = first.fundamental.map(|f| sharpened(a, b, &f, offset, options.upright));
-            match better {
-                Some(better) if better != offset => calibrate_at(a, b, better, options, watch),
-                _ => Ok(first),
-            }
-        }
-    }
+    timing::calibrate(a, b, options, watch)
 }
 
-/// The whole frame near `offset` at which `f` has most evidence: barcodes find the offset to a frame or two.
-fn sharpened(a: &Recording, b: &Recording, f: &Fundamental, offset: f64, upright: bool) -> f64 {
-    const REACH: i32 = 3;
-    let weigh = |at: f64| {
-        let pairs = common_frames(a, b, at);
-        if pairs.len() < MIN_FRAMES {
-            return f64::NEG_INFINITY;
-        }
-        evidence(&Views::new(a, b, &busy_frames(a, b, &pairs, 400)), f, upright).total
-    };
-    let own = weigh(offset);
-    (-REACH..=REACH)
-        .map(|k| offset + f64::from(k))
-        .map(|at| (weigh(at), at))
-        .filter(|(total, _)| *total > own)
-        .max_by(|p, q| p.0.total_cmp(&q.0))
-        .map_or(offset, |(_, at)| at)
-}
-
-/// [`calibrate`] at a known offset.
+/// [`calibrate`] by a known clock.
 fn calibrate_at(
     a: &Recording,
     b: &Recording,
-    offset: f64,
+    aligned: &Aligned,
     options: &CalibrateOptions,
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
-    let pairs = common_frames(a, b, offset);
-    let refuse = |verdict, candidates| Ok(Calibration::refused(verdict, offset, pairs.len(), candidates));
+    let pairs = aligned.frame_pairs();
+    let timing = Timing::of(aligned.clock(), a, b);
+    let refuse = |verdict, candidates| Ok(Calibration::refused(verdict, timing, pairs.len(), candidates));
     if pairs.len() < MIN_FRAMES {
         return refuse(Verdict::too_few_frames(pairs.len(), MIN_FRAMES), Candidates::default());
     }
@@ -213,7 +194,7 @@ fn calibrate_at(
         return refuse(Verdict::no_candidates(), candidates);
     }
 
-    let views = Views::new(a, b, &pairs);
+    let views = aligned.views(&pairs);
     let busy = busy_frames(a, b, &pairs, usize::MAX);
     if busy.len() < MIN_FRAMES {
         return refuse(Verdict::too_few_silhouettes(busy.len(), MIN_FRAMES), candidates);
@@ -223,11 +204,11 @@ fn calibrate_at(
     let (train, test): (Vec<_>, Vec<_>) = busy.iter().enumerate().partition(|(i, _)| i / block % 3 != 2);
     let strip = |v: Vec<(usize, &(u32, u32))>| v.into_iter().map(|(_, p)| *p).collect::<Vec<_>>();
     let (train, test) = (strip(train), strip(test));
-    let train_views = Views::new(a, b, &train);
+    let train_views = aligned.views(&train);
 
     let found = match options.method {
         Method::Frontier => {
-            let subset = |limit| Views::new(a, b, &busy_frames(a, b, &train, limit));
+            let subset = |limit| aligned.views(&busy_frames(a, b, &train, limit));
             let search_options =
                 SearchOptions { upright: options.upright, draws: options.draws, ..SearchOptions::default() };
             search(&views, &train_views, subset, &candidates, &search_options, options.seed, watch)?
@@ -238,7 +219,7 @@ fn calibrate_at(
         return refuse(Verdict::no_hypothesis(), candidates);
     };
     let fundamental = winner.fundamental;
-    let test_views = Views::new(a, b, &test);
+    let test_views = aligned.views(&test);
     let judged = verdict::judge(&verdict::Case {
         views: &views,
         test_views: &test_views,
@@ -258,7 +239,8 @@ fn calibrate_at(
         fundamental: Some(fundamental),
         verdict: judged.verdict,
         expected_error: judged.expected_error,
-        time_offset: offset,
+        error_maps: judged.uncertainty.map(|u| u.maps()),
+        timing,
         inliers,
         frontier_points,
         floor: found

@@ -1,5 +1,6 @@
 //! The verdict: accepted, or refused with a reason in plain English (DESIGN §7).
 
+use super::error_map::Uncertainty;
 use super::{CalibrateOptions, Method, Rival, matched};
 use crate::estimate::floor::Floor;
 use crate::estimate::frontier::FrontierPoint;
@@ -121,7 +122,7 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 }
 
 /// Evidence below this standard score on held-out frames is none.
-const MIN_Z: f64 = 8.0;
+pub(super) const MIN_Z: f64 = 8.0;
 /// Below this share of A's tangents that meet one of B, an `F` is not the geometry of the scene.
 const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
@@ -161,6 +162,7 @@ pub(super) struct Judged {
     pub curve: Vec<ShiftScore>,
     pub rivals: Vec<Rival>,
     pub points: Vec<FrontierPoint>,
+    pub uncertainty: Option<Uncertainty>,
 }
 
 /// Robust spread of the residuals, pixels.
@@ -189,10 +191,11 @@ pub(super) fn judge(case: &Case) -> Judged {
     let parameters = SevenParameters::new(fundamental, views.sizes());
     let volume = moving_correspondences(views, fundamental, 400);
     let block = second.min((views.frames() / 12).max(1));
-    let fit_error = parameters
-        .as_ref()
-        .and_then(|at| Some(expected_error(at, &covariance(at, &points, block)?, &volume)))
-        .unwrap_or(f64::NAN);
+    let covariance = parameters.as_ref().and_then(|at| covariance(at, &points, block));
+    let fit_error = match (&parameters, &covariance) {
+        (Some(at), Some(covariance)) => expected_error(at, covariance, &volume),
+        _ => f64::NAN,
+    };
 
     let own = evidence(views, fundamental, upright);
     let mut rivals: Vec<Rival> = Vec::new();
@@ -218,10 +221,16 @@ pub(super) fn judge(case: &Case) -> Judged {
     let rough = spread(&points);
     let roughness = if rough.is_nan() { 0.0 } else { rough * rough / (ROUGH_SPREAD * scale) };
     let coarseness = (COARSE_SHARE * (own.radius - 1.5 * scale).max(0.0)).hypot(roughness);
-    let error = (FIT_FACTOR * fit_error).hypot(spread_error).hypot(coarseness).hypot(GRID_ERROR * scale);
+    let systematic = spread_error.hypot(coarseness).hypot(GRID_ERROR * scale);
+    let error = (FIT_FACTOR * fit_error).hypot(systematic);
+    let uncertainty = parameters.zip(covariance).map(|(at, covariance)| Uncertainty {
+        at,
+        covariance: covariance * FIT_FACTOR * FIT_FACTOR,
+        systematic,
+    });
 
     let verdict = decide(case, &evidence_now, &points, error, &rivals, radius);
-    Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points }
+    Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points, uncertainty }
 }
 
 fn decide(

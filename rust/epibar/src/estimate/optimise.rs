@@ -45,6 +45,11 @@ impl SevenParameters {
         Some(Self { u, v, theta, sizes })
     }
 
+    /// Sizes of both images.
+    pub fn sizes(&self) -> [ImageSize; 2] {
+        self.sizes
+    }
+
     /// Back to a matrix in pixels; `None` where it is not finite.
     pub fn fundamental(&self) -> Option<Fundamental> {
         let sigma = Matrix3::from_diagonal(&Vector3::new(self.theta.cos(), self.theta.sin(), 0.0));

@@ -34,6 +34,19 @@ impl View {
         view
     }
 
+    /// From hulls drawn elsewhere, frame by frame, each of at least three vertices.
+    fn of_hulls(size: ImageSize, frames: impl Iterator<Item = Vec<Vec<[f64; 2]>>>) -> Self {
+        let mut view = Self { size, frame_start: vec![0], hull_start: vec![0], vertices: Vec::new() };
+        for hulls in frames {
+            for hull in hulls {
+                view.vertices.extend(hull);
+                view.hull_start.push(view.vertices.len() as u32);
+            }
+            view.frame_start.push((view.hull_start.len() - 1) as u32);
+        }
+        view
+    }
+
     /// Number of frames.
     pub fn frames(&self) -> usize {
         self.frame_start.len() - 1
@@ -77,6 +90,20 @@ impl Views {
         Self {
             a: View::new(a, frame_pairs.iter().map(|p| p.0)),
             b: View::new(b, frame_pairs.iter().map(|p| p.1)),
+            frame_pairs: frame_pairs.to_vec(),
+        }
+    }
+
+    /// As [`Views::new`], with the hulls of B at the moment of each frame of A drawn by `hulls_of_b`.
+    pub(crate) fn with_hulls_of_b(
+        a: &Recording,
+        b: &Recording,
+        frame_pairs: &[(u32, u32)],
+        hulls_of_b: impl Fn(u32) -> Vec<Vec<[f64; 2]>>,
+    ) -> Self {
+        Self {
+            a: View::new(a, frame_pairs.iter().map(|p| p.0)),
+            b: View::of_hulls(b.size, frame_pairs.iter().map(|p| hulls_of_b(p.0))),
             frame_pairs: frame_pairs.to_vec(),
         }
     }

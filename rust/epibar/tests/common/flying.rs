@@ -38,8 +38,7 @@ impl Body {
         }
     }
 
-    fn corners(&self, frame: usize) -> [Vector3<f64>; 8] {
-        let time = frame as f64;
+    fn corners(&self, time: f64) -> [Vector3<f64>; 8] {
         let path = (self.speed * time + self.phase).map(f64::sin).component_mul(&self.reach);
         let rotation = Rotation3::new(self.spin * time + self.phase);
         std::array::from_fn(|i| {
@@ -71,6 +70,11 @@ impl Scene {
 
     /// What moves in one frame of one camera.
     pub fn mask(&self, camera: usize, frame: usize) -> Mask {
+        self.mask_at(camera, frame as f64)
+    }
+
+    /// What moves at a moment, which may lie between frames.
+    pub fn mask_at(&self, camera: usize, frame: f64) -> Mask {
         let camera = &self.cameras[camera];
         let mut mask = vec![0; camera.size.pixels()];
         for body in &self.bodies {
@@ -94,6 +98,17 @@ impl Scene {
         let mut recorder = Recorder::new(self.cameras[camera].size, options).unwrap();
         for frame in frames {
             recorder.push(&self.mask(camera, frame), frame as f64 / 25.0).unwrap();
+        }
+        recorder.finish().unwrap()
+    }
+
+    /// The recording of a camera that films at a rate of its own: its frame `k` shows the moment `moments(k)`, in
+    /// frames of the scene.
+    pub fn record_moments(&self, camera: usize, lines: usize, fps: f64, moments: &[f64]) -> Recording {
+        let options = RecorderOptions { lines, seed: camera as u64, ..Default::default() };
+        let mut recorder = Recorder::new(self.cameras[camera].size, options).unwrap();
+        for (k, &moment) in moments.iter().enumerate() {
+            recorder.push(&self.mask_at(camera, moment), k as f64 / fps).unwrap();
         }
         recorder.finish().unwrap()
     }

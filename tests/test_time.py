@@ -1,0 +1,141 @@
+"""The clocks of two cameras as a user meets them, and the maps of the expected error."""
+
+import numpy as np
+import pytest
+
+import epibar
+from epibar import synthetic
+
+LINES = 4000
+FPS = 25.0
+LENGTH = 10.0
+START = {"a": 3.26, "b": 1.0}
+"""Seconds of the scene at which each camera's film begins."""
+OFFSET_SECONDS = START["a"] - START["b"]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return synthetic.cubes(seed=4, cameras=4, objects=8, frames=700, fps=50.0, size=(400, 300))
+
+
+def film(scene, camera, start, fps, length=LENGTH, rate=1.0):
+    """Record a camera that films on its own; its clock is fast by ``rate``."""
+    view = scene.filmed_at(start + np.arange(int(length * fps)) / fps / rate, fps)
+    return epibar.Recording.from_masks(view.masks(camera), fps, LINES, camera)
+
+
+@pytest.fixture(scope="module")
+def late_a(scene):
+    return film(scene, 0, START["a"], FPS)
+
+
+@pytest.fixture(scope="module")
+def cal(scene, late_a):
+    b = film(scene, 1, START["b"], FPS, length=12.0)
+    return epibar.calibrate(late_a, b, time_offset="search", search_seconds=5.0, draws=3000)
+
+
+def error(scene, F):
+    return epibar.symmetric_epipolar_distance(F, *scene.volume_correspondences(0, 1)).mean()
+
+
+def test_a_film_of_other_moments_is_the_scene_between_its_frames(scene):
+    whole = scene.filmed_at(np.array([0.2, 0.4]), 5.0)
+    assert whole.frames == 2
+    assert whole.fps == 5.0
+    assert (whole.masks(1) == [scene.masks(1, 10, 11)[0], scene.masks(1, 20, 21)[0]]).all()
+    solids = scene.solids
+    between = scene.filmed_at(np.array([0.21]), 25.0).solids
+    assert np.allclose(between.centres[0], 0.5 * (solids.centres[10] + solids.centres[11]))
+    assert np.allclose(between.axes[0], 0.5 * (solids.axes[10] + solids.axes[11]))
+
+
+def test_a_search_finds_a_fraction_of_a_frame(scene, cal):
+    assert cal.accepted, cal.reason
+    assert cal.time_offset == pytest.approx(OFFSET_SECONDS * FPS, abs=0.05)  # 56.5 frames
+    assert cal.timing.offset_uncertainty < 0.05
+    assert cal.timing.offsets_tried == 251
+    assert cal.timing.frames_per_frame == 1.0
+    assert abs(cal.timing.runner_up - cal.time_offset) > FPS
+    assert cal.timing.runner_up_share < 1
+    assert cal.frame_of_b([0, 10]) == pytest.approx([cal.time_offset, cal.time_offset + 10])
+    assert error(scene, cal.F) < 0.4
+
+
+def test_different_rates_meet(scene, late_a):
+    b = film(scene, 1, START["b"], 30.0, length=12.0)
+    cal = epibar.calibrate(late_a, b, time_offset=OFFSET_SECONDS * 30.0, draws=3000)
+    assert cal.accepted, cal.reason
+    assert cal.time_offset == OFFSET_SECONDS * 30.0
+    assert cal.timing.frames_per_frame == pytest.approx(1.2)
+    assert cal.timing.offset_uncertainty is None
+    assert cal.timing.offsets_tried == 1
+    assert error(scene, cal.F) < 0.4
+
+
+def test_unrelated_recordings_have_no_offset(late_a):
+    other = synthetic.cubes(
+        seed=4, cameras=4, objects=8, frames=700, fps=50.0, size=(400, 300), motion_seed=9
+    )
+    b = film(other, 1, START["b"], FPS, length=12.0)
+    cal = epibar.calibrate(late_a, b, time_offset="search", search_seconds=8.0, draws=3000)
+    assert not cal.accepted
+    assert cal.kind == "no_common_scene", cal.reason
+    assert cal.timing.offsets_tried == 401
+    assert cal.timing.offset_uncertainty is None
+    assert cal.clock_drift is None
+
+
+@pytest.mark.parametrize("search_seconds", [0, -1.0, np.nan, np.inf, "long", None])
+def test_a_range_that_is_none(late_a, search_seconds):
+    with pytest.raises(epibar.EpibarError, match="search_seconds"):
+        epibar.calibrate(late_a, late_a, time_offset="search", search_seconds=search_seconds)
+
+
+@pytest.mark.parametrize("time_offset", [250.0, -251.5, 1e6])
+def test_an_offset_beyond_both_recordings(late_a, time_offset):
+    with pytest.raises(epibar.EpibarError, match="none in common"):
+        epibar.calibrate(late_a, late_a, time_offset=time_offset)
+
+
+# --- maps of the expected error ---
+
+
+def cell_of(points, size, shape):
+    """Row and column of the cell of each point."""
+    x = np.clip(((points[:, 0] + 0.5) / size[0] * shape[1]).astype(int), 0, shape[1] - 1)
+    y = np.clip(((points[:, 1] + 0.5) / size[1] * shape[0]).astype(int), 0, shape[0] - 1)
+    return y, x
+
+
+def test_error_maps_agree_with_the_number(scene, cal):
+    points = scene.volume_correspondences(0, 1)
+    over_volume = []
+    for camera, error_map in enumerate(cal.error_maps):
+        assert error_map.shape == (24, 32)
+        known = error_map[np.isfinite(error_map)]
+        assert len(known)
+        assert (known > 0).all()
+        over_volume.append(error_map[cell_of(points[camera], scene.cameras[camera].size, error_map.shape)])
+    mean = np.nanmean(over_volume)
+    assert 0.5 * cal.expected_error < mean < 2.0 * cal.expected_error
+    # F is known better where things moved than in the worst corner.
+    assert np.nanmax(cal.error_maps[0]) > np.nanmedian(over_volume[0])
+
+
+def test_error_maps_are_nan_where_the_other_camera_sees_nothing(scene, cal):
+    width, height = scene.cameras[1].size
+    rows, columns = np.mgrid[:24, :32]
+    x = (columns + 0.5) * scene.cameras[0].size[0] / 32 - 0.5
+    y = (rows + 0.5) * scene.cameras[0].size[1] / 24 - 0.5
+    lines = np.stack([x, y, np.ones_like(x)], axis=-1) @ cal.F.T
+    corners = np.array([[0, 0, 1], [width - 1, 0, 1], [0, height - 1, 1], [width - 1, height - 1, 1]])
+    sides = lines @ corners.T
+    missed = (sides > 0).all(axis=-1) | (sides < 0).all(axis=-1)
+    assert (np.isnan(cal.error_maps[0]) == missed).all()
+
+
+def test_a_pair_without_an_answer_has_no_maps():
+    still = epibar.Recording.from_masks(np.zeros((40, 48, 64), bool), lines=50)
+    assert epibar.calibrate(still, still).error_maps is None
