@@ -219,7 +219,7 @@ class Calibration:
         EpibarError
             The arrays are something else, damaged, or of another format.
         """
-        nested = {"candidates": Candidates, "frontier_points": FrontierPoints}
+        nested = {"candidates": Candidates, "frontier_points": FrontierPoints, "timing": Timing}
         calibration = from_arrays(cls, nested, arrays, where)
         calibration._check(where)
         return calibration
