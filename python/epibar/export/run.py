@@ -53,6 +53,7 @@ class Pair:
     reason: str
     expected_error: float | None
     time_offset: float
+    frames_per_frame: float
     frontier_points: FrontierPoints
 
     @property
@@ -63,7 +64,9 @@ class Pair:
     @property
     def frames_b(self) -> NDArray[np.int64]:
         """Frame of B of each frontier point."""
-        return np.floor(self.frontier_points.frame + self.time_offset + 0.5).astype(np.int64)
+        return np.floor(self.time_offset + self.frames_per_frame * self.frontier_points.frame + 0.5).astype(
+            np.int64
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +157,7 @@ class Run:
                     calibration.reason,
                     calibration.expected_error,
                     calibration.time_offset,
+                    calibration.timing.frames_per_frame,
                     calibration.frontier_points,
                 )
             )
@@ -258,5 +262,6 @@ def _pair(pair: Mapping[str, Any], points: FrontierPoints) -> Pair:
         str(pair["reason"]),
         None if error is None else float(error),
         float(pair["time_offset"]),
+        float(pair["timing"]["frames_per_frame"]),
         points,
     )

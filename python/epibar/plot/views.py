@@ -87,7 +87,7 @@ def epipolar_lines(
 
 
 def _moment(calibration: Calibration, frame: int, rec_b: Recording) -> tuple[int, int]:
-    other = int(np.floor(frame + calibration.time_offset + 0.5))
+    other = int(np.floor(calibration.frame_of_b(frame) + 0.5))
     if not 0 <= other < rec_b.frames:
         raise EpibarError(f"frame = {frame}: camera B has no frame of that moment ({other})")
     return frame, other

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import math
 import platform
+from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -93,6 +94,7 @@ def pair_entry(a: str, b: str, calibration: Calibration) -> dict[str, Any]:
         "F": calibration.F,
         "expected_error": calibration.expected_error,
         "time_offset": calibration.time_offset,
+        "timing": asdict(calibration.timing),
         "method": calibration.method,
         "seed": calibration.seed,
         "counts": calibration.counts,

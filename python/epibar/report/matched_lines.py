@@ -41,7 +41,7 @@ def frames_to_show(recordings: tuple[Recording, Recording], calibration: Calibra
     a, b = recordings
     points = calibration.frontier_points.frame
     counts = np.bincount(points, minlength=a.frames) if len(points) else a.moving_pixels
-    moment = np.arange(a.frames) + round(calibration.time_offset)
+    moment = np.floor(calibration.frame_of_b(np.arange(a.frames)) + 0.5).astype(np.int64)
     shown = np.where((moment >= 0) & (moment < b.frames), counts[: a.frames].astype(np.int64), -1)
     frame = int(shown.argmax())
     return frame, int(np.clip(moment[frame], 0, b.frames - 1))

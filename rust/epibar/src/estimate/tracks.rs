@@ -1,7 +1,7 @@
 //! Silhouettes followed through time.
 //!
 //! A hull continues that of the frame before which it overlaps most, if both agree that they do and are about as
-//! tall. Where silhouettes merge or part a track ends: what is followed is one object, or one group.
+//! large. Where silhouettes merge or part a track ends: what is followed is one object, or one group.
 
 use super::views::View;
 
@@ -9,6 +9,8 @@ use super::views::View;
 const OVERLAP: f64 = 0.35;
 /// Largest ratio of their heights.
 const HEIGHT_RATIO: f64 = 1.25;
+/// Largest ratio of their areas.
+const AREA_RATIO: f64 = 1.5;
 
 /// Highest and lowest point of a silhouette, pixels.
 pub type Extremes = [[f64; 2]; 2];
@@ -60,9 +62,10 @@ impl Bounds {
         area / (self.area() + other.area() - area)
     }
 
-    fn as_tall(&self, other: &Self) -> bool {
-        let (p, q) = (self.high[1] - self.low[1] + 1.0, other.high[1] - other.low[1] + 1.0);
-        p.max(q) <= HEIGHT_RATIO * p.min(q)
+    fn as_large(&self, other: &Self) -> bool {
+        let height = |b: &Self| b.high[1] - b.low[1] + 1.0;
+        let within = |p: f64, q: f64, ratio: f64| p.max(q) <= ratio * p.min(q);
+        within(height(self), height(other), HEIGHT_RATIO) && within(self.area(), other.area(), AREA_RATIO)
     }
 }
 
@@ -103,7 +106,7 @@ pub fn tracks(view: &View, continues: impl Fn(usize) -> bool, shortest: usize) -
         for (k, (hull, b)) in hulls.iter().zip(&bounds).enumerate() {
             let previous = nearest(b, &mut before.iter().map(|(b, _)| *b)).filter(|&p| {
                 let (theirs, _) = &before[p];
-                theirs.as_tall(b) && nearest(theirs, &mut bounds.iter().copied()) == Some(k)
+                theirs.as_large(b) && nearest(theirs, &mut bounds.iter().copied()) == Some(k)
             });
             let track = previous.map_or_else(
                 || {

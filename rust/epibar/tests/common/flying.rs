@@ -146,7 +146,7 @@ pub fn hull(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 /// Sets the pixels whose centres lie inside a clockwise polygon.
-fn fill(mask: &mut [u8], width: usize, hull: &[[f64; 2]]) {
+pub fn fill(mask: &mut [u8], width: usize, hull: &[[f64; 2]]) {
     let height = mask.len() / width;
     let (low, high) = hull
         .iter()
