@@ -1,8 +1,8 @@
 """From one camera's video to a :class:`~epibar.recording.Recording`, streamed.
 
 decode -> foreground -> health check, undistort, pack: three threads, which overlap because OpenCV and the
-compiled recorder release the interpreter. A few frames are in the queues; the recorder keeps one block of packed
-bits.
+compiled recorder release the interpreter. A few frames are in the queues; the recorder keeps one block of
+packed bits.
 """
 
 from __future__ import annotations
