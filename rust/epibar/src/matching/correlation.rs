@@ -75,14 +75,21 @@ pub fn mutual_matches(a: &Barcodes, b: &Barcodes, mutual: usize, limit: usize) -
 fn matches_at(level: Level, a: &Barcodes, b: &Barcodes, mutual: usize, limit: usize) -> Vec<Match> {
     let (stats_a, stats_b) = (stats(a), stats(b));
     let (order_a, columns) = (by_ones(&stats_a), Columns::new(b, &stats_b, mutual));
-    let rows: Vec<BestFew> = order_a
-        .par_chunks(ROWS)
-        .map(|indices| {
-            let rows: Vec<Row> =
-                indices.iter().map(|&i| Row::new(a.row(i as usize), a.frames, stats_a[i as usize])).collect();
-            scan(level, a.frames as f32, indices, &rows, &columns, mutual)
+    let tasks: Vec<&[u32]> = order_a.chunks(ROWS).collect();
+    // Few and many ones in turn, so that all columns soon know good rows and can be skipped.
+    let mut turns: Vec<usize> = (0..tasks.len()).collect();
+    turns.sort_by_key(|task| task.reverse_bits());
+    let mut scanned: Vec<(usize, BestFew)> = turns
+        .into_par_iter()
+        .map(|task| {
+            let rows: Vec<Row> = tasks[task]
+                .iter()
+                .map(|&i| Row::new(a.row(i as usize), a.frames, stats_a[i as usize]))
+                .collect();
+            (task, scan(level, a.frames as f32, tasks[task], &rows, &columns, mutual))
         })
         .collect();
+    scanned.sort_by_key(|(task, _)| *task);
 
     let columns = columns.finish(b.count);
     let mut matches: Vec<Match> = order_a
@@ -90,7 +97,7 @@ fn matches_at(level: Level, a: &Barcodes, b: &Barcodes, mutual: usize, limit: us
         .enumerate()
         .flat_map(|(at, &i)| {
             let columns = &columns;
-            rows[at / ROWS].of(at % ROWS).enumerate().filter_map(move |(place, (correlation, j))| {
+            scanned[at / ROWS].1.of(at % ROWS).enumerate().filter_map(move |(place, (correlation, j))| {
                 let other = columns.place(j, i)?;
                 Some(Match { a: i, b: j, correlation, rank: place.max(other) as u32 })
             })
