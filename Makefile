@@ -2,6 +2,7 @@
 #
 #   make demo    render videos of a crowd, calibrate them, compare with the known answer
 #   make test    every test, Rust and Python
+#   make docs    the documentation site, into build/docs; warnings are errors
 #   make check   formatting, lints, type stubs, documentation
 #   make bench   speed of every stage, beside its limit and its peers; writes bench.json
 #   make paper   accuracy, in the settings of the paper
@@ -28,7 +29,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test check bench paper dist clean
+.PHONY: help build demo test docs check bench paper dist clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -64,6 +65,14 @@ check: build
 	$(BIN)/ruff format --check
 	$(BIN)/python -m mypy.stubtest epibar._core
 
+$(VENV)/.docs: pyproject.toml $(VENV)/.created
+	$(BIN)/python -m pip install $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"])')
+	touch $@
+
+docs: build $(VENV)/.docs
+	$(BIN)/python -m sphinx -W --keep-going --quiet --jobs auto docs build/docs
+	@echo "to read: build/docs/index.html"
+
 # What cannot be installed here is left out of the comparison.
 $(VENV)/.peers: pyproject.toml $(VENV)/.created
 	for peer in $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["bench"])'); do \
@@ -91,4 +100,4 @@ dist: $(VENV)/.tools
 	ls $(DIST)
 
 clean:
-	rm -rf target $(VENV) demo
+	rm -rf target $(VENV) demo build

@@ -51,6 +51,7 @@ def refused(calibration):
         frontier_points=none,
         shift_curve=(np.empty(0), np.empty(0)),
         candidates=epibar.Candidates(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), np.empty(0, bool)),
+        error_maps=None,
     )
 
 

@@ -233,7 +233,7 @@ def test_a_phone_shows_every_pair_without_scrolling_sideways(opened, pair):
 def test_every_chart_is_drawn_and_only_when_it_is_scrolled_to(opened):
     page = opened({"width": 1280, "height": 400})
     assert page.evaluate("window.Plotly === undefined")
-    assert drawn_charts(page) == 5  # barcodes, time shift, residuals, two heat maps
+    assert drawn_charts(page) == 7  # barcodes, time shift, residuals, two heat maps, two error maps
     titles = page.locator(".card h3").all_inner_texts()
     assert {"Motion barcodes of the lines", "Time shift", "Residuals of the frontier points"} <= set(titles)
 
