@@ -262,6 +262,6 @@ def _pair(pair: Mapping[str, Any], points: FrontierPoints) -> Pair:
         str(pair["reason"]),
         None if error is None else float(error),
         float(pair["time_offset"]),
-        float(pair["timing"]["frames_per_frame"]),
+        float(pair.get("timing", {}).get("frames_per_frame", 1.0)),
         points,
     )
