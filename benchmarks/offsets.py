@@ -238,7 +238,7 @@ def main() -> None:
     parser.add_argument(
         "--seeds", type=numbers, default=list(range(1, 51)), help="such as 1-50 (default) or 1,4"
     )
-    parser.add_argument("--frames", type=natural, default=1000, help="of A (default %(default)s)")
+    parser.add_argument("--frames", type=natural, default=1600, help="of A (default %(default)s)")
     parser.add_argument(
         "--draws", type=natural, default=10_000, help="of each source of hypotheses (default %(default)s)"
     )

@@ -33,6 +33,9 @@ pub const MEASURABLE_PPM: f64 = 100.0;
 const MAX_STEP: f64 = 1.5;
 /// The clock has settled where a round moves it by less, frames.
 const SETTLED: f64 = 0.005;
+/// A walker's outline is off in the same way for several steps.
+const BLOCK_SECONDS: f64 = 4.0;
+const MIN_BLOCKS: f64 = 30.0;
 /// Radii, pixels of a 640×480 image, at which tangents meet: the first, and the least.
 const RADII: [f64; 2] = [10.0, 1.5];
 
@@ -147,7 +150,8 @@ impl Fitter<'_> {
             row[7] = motion;
             row[8] = motion * rows.span.place(self.a.times[frame as usize]);
             let time = self.a.times[frame as usize];
-            rows.equations.push(Equation { residual, row, weight: p.surprise, second: time.floor() as i64 });
+            let block = (time / rows.span.block()).floor() as i64;
+            rows.equations.push(Equation { residual, row, weight: p.surprise, block });
         }
         if rows.equations.len() < MIN_POINTS {
             return None;
@@ -233,6 +237,11 @@ impl Span {
         (time - self.middle) / self.half
     }
 
+    /// Seconds that share their error; a short recording keeps enough of them to tell a spread.
+    fn block(&self) -> f64 {
+        BLOCK_SECONDS.min(2.0 * self.half / MIN_BLOCKS)
+    }
+
     /// A clock moved by `offset` frames in the middle, and by `drift` more at the end.
     fn stepped(&self, clock: Clock, offset: f64, drift: f64) -> Clock {
         Clock {
@@ -254,7 +263,7 @@ struct Equation {
     residual: f64,
     row: Row,
     weight: f64,
-    second: i64,
+    block: i64,
 }
 
 /// Linear equations in the seven parameters of `F`, the offset in the middle and the drift to the end, frames of B.
@@ -274,7 +283,7 @@ struct Fit {
 }
 
 impl Rows {
-    /// Robust least squares; the covariance takes what one second shares as one (as [`crate::verify::covariance`]).
+    /// Robust least squares; the covariance takes what a few seconds share as one (as [`crate::verify::covariance`]).
     fn fit(&self, with_rate: bool) -> Option<Fit> {
         const ROUNDS: usize = 8;
         let scale = 0.35 * self.radius;
@@ -298,9 +307,9 @@ impl Rows {
         }
         let mut meat = Nine::zeros();
         let mut count = 0.0;
-        for second in self.equations.chunk_by(|p, q| p.second == q.second) {
+        for block in self.equations.chunk_by(|p, q| p.block == q.block) {
             let mut gradient = Row::zeros();
-            for e in second {
+            for e in block {
                 let residual = e.residual + e.row.dot(&step);
                 gradient.axpy(e.weight * cauchy(residual, scale).1 * residual, &e.row, 1.0);
             }
