@@ -31,7 +31,7 @@ def run(args: Namespace) -> int:
         ),
         out=Path(args.out),
         record=record_options(args),
-        pair=PairOptions(args.method, args.seed, args.time_offset, not args.any_way_up),
+        pair=PairOptions(args.method, args.seed, args.time_offset, not args.any_way_up, args.search_seconds),
         intrinsics=args.intrinsics,
         fresh=args.fresh,
         report=args.report,

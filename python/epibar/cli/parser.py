@@ -62,6 +62,14 @@ def _add_calibrate(commands: argparse._SubParsersAction[argparse.ArgumentParser]
         help="frame i of the first camera is frame i + N of the second; 'search' finds it (default: 0)",
     )
     command.add_argument(
+        "--search-seconds",
+        type=_seconds,
+        default=21.0,
+        metavar="S",
+        help="how far either way '--time-offset search' looks; a wider search asks for more evidence "
+        "(default: %(default)g)",
+    )
+    command.add_argument(
         "--any-way-up", action="store_true", help="do not assume that all cameras are the right way up"
     )
     command.add_argument(
@@ -231,6 +239,16 @@ def _scheduler(text: str) -> str:
     if text == "local" or re.fullmatch(r"(tcp|tls)://[^\s/]+:\d+", text):
         return text
     raise argparse.ArgumentTypeError(f"{text!r} is neither 'local' nor an address like tcp://10.0.0.5:8786")
+
+
+def _seconds(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not (math.isfinite(number) and number > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of seconds")
+    return number
 
 
 def _time_offset(text: str) -> float | str:

@@ -10,7 +10,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
-from ..calibration import METHODS
+from ..calibration import METHODS, SEARCH_SECONDS
 from ..errors import EpibarError
 from ..foreground import METHODS as FOREGROUNDS
 from ..frame_range import FrameRange
@@ -48,6 +48,7 @@ class PairOptions:
     seed: int = 0
     time_offset: float | Literal["search"] = 0.0
     upright: bool = True
+    search_seconds: float = SEARCH_SECONDS
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:

@@ -72,6 +72,7 @@ def calibrate_pair(
         seed=options.seed,
         time_offset=options.time_offset,
         upright=options.upright,
+        search_seconds=options.search_seconds,
         progress=progress,
     )
     return calibration, time.perf_counter() - started

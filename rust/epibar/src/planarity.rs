@@ -26,7 +26,7 @@ const ROUNDS: usize = 6;
 
 type Match = (Vector3<f64>, Vector3<f64>);
 
-/// How far [`SHARE`] of the matched points lie from the best homography between the views, in widths of B's median
+/// How far four fifths of the matched points lie from the best homography between the views, in widths of B's median
 /// silhouette; infinite with too few points to tell.
 pub fn plane_residual(views: &Views, points: &[FrontierPoint]) -> f64 {
     let sizes = views.sizes();
