@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
+import epibar
 from epibar.errors import EpibarError
 from epibar.intrinsics import Intrinsics, MaskUndistorter, find_camera, load_cameras, write_cameras
 
@@ -185,3 +186,38 @@ def test_colour_images():
     difference = np.abs(lens.undistort_image(image).astype(int) - expected)
     assert np.median(difference) <= 2
     assert lens.undistort_image(image).shape == image.shape
+
+
+def disc_masks(tmp_path, count=40):
+    """Ready masks of a disc that crosses an image of 160x120, as a file."""
+    yy, xx = np.mgrid[:120, :160]
+    path = tmp_path / "cam.npz"
+    masks = [np.hypot(xx - 4 * index, yy - 60) < 14 for index in range(count)]
+    np.savez(path, masks=np.array(masks), fps=25.0)
+    return path
+
+
+def test_what_is_visible_is_what_the_lens_saw_and_nobody_ignored(tmp_path):
+    path = disc_masks(tmp_path)
+    matrix = [[130.0, 0, 75.0], [0, 127.0, 62.0], [0, 0, 1]]
+    pincushion = Intrinsics("cam", (160, 120), matrix, (0.4, 0.0, 0.0, 0.0))
+    undistort = MaskUndistorter(pincushion)
+    ignore = np.zeros((120, 160), bool)
+    ignore[:, 90:] = True
+    lens = epibar.record(path, masks=True, lines=50, intrinsics=pincushion)
+    both = epibar.record(path, masks=True, lines=50, intrinsics=pincushion, ignore=ignore)
+    square = np.ones((5, 5), np.uint8)
+    assert not undistort.valid.all()
+    assert np.array_equal(lens.visible, cv2.erode(undistort.valid, square))
+    # The edge of what is ignored is bent like everything else, and two pixels beside it are not visible.
+    edge = np.stack([np.full(91, 89.5), np.arange(15.0, 106.0)], axis=1)
+    straight = cv2.undistortPoints(
+        edge[:, None], pincushion.matrix, pincushion.distortions, P=pincushion.matrix
+    )
+    ends = [np.flatnonzero(both.visible[round(y)]).max() + 0.5 for _, y in straight[:, 0]]
+    assert np.ptp(ends) >= 1
+    assert np.abs(straight[:, 0, 0] - 2 - ends).max() < 1
+    assert not (both.visible & ~lens.visible).any()
+    # A lens that fills the image hides nothing.
+    barrel = Intrinsics("cam", (160, 120), matrix, (-0.3, 0.1, 0.0, 0.0))
+    assert epibar.record(path, masks=True, lines=50, intrinsics=barrel).visible is None

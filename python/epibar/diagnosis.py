@@ -81,7 +81,7 @@ class Diagnosis:
     silhouettes : int
         Over all frames.
     cut : float
-        Share of them that the border of the image cuts.
+        Share of them that the border of the image cuts, or the edge of what is visible in it.
     health : dict of str to float
         What was counted while the video was watched; empty for ready masks.
     findings : tuple of Finding

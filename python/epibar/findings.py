@@ -222,7 +222,7 @@ def motion_findings(seen: Diagnosis) -> list[Finding]:
         found.append(
             Finding(
                 "cut",
-                f"the border of the image cuts {seen.cut:.0%} of the silhouettes, and cut outlines say "
+                f"the border of what is seen cuts {seen.cut:.0%} of the silhouettes, and cut outlines say "
                 "little; move the camera back, or zoom out",
                 serious=False,
             )

@@ -33,6 +33,9 @@ Mask = NDArray[np.uint8]
 Moment = tuple[float, Mask]
 Stream = Generator[Moment, None, None]
 
+EDGE = 5
+"""Pixels; the square that the visible area is eroded by, since outlines at its edge are those of the view."""
+
 
 def record(
     path: str | os.PathLike[str],
@@ -103,11 +106,14 @@ def record(
         name = name or source.name
         if isinstance(intrinsics, (str, os.PathLike)):
             intrinsics = intrinsics_of(intrinsics, name)
+        if ignore is None and isinstance(foreground, ForegroundOptions) and not masks:
+            ignore = foreground.ignore
         hidden = _ignore_mask(ignore, source.size)
         undistort = None
         if intrinsics is not None:
             undistort = MaskUndistorter(intrinsics, source.size, name)
-        recorder = new_recorder(source.width, source.height, lines, seed, MIN_COMPONENT_AREA)
+        visible = _visible_area(undistort, hidden)
+        recorder = new_recorder(source.width, source.height, lines, seed, MIN_COMPONENT_AREA, visible)
         health = CameraHealth(name, ignore=hidden)
         if masks:
             stream = _ready_masks(source, hidden)
@@ -211,3 +217,16 @@ def _ignore_mask(ignore: str | os.PathLike[str] | NDArray[Any] | None, size: tup
         found = "x".join(map(str, image.shape[::-1]))
         raise EpibarError(f"{where}: {found} pixels, but the frames are {size[0]}x{size[1]}")
     return (image != 0).astype(np.uint8)
+
+
+def _visible_area(undistort: MaskUndistorter | None, hidden: Mask | None) -> Mask | None:
+    """Where motion is seen and counted, in pixels of the recording, without its edge; None if everywhere."""
+    import cv2
+
+    seen = None if hidden is None else 1 - hidden
+    if undistort is not None:
+        seen = undistort.valid if seen is None else undistort.valid & undistort(seen)
+    if seen is None or seen.all():
+        return None
+    visible: Mask = cv2.erode(seen, np.ones((EDGE, EDGE), np.uint8))  # type: ignore[assignment]
+    return visible

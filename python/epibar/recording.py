@@ -179,6 +179,14 @@ class Recording:
         return self._core.moving_pixels
 
     @property
+    def visible(self) -> NDArray[np.uint8] | None:
+        """Where motion can be seen, (H, W), non-zero; None where that is all of the image.
+
+        Outlines that end elsewhere are those of the view, not of what moves, and give no frontier points.
+        """
+        return self._core.visible
+
+    @property
     def size(self) -> tuple[int, int]:
         """Width and height, pixels."""
         return self._core.width, self._core.height
@@ -286,8 +294,15 @@ def _unpickled(arrays: dict[str, NDArray[Any]]) -> Recording:
     return Recording.from_arrays(aligned, "pickled recording")
 
 
-def new_recorder(width: int, height: int, lines: int, seed: int, min_component_area: int) -> _core.Recorder:
-    """Make a recorder, with every argument checked."""
+def new_recorder(
+    width: int,
+    height: int,
+    lines: int,
+    seed: int,
+    min_component_area: int,
+    visible: NDArray[np.uint8] | None = None,
+) -> _core.Recorder:
+    """Make a recorder, with every argument checked; ``visible`` as in :attr:`Recording.visible`."""
     with core_errors():
         return _core.Recorder(
             width,
@@ -295,4 +310,5 @@ def new_recorder(width: int, height: int, lines: int, seed: int, min_component_a
             as_whole_number("lines", lines, 1, MAX_LINES),
             as_whole_number("seed", seed, 0, MAX_SEED),
             as_whole_number("min_component_area", min_component_area, 1),
+            visible,
         )

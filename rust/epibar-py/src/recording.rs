@@ -25,16 +25,29 @@ fn finished() -> PyErr {
 #[pymethods]
 impl Recorder {
     #[new]
+    #[pyo3(signature = (width, height, lines, seed, min_component_area, visible=None))]
     fn new(
         width: usize,
         height: usize,
         lines: usize,
         seed: u64,
         min_component_area: usize,
+        visible: Option<PyReadonlyArrayDyn<'_, u8>>,
     ) -> PyResult<Self> {
         let size = ImageSize::new(width, height).map_err(|error| to_python_error(&error))?;
         let options = RecorderOptions { lines, seed, min_component_area };
-        let inner = epibar::Recorder::new(size, options).map_err(|error| to_python_error(&error))?;
+        let mut inner = epibar::Recorder::new(size, options).map_err(|error| to_python_error(&error))?;
+        if let Some(visible) = visible {
+            let pixels = slice("visible", &visible, 2)?;
+            if visible.shape() != [height, width] {
+                return Err(PyValueError::new_err(format!(
+                    "visible is {}x{}, but the recording is {width}x{height}: both must have the same size",
+                    visible.shape()[1],
+                    visible.shape()[0],
+                )));
+            }
+            inner = inner.with_visible(pixels).map_err(|error| to_python_error(&error))?;
+        }
         Ok(Self { inner: Some(inner), shape: [height, width] })
     }
 
@@ -118,6 +131,13 @@ impl Recording {
         self.inner.moving_pixels.clone().into_pyarray(py)
     }
 
+    #[getter]
+    fn visible<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
+        let size = self.inner.size;
+        let area = self.inner.visible.as_ref();
+        area.map(|pixels| pixels.to_vec().into_pyarray(py).reshape([size.height, size.width])).transpose()
+    }
+
     fn hulls<'py>(&self, py: Python<'py>, frame: usize) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
         if frame >= self.inner.frames() {
             return Err(PyIndexError::new_err(format!(
@@ -143,6 +163,9 @@ impl Recording {
         arrays.set_item("barcodes", self.barcodes(py)?)?;
         arrays.set_item("heat", self.heat(py)?)?;
         arrays.set_item("moving_pixels", self.moving_pixels(py))?;
+        if let Some(visible) = self.visible(py)? {
+            arrays.set_item("visible", visible)?;
+        }
         arrays.set_item("frame_start", silhouettes.frame_start.clone().into_pyarray(py))?;
         arrays.set_item("hull_start", silhouettes.hull_start.clone().into_pyarray(py))?;
         arrays.set_item("hull_points", rows(py, silhouettes.points.iter().copied())?)?;
@@ -174,6 +197,8 @@ impl Recording {
             area: flat(arrays, "hull_area", 1)?,
             border: flat(arrays, "hull_border", 1)?,
         };
+        let visible =
+            if arrays.contains("visible")? { Some(flat::<u8>(arrays, "visible", 2)?) } else { None };
         let inner = epibar::Recording {
             size,
             times,
@@ -182,6 +207,7 @@ impl Recording {
             silhouettes,
             heat: flat(arrays, "heat", 2)?,
             moving_pixels: flat(arrays, "moving_pixels", 1)?,
+            visible: visible.map(Into::into),
             seed: *seed,
         };
         enter(py, || inner.validate())?;

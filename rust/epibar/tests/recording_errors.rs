@@ -71,7 +71,7 @@ fn masks_and_segments_that_do_not_fit() {
 #[test]
 fn every_kind_of_damage_is_found() {
     recording().validate().unwrap();
-    let damages: [(&str, Damage); 24] = [
+    let damages: [(&str, Damage); 25] = [
         ("times order", |r| r.times.swap(3, 4)),
         ("times finite", |r| r.times[69] = f64::INFINITY),
         ("times length", |r| r.times.truncate(69)),
@@ -98,6 +98,7 @@ fn every_kind_of_damage_is_found() {
         ("point range", |r| r.silhouettes.points[4] = [12, 3]),
         ("area", |r| r.silhouettes.area[0] = 0),
         ("border", |r| r.silhouettes.border.truncate(3)),
+        ("visible", |r| r.visible = Some(vec![1; 107].into())),
     ];
     for (name, damage) in damages {
         let mut damaged = recording();

@@ -20,7 +20,7 @@ pub type Extremes = [[f64; 2]; 2];
 pub struct Track {
     /// Index of its first frame.
     pub start: usize,
-    /// For each frame from there on its top and bottom; `None` where the image border cuts one off.
+    /// For each frame from there on its top and bottom; `None` where the view ends at one.
     pub extremes: Vec<Option<Extremes>>,
 }
 
@@ -69,17 +69,16 @@ impl Bounds {
     }
 }
 
-/// Highest and lowest vertex of a hull, the middle of them where several are level; `None` where one lies on the
-/// image border.
+/// Highest and lowest vertex of a hull, the middle of them where several are level; `None` where the view ends at
+/// one of them.
 pub fn extremes(view: &View, hull: &[[f64; 2]]) -> Option<Extremes> {
     let extreme = |sign: f64| {
         let y = hull.iter().map(|p| sign * p[1]).fold(f64::INFINITY, f64::min);
-        let (sum, count) =
-            hull.iter().filter(|p| sign * p[1] == y).fold((0.0, 0.0), |(s, n), p| (s + p[0], n + 1.0));
-        [sum / count, sign * y]
+        let level = || hull.iter().filter(|p| sign * p[1] == y);
+        let (sum, count) = level().fold((0.0, 0.0), |(s, n), p| (s + p[0], n + 1.0));
+        level().all(|&p| !view.on_border(p)).then_some([sum / count, sign * y])
     };
-    let (top, bottom) = (extreme(1.0), extreme(-1.0));
-    (!view.on_border(top) && !view.on_border(bottom)).then_some([top, bottom])
+    Some([extreme(1.0)?, extreme(-1.0)?])
 }
 
 /// All tracks of a view of at least `shortest` frames; `continues(t)` tells whether frame `t + 1` of the view follows

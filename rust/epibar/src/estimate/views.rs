@@ -1,7 +1,8 @@
 //! Silhouettes of two cameras on one time line, ready for epipolar tangents.
 
 use crate::line::ImageSize;
-use crate::recording::Recording;
+use crate::recording::{Recording, visible};
+use std::sync::Arc;
 
 /// Hulls of one camera, frame by frame, vertices as floating point.
 #[derive(Debug, Clone)]
@@ -14,13 +15,24 @@ pub struct View {
     hull_start: Vec<u32>,
     /// Vertices, pixels.
     vertices: Vec<[f64; 2]>,
+    /// For each pixel 0 where nothing is seen to move; `None` where all is visible.
+    visible: Option<Arc<[u8]>>,
 }
 
 impl View {
+    fn empty(recording: &Recording) -> Self {
+        Self {
+            size: recording.size,
+            frame_start: vec![0],
+            hull_start: vec![0],
+            vertices: Vec::new(),
+            visible: recording.visible.clone(),
+        }
+    }
+
     fn new(recording: &Recording, frames: impl Iterator<Item = u32>) -> Self {
         let silhouettes = &recording.silhouettes;
-        let mut view =
-            Self { size: recording.size, frame_start: vec![0], hull_start: vec![0], vertices: Vec::new() };
+        let mut view = Self::empty(recording);
         for frame in frames {
             for hull in silhouettes.hulls(frame as usize) {
                 let points = silhouettes.hull(hull);
@@ -34,9 +46,9 @@ impl View {
         view
     }
 
-    /// From hulls drawn elsewhere, frame by frame, each of at least three vertices.
-    fn of_hulls(size: ImageSize, frames: impl Iterator<Item = Vec<Vec<[f64; 2]>>>) -> Self {
-        let mut view = Self { size, frame_start: vec![0], hull_start: vec![0], vertices: Vec::new() };
+    /// From hulls of a recording drawn elsewhere, frame by frame, each of at least three vertices.
+    fn of_hulls(recording: &Recording, frames: impl Iterator<Item = Vec<Vec<[f64; 2]>>>) -> Self {
+        let mut view = Self::empty(recording);
         for hulls in frames {
             for hull in hulls {
                 view.vertices.extend(hull);
@@ -64,9 +76,10 @@ impl View {
         })
     }
 
-    /// Whether a vertex lies on the image border, where a silhouette ends because the image does.
+    /// Whether a vertex lies where a silhouette ends because the view does: on the image border, or at the edge of
+    /// what is visible.
     pub fn on_border(&self, p: [f64; 2]) -> bool {
-        p[0] < 0.5 || p[1] < 0.5 || p[0] > self.size.x_max() - 0.5 || p[1] > self.size.y_max() - 0.5
+        visible::on_border(self.size, self.visible.as_deref(), p)
     }
 }
 
@@ -103,7 +116,7 @@ impl Views {
     ) -> Self {
         Self {
             a: View::new(a, frame_pairs.iter().map(|p| p.0)),
-            b: View::of_hulls(b.size, frame_pairs.iter().map(|p| hulls_of_b(p.0))),
+            b: View::of_hulls(b, frame_pairs.iter().map(|p| hulls_of_b(p.0))),
             frame_pairs: frame_pairs.to_vec(),
         }
     }

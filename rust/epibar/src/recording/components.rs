@@ -43,16 +43,6 @@ pub struct Component {
     runs: (u32, u32),
 }
 
-impl Component {
-    /// Whether a pixel of the component is on the border of the image.
-    pub fn touches_border(&self, size: ImageSize) -> bool {
-        self.x_min == 0
-            || self.y_min == 0
-            || usize::from(self.x_max) + 1 == size.width
-            || usize::from(self.y_max) + 1 == size.height
-    }
-}
-
 /// The runs and components of one mask; memory is kept from mask to mask.
 #[derive(Debug, Clone, Default)]
 pub struct Components {
@@ -214,28 +204,25 @@ fn skip(row: &[u8], mut x: usize, predicate: impl Fn(u8) -> bool) -> usize {
 mod tests {
     use super::*;
 
-    fn find(rows: &[&str]) -> (Components, ImageSize) {
+    fn find(rows: &[&str]) -> Components {
         let size = ImageSize::new(rows[0].len(), rows.len()).unwrap();
         let mask: Vec<u8> = rows.concat().bytes().map(|c| u8::from(c == b'#')).collect();
         let mut components = Components::new();
         components.find(&mask, size);
-        (components, size)
+        components
     }
 
     #[test]
     fn corners_connect_and_arms_join_late() {
-        let (found, size) = find(&[
+        let found = find(&[
             "#...#....#", //
             "#...#...#.",
             "#...#.....",
             "#####..##.",
         ]);
-        let summary: Vec<_> = found
-            .components()
-            .iter()
-            .map(|c| (c.area, [c.x_min, c.x_max, c.y_min, c.y_max], c.touches_border(size)))
-            .collect();
-        assert_eq!(summary, [(11, [0, 4, 0, 3], true), (2, [8, 9, 0, 1], true), (2, [7, 8, 3, 3], true)]);
+        let summary: Vec<_> =
+            found.components().iter().map(|c| (c.area, [c.x_min, c.x_max, c.y_min, c.y_max])).collect();
+        assert_eq!(summary, [(11, [0, 4, 0, 3]), (2, [8, 9, 0, 1]), (2, [7, 8, 3, 3])]);
         let joined = found.runs_of(&found.components()[0]);
         assert_eq!(joined.len(), 7);
         assert!(joined.is_sorted_by_key(|run| (run.y, run.x_first)));
@@ -244,9 +231,8 @@ mod tests {
 
     #[test]
     fn rows_apart_do_not_connect() {
-        let (found, size) = find(&["......", ".###..", "......", ".###..", "......"]);
+        let found = find(&["......", ".###..", "......", ".###..", "......"]);
         assert_eq!(found.components().len(), 2);
-        assert!(!found.components().iter().any(|c| c.touches_border(size)));
     }
 
     #[test]

@@ -21,6 +21,7 @@ pub mod sampling;
 pub mod silhouettes;
 pub mod traversal;
 mod validate;
+pub mod visible;
 
 pub use barcode::{Barcodes, Informative, barcodes_of_segments};
 pub use recorder::{Recorder, RecorderOptions};
@@ -28,6 +29,7 @@ pub use sampling::border_segments;
 pub use silhouettes::Silhouettes;
 
 use crate::line::{ImageSize, Segment};
+use std::sync::Arc;
 
 /// What one camera saw move. It holds no image, and no frame of it is needed again.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +48,9 @@ pub struct Recording {
     pub heat: Vec<u32>,
     /// For each frame the number of moving pixels.
     pub moving_pixels: Vec<u32>,
+    /// For each pixel, row-major, 0 where the camera does not see what moves; `None` where it sees all of the
+    /// image. Silhouettes that end there have no tangents there.
+    pub visible: Option<Arc<[u8]>>,
     /// The seed of the lines.
     pub seed: u64,
 }

@@ -10,6 +10,7 @@ use super::components::Components;
 use super::{Barcodes, Recording, Silhouettes, border_segments};
 use crate::line::{ImageSize, Segment};
 use crate::{Error, Result};
+use std::sync::Arc;
 
 /// Most lines a recorder takes: their barcodes are 64 bytes each per 512 frames.
 const MAX_LINES: usize = 10_000_000;
@@ -74,6 +75,7 @@ pub struct Recorder {
     silhouettes: Silhouettes,
     heat: Vec<u32>,
     moving_pixels: Vec<u32>,
+    visible: Option<Arc<[u8]>>,
 }
 
 /// Motion of all pixels on its way into barcodes.
@@ -116,7 +118,34 @@ impl Recorder {
             silhouettes: Silhouettes::default(),
             heat: vec![0; size.pixels()],
             moving_pixels: Vec::new(),
+            visible: None,
         })
+    }
+
+    /// With the area in which this camera can see something move: a row-major mask, 0 where it cannot, because
+    /// undistortion left no image there or because motion there is not counted. A silhouette that ends on such a
+    /// pixel is cut, as it is on the border of the image, so the area should leave out a pixel or two beside its edge.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for an area of another size, [`Error::Argument`] after the first frame.
+    pub fn with_visible(mut self, visible: &[u8]) -> Result<Self> {
+        if visible.len() != self.size.pixels() {
+            return Err(Error::Length {
+                what: "visible must have as many pixels as the recording",
+                left: visible.len(),
+                right: self.size.pixels(),
+            });
+        }
+        if !self.times.is_empty() {
+            return Err(Error::Argument {
+                name: "visible",
+                value: format!("given after {} frames", self.times.len()),
+                expected: "must be given before the first frame",
+            });
+        }
+        let somewhere_not = visible.contains(&0);
+        self.visible = somewhere_not.then(|| visible.iter().map(|&v| u8::from(v != 0)).collect());
+        Ok(self)
     }
 
     /// Adds a frame: a row-major mask, non-zero where something moves, and its time in seconds.
@@ -141,7 +170,7 @@ impl Recorder {
         }
         self.found.find(mask, self.size);
         let least = self.options.min_component_area;
-        self.silhouettes.push(&self.found, self.size, least)?;
+        self.silhouettes.push(&self.found, self.size, self.visible.as_deref(), least)?;
         let bit = frame % BLOCK_FRAMES;
         let pixels = self.pixels.get_or_insert_with(|| Pixels::new(self.size));
         let mut moving = 0;
@@ -186,6 +215,7 @@ impl Recorder {
             silhouettes: self.silhouettes,
             heat: self.heat,
             moving_pixels: self.moving_pixels,
+            visible: self.visible,
             seed: self.options.seed,
         })
     }

@@ -5,6 +5,7 @@
 
 use super::components::Components;
 use super::hull::convex_hull;
+use super::visible::on_border;
 use crate::line::{ImageSize, Line};
 use crate::{Error, Result};
 use std::ops::Range;
@@ -20,8 +21,8 @@ pub struct Silhouettes {
     pub points: Vec<[u16; 2]>,
     /// Pixels of the component of each hull.
     pub area: Vec<u32>,
-    /// Whether the component of each hull touches the border of the image. Its tangents there are the
-    /// border's, not the object's.
+    /// Whether a vertex of each hull is where the view ends: its tangents there are the view's, not the
+    /// object's.
     pub border: Vec<bool>,
 }
 
@@ -96,13 +97,21 @@ impl Silhouettes {
     }
 
     /// Adds a frame with those components that have `min_area` pixels.
-    pub(super) fn push(&mut self, found: &Components, size: ImageSize, min_area: usize) -> Result<()> {
+    pub(super) fn push(
+        &mut self,
+        found: &Components,
+        size: ImageSize,
+        visible: Option<&[u8]>,
+        min_area: usize,
+    ) -> Result<()> {
         for component in found.components() {
             if component.area as usize >= min_area {
+                let first = self.points.len();
                 convex_hull(found.runs_of(component), &mut self.points);
+                let cut = |p: &[u16; 2]| on_border(size, visible, p.map(f64::from));
+                self.border.push(self.points[first..].iter().any(cut));
                 self.hull_start.push(offset(self.points.len())?);
                 self.area.push(component.area);
-                self.border.push(component.touches_border(size));
             }
         }
         self.frame_start.push(offset(self.area.len())?);
@@ -135,7 +144,7 @@ mod tests {
         square[0] = 1;
         for mask in [&square[..], &[0; 200], &square] {
             found.find(mask, size);
-            silhouettes.push(&found, size, 2).unwrap();
+            silhouettes.push(&found, size, None, 2).unwrap();
         }
         assert_eq!((silhouettes.frames(), silhouettes.len()), (3, 2));
         assert_eq!(silhouettes.hulls(1), 1..1);

@@ -38,6 +38,9 @@ impl Recording {
         ensure_length("frames of silhouettes", self.silhouettes.frames(), frames)?;
         self.silhouettes.validate(self.size)?;
 
+        if let Some(visible) = &self.visible {
+            ensure_length("pixels of the visible area", visible.len(), pixels)?;
+        }
         ensure_length("pixels of the heat map", self.heat.len(), pixels)?;
         ensure_length("counts of moving pixels", self.moving_pixels.len(), frames)?;
         let heat_fits = self.heat.iter().all(|&heat| heat as usize <= frames);
