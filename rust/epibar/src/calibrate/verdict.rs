@@ -122,7 +122,7 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 }
 
 /// Evidence below this standard score on held-out frames is none.
-pub(super) const MIN_Z: f64 = 8.0;
+pub(super) const MIN_Z: f64 = 10.0;
 /// Below this share of A's tangents that meet one of B, an `F` is not the geometry of the scene.
 const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
