@@ -127,7 +127,7 @@ pub(super) const MIN_Z: f64 = 10.0;
 const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
 /// baseline.
-const MIN_DEPTH: f64 = 1.0;
+const MIN_DEPTH: f64 = 0.3;
 /// A class of tangents below this standard score matches no better than chance.
 const MIN_CLASS_Z: f64 = 2.0;
 /// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
