@@ -53,8 +53,8 @@ class Pair:
     reason: str
     expected_error: float | None
     time_offset: float
-    frames_per_frame: float
     frontier_points: FrontierPoints
+    frames_per_frame: float = 1.0
 
     @property
     def name(self) -> str:
@@ -157,8 +157,8 @@ class Run:
                     calibration.reason,
                     calibration.expected_error,
                     calibration.time_offset,
-                    calibration.timing.frames_per_frame,
                     calibration.frontier_points,
+                    calibration.timing.frames_per_frame,
                 )
             )
         cameras = [
@@ -262,6 +262,6 @@ def _pair(pair: Mapping[str, Any], points: FrontierPoints) -> Pair:
         str(pair["reason"]),
         None if error is None else float(error),
         float(pair["time_offset"]),
-        float(pair.get("timing", {}).get("frames_per_frame", 1.0)),
         points,
+        float(pair.get("timing", {}).get("frames_per_frame", 1.0)),
     )
