@@ -1,23 +1,17 @@
-"""What the measuring programs share: scenes by name, recording, errors against the truth, tables, JSON."""
+"""What the measuring programs share: scenes by name, recording, errors against the truth."""
 
 from __future__ import annotations
 
-import json
 import math
-import platform
-import sys
 import time
-from argparse import ArgumentParser, ArgumentTypeError, Namespace
-from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
-from importlib.metadata import version
+from dataclasses import dataclass
 from itertools import combinations
-from pathlib import Path
-from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from options import Method
+from tables import percent, px
 
 import epibar
 from epibar import synthetic
@@ -29,12 +23,6 @@ from epibar.synthetic import LOW_CAMERAS, Scene
 Array = NDArray[np.float64]
 Mask = NDArray[np.uint8]
 
-Method = Literal["frontier", "lines"]
-METHODS: dict[str, tuple[Method, ...]] = {
-    "frontier": ("frontier",),
-    "lines": ("lines",),
-    "both": ("lines", "frontier"),
-}
 FACTORS = (1, 2, 3)
 """Multiples of the stated expected error that the true error is held against."""
 
@@ -154,7 +142,7 @@ def measure(
         accepted=cal.accepted,
         kind=cal.kind,
         reason=cal.reason,
-        source=getattr(cal, "source", "unknown"),
+        source=cal.source,
         error=error,
         image_error=image_error,
         volume_points=len(volume[0]),
@@ -188,140 +176,3 @@ def measure_scene(
             if watch is not None:
                 watch(outcomes[-1])
     return outcomes
-
-
-# --- summaries ---
-
-
-def mean(values: Iterable[float]) -> float:
-    """Mean of what is not NaN; NaN of nothing."""
-    kept = [value for value in values if not math.isnan(value)]
-    return sum(kept) / len(kept) if kept else math.nan
-
-
-def worst(values: Iterable[float]) -> float:
-    """Largest of what is not NaN; NaN of nothing."""
-    return max((value for value in values if not math.isnan(value)), default=math.nan)
-
-
-def counted(words: Iterable[str]) -> str:
-    """Words with how often each came, most frequent first."""
-    return ", ".join(f"{word} {count}" for word, count in Counter(words).most_common())
-
-
-def px(value: float, digits: int = 2) -> str:
-    """Pixels for a table; three digits where two would hide a small error."""
-    if math.isnan(value):
-        return "-"
-    return f"{value:.{3 if abs(value) < 0.1 else digits}f}" if math.isfinite(value) else "inf"
-
-
-def percent(share: float, digits: int = 1) -> str:
-    """A share for a table."""
-    return "-" if math.isnan(share) else f"{100 * share:.{digits}f} %"
-
-
-def table(header: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
-    """Set a table in Markdown, its columns aligned; the first to the left, the others to the right."""
-    cells = [list(header), *([str(cell) for cell in row] for row in rows)]
-    widths = [max(3, *(len(row[column]) for row in cells)) for column in range(len(header))]
-
-    def line(row: Sequence[str]) -> str:
-        padded = [
-            cell.ljust(width) if column == 0 else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        return "| " + " | ".join(padded) + " |"
-
-    rule = [("-" * width) if column == 0 else "-" * (width - 1) + ":" for column, width in enumerate(widths)]
-    return "\n".join([line(cells[0]), line(rule), *map(line, cells[1:])])
-
-
-# --- command line and files ---
-
-
-def numbers(text: str) -> list[int]:
-    """Read ``1-5``, ``1,4,7`` or a mixture as a list of whole numbers."""
-    found: list[int] = []
-    try:
-        for part in text.split(","):
-            low, _, high = part.partition("-")
-            found += range(int(low), int(high or low) + 1)
-    except ValueError:
-        raise ArgumentTypeError(f"{text!r}: expected numbers such as 1-5 or 1,4,7") from None
-    if not found:
-        raise ArgumentTypeError(f"{text!r}: no number in it")
-    return found
-
-
-def names_of(known: Iterable[str]) -> Callable[[str], list[str]]:
-    """Make a reader of a list of names, each of which must be known."""
-    allowed = list(known)
-
-    def read(text: str) -> list[str]:
-        found = [name.strip() for name in text.split(",") if name.strip()]
-        for name in found:
-            if name not in allowed:
-                raise ArgumentTypeError(f"{name!r}: choose from {', '.join(allowed)}")
-        return found
-
-    return read
-
-
-def natural(text: str) -> int:
-    """Read a whole number of at least 1."""
-    if not text.isdigit() or int(text) < 1:
-        raise ArgumentTypeError(f"{text!r}: expected a whole number of at least 1")
-    return int(text)
-
-
-def add_common(parser: ArgumentParser, lines: int) -> None:
-    """Add the options that every program has."""
-    parser.add_argument(
-        "--lines", type=natural, default=lines, help="random lines per camera (default %(default)s)"
-    )
-    parser.add_argument(
-        "--json", type=Path, metavar="FILE", help="write every outcome and the summary there too"
-    )
-    parser.add_argument("--verbose", action="store_true", help="print every pair as it is done")
-
-
-def settings(args: Namespace) -> dict[str, Any]:
-    """Everything that the figures depend on."""
-    return {
-        "command": " ".join(["python", *sys.argv]),
-        "arguments": {
-            key: str(value) if isinstance(value, Path) else value for key, value in vars(args).items()
-        },
-        "epibar": version("epibar"),
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "machine": platform.machine(),
-    }
-
-
-def write_json(path: Path | None, args: Namespace, outcomes: Iterable[object], summary: object) -> None:
-    """Write settings, outcomes (dataclasses or dicts) and summary; NaN and infinity become null."""
-    if path is None:
-        return
-    rows = [item if isinstance(item, dict) else asdict(item) for item in outcomes]  # type: ignore[call-overload]
-    content = _strict({**settings(args), "summary": summary, "outcomes": rows})
-    path.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def _strict(value: Any) -> Any:
-    """Turn a value into what strict JSON can hold."""
-    if isinstance(value, dict):
-        return {str(key): _strict(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_strict(item) for item in value]
-    if isinstance(value, np.ndarray):
-        return _strict(value.tolist())
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def progress(text: str) -> None:
-    """Say on stderr how far it is, so that stdout holds only results."""
-    print(text, file=sys.stderr, flush=True)

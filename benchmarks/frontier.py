@@ -5,25 +5,9 @@ from __future__ import annotations
 from argparse import ArgumentParser
 from itertools import groupby
 
-from common import (
-    FACTORS,
-    METHODS,
-    SCENES,
-    Outcome,
-    add_common,
-    counted,
-    mean,
-    measure_scene,
-    names_of,
-    natural,
-    numbers,
-    percent,
-    progress,
-    px,
-    table,
-    worst,
-    write_json,
-)
+from common import FACTORS, SCENES, Outcome, measure_scene
+from options import METHODS, add_common, add_first_pairs, add_frames, add_method, add_names, add_seeds
+from tables import counted, mean, percent, progress, px, table, worst, write_json
 
 HEADER = [
     "scene",
@@ -112,13 +96,11 @@ def summaries(outcomes: list[Outcome]) -> list[dict[str, object]]:
 def main() -> None:
     parser = ArgumentParser(description=__doc__)
     add_common(parser, lines=20_000)
-    parser.add_argument(
-        "--scenes", type=names_of(SCENES), default=list(SCENES), help="some of: " + ",".join(SCENES)
-    )
-    parser.add_argument("--seeds", type=numbers, default=[1, 2, 3, 4, 5], help="such as 1-5 (default) or 1,4")
-    parser.add_argument("--method", choices=METHODS, default="frontier")
-    parser.add_argument("--frames", type=natural, default=800, help="per camera (default %(default)s)")
-    parser.add_argument("--pairs", type=natural, help="only the first so many pairs of each scene and seed")
+    add_names(parser, "--scenes", SCENES)
+    add_seeds(parser, 5)
+    add_method(parser)
+    add_frames(parser, 800)
+    add_first_pairs(parser)
     args = parser.parse_args()
 
     outcomes: list[Outcome] = []

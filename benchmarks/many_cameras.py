@@ -13,7 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from common import add_common, natural, progress, table, write_json
+from options import add_common, add_frames, natural
+from tables import progress, table, write_json
 
 import epibar
 from epibar import synthetic
@@ -112,7 +113,7 @@ def main() -> None:
     parser.add_argument("--cameras", type=natural, default=20, help="default: %(default)s")
     parser.add_argument("--scene", choices=("cubes", "people"), default="cubes", help="default: %(default)s")
     parser.add_argument("--size", type=image_size, default=(160, 120), metavar="WxH", help="default: 160x120")
-    parser.add_argument("--frames", type=natural, default=200, help="default: %(default)s")
+    add_frames(parser, 200)
     parser.add_argument("--seed", type=int, default=3, help="default: %(default)s")
     parser.add_argument(
         "--method", choices=METHODS, default="lines", help="default: %(default)s, the quicker"

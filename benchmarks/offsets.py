@@ -10,20 +10,9 @@ from dataclasses import dataclass
 from itertools import groupby
 
 import numpy as np
-from common import (
-    add_common,
-    mean,
-    names_of,
-    natural,
-    numbers,
-    percent,
-    progress,
-    px,
-    record_masks,
-    table,
-    worst,
-    write_json,
-)
+from common import record_masks
+from options import add_common, add_frames, add_names, add_seeds, natural
+from tables import mean, percent, progress, px, table, worst, write_json
 
 import epibar
 from epibar import synthetic
@@ -226,19 +215,10 @@ def summaries(outcomes: list[Outcome]) -> list[dict[str, object]]:
 def main() -> None:
     parser = ArgumentParser(description=__doc__)
     add_common(parser, lines=8000)
-    parser.add_argument(
-        "--cases", type=names_of(CASES), default=["25/25"], help="some of: " + ",".join(CASES)
-    )
-    parser.add_argument(
-        "--scenes",
-        type=names_of(SCENES),
-        default=["cubes", "high"],
-        help="in turn; some of: " + ",".join(SCENES),
-    )
-    parser.add_argument(
-        "--seeds", type=numbers, default=list(range(1, 51)), help="such as 1-50 (default) or 1,4"
-    )
-    parser.add_argument("--frames", type=natural, default=1600, help="of A (default %(default)s)")
+    add_names(parser, "--cases", CASES, ["25/25"])
+    add_names(parser, "--scenes", SCENES, ["cubes", "high"], "in turn; ")
+    add_seeds(parser, 50)
+    add_frames(parser, 1600, "of A")
     parser.add_argument(
         "--draws", type=natural, default=10_000, help="of each source of hypotheses (default %(default)s)"
     )

@@ -9,21 +9,9 @@ from argparse import ArgumentParser
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from common import (
-    Outcome,
-    add_common,
-    mean,
-    measure_scene,
-    names_of,
-    natural,
-    numbers,
-    percent,
-    progress,
-    px,
-    table,
-    worst,
-    write_json,
-)
+from common import Outcome, measure_scene
+from options import add_common, add_first_pairs, add_frames, add_names, add_seeds
+from tables import mean, percent, progress, px, table, worst, write_json
 
 from epibar import synthetic
 from epibar.evaluation import good_pair
@@ -113,14 +101,10 @@ def cells(s: dict) -> list[str]:
 def main() -> None:
     parser = ArgumentParser(description=__doc__.splitlines()[0])
     add_common(parser, lines=100_000)
-    parser.add_argument("--seeds", type=numbers, default=[1], help="such as 1-5 (default 1)")
-    parser.add_argument("--frames", type=natural, default=800, help="per camera (default %(default)s)")
-    parser.add_argument(
-        "--scenes", type=names_of(ROWS), default=list(ROWS), help="some of: " + ",".join(ROWS)
-    )
-    parser.add_argument(
-        "--pairs", type=natural, help="only the first so many pairs of each scene, for a trial"
-    )
+    add_names(parser, "--scenes", ROWS)
+    add_seeds(parser, 1)
+    add_frames(parser, 800)
+    add_first_pairs(parser)
     args = parser.parse_args()
 
     outcomes: list[Outcome] = []

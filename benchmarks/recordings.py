@@ -14,18 +14,9 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-from common import (
-    METHODS,
-    Array,
-    Method,
-    add_common,
-    mean,
-    names_of,
-    progress,
-    px,
-    table,
-    write_json,
-)
+from common import Array
+from options import METHODS, Method, add_common, add_method, add_names
+from tables import mean, progress, px, table, write_json
 
 import epibar
 from epibar import EpibarError, Recording
@@ -46,7 +37,11 @@ from epibar.intrinsics import Intrinsics, find_camera, load_cameras
 
 ROOT = Path(__file__).resolve().parents[1]
 LEAST_POINTS = 20
-MADE_BY = ("background", "foreground", "images", "intrinsics", "mask_array", "recorder", "recording", "video")
+MADE_BY = (
+    *("background", "background_models", "camera_health", "foreground", "frame_range", "frame_source"),
+    *("frames", "images", "intrinsics", "mask_array", "mask_frames", "recorder", "recording"),
+    *("undistortion", "video"),
+)
 """Modules that decide what a recording holds: a cached one made by others is made anew."""
 
 
@@ -259,7 +254,7 @@ def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int) 
         accepted=cal.accepted,
         kind=cal.kind,
         reason=cal.reason,
-        source=getattr(cal, "source", "unknown"),
+        source=cal.source,
         expected_error=math.nan if cal.expected_error is None else cal.expected_error,
         points_known=len(known[0]),
         known_on_known=_median(truth, known),
@@ -306,9 +301,9 @@ def main() -> None:
     parser = ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("data_dir", nargs="?", type=Path, default=ROOT.parent / "shared" / "data")
     add_common(parser, lines=20_000)
-    parser.add_argument("--only", type=names_of(DATA), default=list(DATA), help="some of: " + ",".join(DATA))
+    add_names(parser, "--only", DATA)
     parser.add_argument("--pairs", help="only these pairs of cameras, such as cam1-cam2,cam1-cam3")
-    parser.add_argument("--method", choices=METHODS, default="frontier")
+    add_method(parser)
     parser.add_argument("--foreground", choices=("mog2", "knn", "median"), default="mog2")
     parser.add_argument("--seed", type=int, default=0, help="of the calibration (default %(default)s)")
     parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")

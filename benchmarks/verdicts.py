@@ -7,20 +7,8 @@ import time
 from argparse import ArgumentParser
 from dataclasses import asdict, dataclass
 
-from common import (
-    METHODS,
-    Method,
-    add_common,
-    counted,
-    names_of,
-    natural,
-    numbers,
-    percent,
-    progress,
-    px,
-    table,
-    write_json,
-)
+from options import METHODS, Method, add_common, add_frames, add_method, add_names, natural, numbers
+from tables import counted, percent, progress, px, table, write_json
 from verdict_cases import CASES, Pair
 
 import epibar
@@ -118,7 +106,7 @@ def judge(case: str, number: int, pair: Pair, method: Method) -> Judgement:
         accepted=cal.accepted,
         kind=cal.kind,
         reason=cal.reason,
-        source=getattr(cal, "source", "unknown"),
+        source=cal.source,
         error=error,
         image_error=image_error,
         expected_error=math.nan if cal.expected_error is None else cal.expected_error,
@@ -175,9 +163,9 @@ def main() -> None:
     add_common(parser, lines=8_000)
     parser.add_argument("--pairs", type=natural, default=5, help="of each case (default %(default)s)")
     parser.add_argument("--numbers", type=numbers, help="only these of the pairs, such as 3 or 6-10")
-    parser.add_argument("--frames", type=natural, default=400, help="per camera (default %(default)s)")
-    parser.add_argument("--cases", type=names_of(CASES), default=list(CASES), help="of: " + ",".join(CASES))
-    parser.add_argument("--method", choices=METHODS, default="frontier")
+    add_frames(parser, 400)
+    add_names(parser, "--cases", CASES)
+    add_method(parser)
     args = parser.parse_args()
 
     methods = METHODS[args.method]

@@ -2,10 +2,12 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -14,6 +16,7 @@ import pytest
 import epibar
 from epibar import synthetic
 from epibar.cli import main
+from epibar.intrinsics import load_cameras, write_cameras
 
 FAST = ["--lines", "6000", "--quiet"]
 
@@ -108,6 +111,46 @@ def test_evaluate(calibrated, cameras, capsys):
     assert "cam1" in text
     assert "cam2 - cam3" in text
     assert "px" in text
+
+
+def test_evaluate_goes_on_after_a_pair_without_a_baseline(calibrated, cameras, tmp_path, capsys):
+    known = {camera.name: camera for camera in load_cameras(cameras)}
+    one, two = known["cam1"], known["cam2"]
+    write_cameras(
+        tmp_path / "known.toml",
+        [one, replace(two, rotation=one.rotation, translation=one.translation), known["cam3"]],
+    )
+    words = ["evaluate", str(calibrated / "calibration.json"), "--cameras", str(tmp_path / "known.toml")]
+    assert main(words) == 0
+    told = capsys.readouterr()
+    assert "cam1 - cam2: no errors are given, the two cameras stand at one place" in told.err
+    assert [line.split()[4] for line in told.out.splitlines() if line.startswith("cam1 - cam2")] == ["-"]
+    assert any("px" in line for line in told.out.splitlines() if line.startswith("cam1 - cam3"))
+
+
+def test_what_the_system_says_of_a_file_is_no_traceback(tmp_path, capsys):
+    too_long = str(tmp_path / ("x" * 5000)) + ".mp4"
+    assert main(["inspect", too_long]) == 2
+    assert main(["calibrate", too_long, "other.mp4", "--out", str(tmp_path / "out")]) == 2
+    told = capsys.readouterr().err
+    assert told.count(f"epibar: error: {too_long}: File name too long") == 2
+
+
+def test_evaluate_with_cameras_of_another_size(calibrated, cameras, tmp_path, capsys):
+    write_cameras(tmp_path / "known.toml", [replace(c, size=(64, 48)) for c in load_cameras(cameras)])
+    words = ["evaluate", str(calibrated / "calibration.json"), "--cameras", str(tmp_path / "known.toml")]
+    assert main(words) == 2
+    assert "known.toml: cam1 is for 64x48, but cam1 was recorded at 320x240" in capsys.readouterr().err
+
+
+def test_evaluate_a_damaged_calibration(calibrated, cameras, tmp_path, capsys):
+    result = read(calibrated)
+    del result["pairs"][0]["F"]
+    (tmp_path / "calibration.json").write_text(json.dumps(result))
+    for path in calibrated.glob("*.csv"):
+        shutil.copy(path, tmp_path)
+    assert main(["evaluate", str(tmp_path / "calibration.json"), "--cameras", str(cameras)]) == 2
+    assert "damaged: 'F' is missing" in capsys.readouterr().err
 
 
 def test_a_recording_stands_for_its_video(masks, calibrated, cameras, tmp_path):

@@ -140,6 +140,14 @@ def test_npz(folder, calibrations, scene, tmp_path):
         assert between(found["t"][2], t) < DEGREES
 
 
+def test_a_camera_file_by_place_counts_cameras_that_failed():
+    matrices = [[[f, 0, 32], [0, f, 24], [0, 0, 1]] for f in (50.0, 60.0, 70.0)]
+    known = [Intrinsics(f"port {k}", (64, 48), matrix) for k, matrix in enumerate(matrices)]
+    left = export.Run([export.Camera("b", (64, 48), index=1), export.Camera("c", (64, 48), index=2)], [])
+    given = left.with_intrinsics(known, "cameras.toml").cameras
+    assert [camera.matrix[0, 0] for camera in given] == [60.0, 70.0]
+
+
 def test_csv_keeps_the_verdict(run, calibrations, tmp_path):
     pairs = [replace(pair, time_offset=7.0) for pair in run.pairs]
     export.write_csv(replace(run, pairs=pairs).selected(every=True), tmp_path / "points.csv")

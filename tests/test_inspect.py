@@ -314,6 +314,22 @@ def test_the_verdict_names_the_camera_at_fault(door, eight):
     assert cause_of_refusal("no_common_scene", eight, eight) is None
 
 
+def test_a_recording_is_inspected_once_for_all_its_pairs(monkeypatch):
+    inspected = []
+
+    def counting(recording):
+        inspected.append(recording)
+        return epibar.inspect(recording)
+
+    monkeypatch.setattr("epibar.diagnosis.inspect", counting)
+    still = [epibar.Recording.from_masks(np.zeros((40, 48, 64), bool), lines=50, name=name) for name in "abc"]
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        cause = cause_of_refusal("too_little_motion", still[a], still[b])
+        assert f"in {'abc'[a]} nothing moves" in cause
+        assert f"in {'abc'[b]} nothing moves" in cause
+    assert inspected == still
+
+
 def test_inspect_on_the_command_line(door, eight, tmp_path, capsys):
     eight.save(tmp_path / "hall.npz")
     words = ["inspect", str(door[0]), str(tmp_path / "hall.npz"), "--lines", "3000"]

@@ -13,27 +13,17 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from jobs_input import FAST, content, write_masks
 
 import epibar
-from epibar import Calibration, EpibarError, Recording, synthetic
-from epibar.cli import main
+from epibar import Calibration, EpibarError, Recording
 from epibar.jobs import Watch, dask_executor
 from epibar.jobs import tasks as job_tasks
-
-FAST = {"masks": True, "lines": 2000, "method": "lines", "report": False}
-WORDS = ["--masks", "--lines", "2000", "--method", "lines", "--no-report"]
 
 
 @pytest.fixture(scope="module")
 def masks(tmp_path_factory):
-    """Ready masks of four cameras around flying cubes."""
-    scene = synthetic.cubes(3, cameras=4, objects=12, frames=200, size=(160, 120), size_m=(0.25, 0.45))
-    folder = tmp_path_factory.mktemp("masks")
-    paths = []
-    for index in range(4):
-        paths.append(folder / f"cam{index + 1}.npz")
-        np.savez_compressed(paths[-1], masks=scene.masks(index), fps=25.0)
-    return paths
+    return write_masks(tmp_path_factory.mktemp("masks"))
 
 
 @pytest.fixture(scope="module")
@@ -87,10 +77,6 @@ def run(cameras, out, **options):
     with Counting() as executor:
         found = epibar.calibrate_all(cameras, out, executor=executor, watch=heard, **{**FAST, **options})
     return found, sorted(executor.tasks), heard
-
-
-def content(out):
-    return (out / "calibration.json").read_bytes()
 
 
 # --- the same result wherever it is computed ---
@@ -296,6 +282,14 @@ def test_a_broken_executor_keeps_what_is_done(masks, tmp_path):
     assert tasks == ["cam1-cam2"]
 
 
+def test_a_file_that_cannot_be_replaced_is_named(masks, tmp_path):
+    (tmp_path / "cam1_cam2.png").mkdir()
+    found, _, heard = run(masks[:3], tmp_path)
+    assert list(found.calibrations) == [("cam1", "cam3"), ("cam2", "cam3")]
+    assert "cam1 - cam2: " in heard.errors[0]
+    assert "cam1_cam2.png: cannot be removed" in heard.errors[0]
+
+
 @pytest.mark.parametrize(
     ("options", "named"),
     [
@@ -373,80 +367,3 @@ def test_what_is_no_calibration(done, masks, tmp_path):
     np.savez(tmp_path / "less.npz", **arrays)
     with pytest.raises(EpibarError, match="lines_a is missing"):
         Calibration.load(tmp_path / "less.npz")
-
-
-# --- the command line ---
-
-
-def test_json_is_all_that_is_on_stdout(masks, tmp_path, capsys):
-    words = ["calibrate", *map(str, masks[:2]), "--out", str(tmp_path / "out"), *WORDS]
-    assert main([*words, "--json"]) == 0
-    printed = capsys.readouterr()
-    assert printed.out.encode() == content(tmp_path / "out")
-    assert "cam1 - cam2: " in printed.err
-    assert main([*words, "--json", "--quiet"]) == 0
-    printed = capsys.readouterr()
-    assert json.loads(printed.out)["pairs"]
-    assert printed.err == ""
-    assert main(words) == 0
-    printed = capsys.readouterr()
-    assert "(kept)" in printed.out
-    assert "2 of 2 recordings, 1 of 1 pairs" in printed.err
-
-
-def test_json_with_a_bad_camera(masks, tmp_path, capsys):
-    words = ["calibrate", *map(str, masks[:2]), "none.npz", "--out", str(tmp_path / "out"), *WORDS, "--json"]
-    assert main(words) == 2
-    printed = capsys.readouterr()
-    assert json.loads(printed.out)["errors"][0]["camera"] == "none"
-    assert "none.npz" in printed.err
-
-
-@pytest.mark.parametrize("address", ["nonsense", "tcp://host", "http://host:80"])
-def test_no_such_scheduler_address(address, masks, tmp_path, capsys):
-    words = ["calibrate", *map(str, masks[:2]), "--out", str(tmp_path / "out"), "--scheduler", address]
-    assert main(words) == 2
-    assert address in capsys.readouterr().err
-
-
-def test_exit_codes_are_documented(capsys):
-    assert main(["calibrate", "--help"]) == 0
-    text = " ".join(capsys.readouterr().out.split())
-    assert all(code in text for code in ("0 done", "2 unusable input", "130 interrupted"))
-
-
-@pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
-def test_progress_with_an_estimate_on_a_terminal(masks, tmp_path):
-    import pty
-    import subprocess
-    import termios
-
-    ours, theirs = pty.openpty()
-    termios.tcsetwinsize(theirs, (24, 120))
-    words = ["calibrate", *map(str, masks), "--out", str(tmp_path / "out"), *WORDS, "--json"]
-    process = subprocess.Popen(
-        [sys.executable, "-m", "epibar", *words], stdout=subprocess.DEVNULL, stderr=theirs
-    )
-    os.close(theirs)
-    seen = b""
-    while True:
-        try:
-            part = os.read(ours, 65536)
-        except OSError:  # the other end is closed
-            break
-        if not part:
-            break
-        seen += part
-    os.close(ours)
-    assert process.wait() == 0
-    assert b"matching" in seen
-    assert b"of 6" in seen
-    assert b" left" in seen
-
-
-def test_the_report_is_written(masks, tmp_path):
-    words = [*map(str, masks[:2]), "none.npz", "--out", str(tmp_path / "out"), *WORDS[:-1]]
-    assert main(["calibrate", *words]) == 2
-    page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert "cam1" in page
-    assert "none.npz" in page

@@ -8,6 +8,7 @@ import pytest
 
 import epibar
 from epibar import live, synthetic
+from epibar.calibration import Timing
 
 OFFSET = 7
 
@@ -94,6 +95,24 @@ def test_everything_is_on_one_time_line(rerun, scene, recordings, calibration, t
     np.testing.assert_allclose(outlines[0][:-1], hulls[0], atol=1e-3)
 
 
+def test_clocks_that_differ_share_one_time_line(rerun, calibration, tmp_path):
+    """B films 30 frames a second to A's 25, its clock is 2 % fast, and C is known through B only."""
+    masks = np.zeros((1800, 8, 8), np.uint8)
+    a, b, c = (
+        epibar.Recording.from_masks(masks[:count], fps, lines=10, name=name)
+        for name, count, fps in (("a", 1500, 25.0), ("b", 1800, 30.0), ("c", 1500, 25.0))
+    )
+    ab = replace(calibration, F=None, time_offset=15.0, timing=Timing(1.2 * 1.02))
+    cb = replace(calibration, F=None, time_offset=-30.0, timing=Timing(1.2 * 1.02))
+    live.save(tmp_path / "run.rrd", [a, b, c], {(0, 1): ab, (2, 1): cb}, every=300)
+    # Frame 1500 of B is 50 s by its clock: 49.5 s after A's frame 0, which is 48.53 s by A's.
+    expected = [round(25 * (n / 30 - 0.5) / 1.02) for n in range(0, 1800, 300)]
+    assert sorted(read(tmp_path / "run.rrd", "/b/silhouettes")) == expected
+    # C's clock runs as A's, and its frame 0 is 1.5 s by B's before A's.
+    expected = [round(n - 25 * 1.5 / 1.02) for n in range(0, 1500, 300)]
+    assert sorted(read(tmp_path / "run.rrd", "/c/silhouettes")) == expected
+
+
 def test_every_so_many_frames(rerun, recordings, calibration, tmp_path):
     live.save(tmp_path / "run.rrd", recordings, {(0, 1): calibration}, every=20)
     assert sorted(read(tmp_path / "run.rrd", "/cam 1/silhouettes")) == [0, 20, 40]
@@ -112,6 +131,7 @@ def test_what_cannot_be_shown(rerun, recordings, calibration, scene, tmp_path):
         (([], {}), "recordings is empty"),
         (([recordings[0]] * 2, {}), "its own name"),
         ((recordings, {(0, 5): calibration}), "two places in recordings"),
+        ((recordings, {}, [other]), "videos holds 1, expected one for each of 2"),
         ((recordings, {}, [other, None]), "other.avi: 400x300 frames"),
         ((recordings, {}, ["missing.mp4", None]), "missing.mp4"),
     ):

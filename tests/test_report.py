@@ -13,10 +13,11 @@ import pytest
 from report_input import LATE, NO_POINTS, SIZE, make_report_input, numbered_frames
 
 import epibar
+from epibar.calibration import Timing
 from epibar.evaluation import epipoles
 from epibar.report.html import ReportCamera, ReportPair, write_report
 from epibar.report.html.lines import hull_barcodes
-from epibar.report.html.moments import choose_moments, common_frames
+from epibar.report.html.moments import choose_moments
 from epibar.report.html.words import ADVICE, TITLES
 
 VERDICTS = Path(__file__).parent.parent / "rust/epibar/src/calibrate/verdict.rs"
@@ -251,21 +252,26 @@ def test_b_shows_the_moment_of_a(page):
     assert all(moment["a"] == moment["b"] for moment in page.data["pairs"][1]["moments"])
 
 
-def test_frames_of_different_clocks_meet_by_time():
-    def recording(times):
-        recorder = epibar.recording.new_recorder(8, 8, 10, 0, 1)
-        for time in times:
-            recorder.push(np.zeros((8, 8), np.uint8), time)
-        return epibar.Recording(recorder.finish())
-
-    slow, fast = recording(np.arange(10) / 10), recording(np.arange(30) / 30)
-    assert common_frames(slow, fast, 0.0).tolist() == [[i, 3 * i] for i in range(10)]
-    assert common_frames(slow, fast, 3.0).tolist() == [[i, 3 * i + 3] for i in range(9)]
-    gap = recording(np.delete(np.arange(10) / 10, [4, 5]))
-    assert common_frames(slow, gap, 0.0).tolist() == [
-        *([i, i] for i in range(4)),
-        *([i, i - 2] for i in range(6, 10)),
-    ]
+def test_b_shows_the_moment_of_a_by_clocks_that_differ(report_input, tmp_path):
+    """25 and 30 frames a second, and B's clock 1 % fast: 6 frames of B after 20 seconds."""
+    masks = np.zeros((600, 48, 64), np.uint8)
+    for t in range(600):
+        masks[t, 10:30, t // 15 : t // 15 + 8] = 1
+    a, b = (
+        epibar.Recording.from_masks(masks[:count], fps, lines=50, name=name)
+        for name, count, fps in (("a", 500, 25.0), ("b", 600, 30.0))
+    )
+    cameras = [ReportCamera(one.name, None, False, one, None) for one in (a, b)]
+    timing = Timing(frames_per_frame=1.2 * 1.01, drift=10_000.0, drift_used=True)
+    calibration = replace(
+        report_input[1][0].calibration, time_offset=-6.5, timing=timing, frontier_points=NO_POINTS
+    )
+    path = write_report(tmp_path / "report.html", cameras, [ReportPair("a", "b", calibration, 1.0)])
+    moments = Page(path).data["pairs"][0]["moments"]
+    assert len(moments) == 16
+    for moment in moments:
+        assert abs(moment["b"] - (1.212 * moment["a"] - 6.5)) <= 0.5
+    assert moments[-1]["b"] - (1.2 * moments[-1]["a"] - 6.5) > 4
 
 
 def test_moments_that_other_pairs_show_come_first():

@@ -2,11 +2,13 @@
 
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from report_input import LATE, calibrated, make_report_input
 
+from epibar.calibration import Timing
 from epibar.report.html import write_report
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -64,6 +66,24 @@ def opened(browser, report):
     for context in contexts:
         context.close()
     assert complaints == []
+
+
+def test_the_clocks_are_told(browser, tmp_path):
+    cameras, pairs = make_report_input(tmp_path)
+    slow, fast = Timing(), Timing(frames_per_frame=1.2 * (1 - 50e-6))
+    for timing, offset, words in (
+        (slow, 7.0, "Frame i of A is frame i + 7 of B."),
+        (fast, -3.25, "Frame i of A is frame 1.19994 × i − 3.25 of B."),
+        (fast, 0.0, "Frame i of A is frame 1.19994 × i + 0 of B."),
+    ):
+        calibration = replace(pairs[0].calibration, timing=timing, time_offset=offset)
+        path = write_report(
+            tmp_path / "report.html", cameras, [replace(pairs[0], calibration=calibration), *pairs[1:]]
+        )
+        page = browser.new_page()
+        page.goto(f"{path.as_uri()}#pair-1")
+        assert page.get_by_text(words, exact=True).count() == 1
+        page.close()
 
 
 def size_of(letter):

@@ -1,10 +1,14 @@
 """The clocks of two cameras as a user meets them, and the maps of the expected error."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import epibar
-from epibar import synthetic
+from epibar import plot, synthetic
+from epibar.calibration import Timing
+from epibar.timing import common_frames, frame_interval, positions_in_b
 
 LINES = 4000
 FPS = 25.0
@@ -72,6 +76,12 @@ def test_different_rates_meet(scene, late_a):
     assert cal.timing.offset_uncertainty is None
     assert cal.timing.offsets_tried == 1
     assert error(scene, cal.F) < 0.4
+    common = common_frames(late_a, b, cal)
+    assert len(common) == cal.counts["frames"]  # as the compiled module has it
+    seconds = START["a"] + common[:, 0] / FPS - START["b"]
+    assert np.abs(seconds - common[:, 1] / 30.0).max() <= 0.5 / 30.0 + 1e-9
+    _, right = plot.epipolar_lines(cal, late_a, b, frame=200)
+    assert right.get_title() == "camera B, frame 308"  # 67.8 + 1.2 * 200
 
 
 def test_unrelated_recordings_have_no_offset(late_a):
@@ -97,6 +107,60 @@ def test_a_range_that_is_none(late_a, search_seconds):
 def test_an_offset_beyond_both_recordings(late_a, time_offset):
     with pytest.raises(epibar.EpibarError, match="none in common"):
         epibar.calibrate(late_a, late_a, time_offset=time_offset)
+
+
+# --- which frame of B is which frame of A ---
+
+
+def seen_at(times):
+    """A recording with frames at some times, in which nothing moves."""
+    recorder = epibar.recording.new_recorder(8, 8, 10, 0, 1)
+    for time in times:
+        recorder.push(np.zeros((8, 8), np.uint8), time)
+    return epibar.Recording(recorder.finish())
+
+
+@pytest.fixture(scope="module")
+def clocked():
+    """Makes a calibration with a given clock."""
+    refused = epibar.calibrate(seen_at([0.0, 0.1]), seen_at([0.0, 0.1]))
+    return lambda offset, per_frame: replace(refused, time_offset=offset, timing=Timing(per_frame))
+
+
+def test_frames_of_different_rates_meet_by_time(clocked):
+    slow, fast = seen_at(np.arange(10) / 10), seen_at(np.arange(30) / 30)
+    assert common_frames(slow, fast, clocked(0.0, 3.0)).tolist() == [[i, 3 * i] for i in range(10)]
+    assert common_frames(slow, fast, clocked(3.0, 3.0)).tolist() == [[i, 3 * i + 3] for i in range(9)]
+    # The last frame of B counts until half a frame later, by the compiled module too.
+    thirds = [*([3 * i, i] for i in range(10)), [28, 9]]
+    assert common_frames(fast, slow, clocked(0.0, 1 / 3)).tolist() == thirds
+
+
+def test_frames_that_are_missing_have_no_partner(clocked):
+    slow, gap = seen_at(np.arange(10) / 10), seen_at(np.delete(np.arange(10) / 10, [4, 5]))
+    kept = [*([i, i] for i in range(4)), *([i, i - 2] for i in range(6, 10))]
+    assert common_frames(slow, gap, clocked(0.0, 1.0)).tolist() == kept
+    assert common_frames(gap, slow, clocked(0.0, 1.0)).tolist() == [[j, i] for i, j in kept]
+    assert np.isnan(positions_in_b(slow, gap, clocked(0.0, 1.0))[4:6]).all()
+
+
+@pytest.mark.parametrize("fps_b", [25.0, 30.0])
+@pytest.mark.parametrize("ppm", [0.0, 1000.0, -1000.0])
+def test_frames_of_clocks_that_drift(clocked, fps_b, ppm):
+    """Both film the same 80 seconds; B's clock gains or loses 80 ms, 2 frames, over them."""
+    rate = 1 + 1e-6 * ppm
+    a, b = seen_at(np.arange(2000) / 25.0), seen_at(np.arange(int(80 * fps_b)) / fps_b)
+    offset = -12.25
+    common = common_frames(a, b, clocked(offset, rate * fps_b / 25.0))
+    by_b = common[:, 0] / 25.0 * rate + offset / fps_b
+    assert np.abs(by_b - common[:, 1] / fps_b).max() <= 0.5 / fps_b + 1e-9
+    assert len(common) >= 2000 - 12.25 * 25.0 / fps_b - 3
+
+
+def test_times_in_whole_milliseconds_do_not_move_the_interval():
+    assert frame_interval(seen_at(np.round(np.arange(900) / 30.0, 3))) == pytest.approx(1 / 30, abs=1e-6)
+    assert frame_interval(seen_at(np.delete(np.arange(90) / 30.0, [4, 5, 60]))) == pytest.approx(1 / 30)
+    assert frame_interval(seen_at([0.0])) == 1.0
 
 
 # --- maps of the expected error ---

@@ -14,9 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from .archive import read_archive, write_archive
 from .calibration_file import KIND, from_arrays, to_arrays
+from .correspondences import Candidates, FrontierPoints
 from .diagnosis import cause_of_refusal
 from .errors import EpibarError
 from .recording import Recording
+from .timing import Timing, frame_interval, position_in_b
 from .validation import MAX_SEED, as_whole_number, core_errors
 
 __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "calibrate"]
@@ -27,88 +29,6 @@ SEARCH_SECONDS = 21.0
 """How far either way ``time_offset="search"`` looks, unless told."""
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Candidates:
-    """Pairs of lines whose motion barcodes correlate.
-
-    Attributes
-    ----------
-    lines_a, lines_b : ndarray, shape (n, 3)
-        Lines (a, b, c) with a² + b² = 1, pixels.
-    correlation : ndarray, shape (n,)
-        Of their barcodes, falling.
-    inliers : ndarray, shape (n,), bool
-        Which of them are epipolar under F.
-    """
-
-    lines_a: Array
-    lines_b: Array
-    correlation: Array
-    inliers: NDArray[np.bool_]
-
-    def __len__(self) -> int:
-        return len(self.correlation)
-
-
-@dataclass(frozen=True, eq=False)
-class FrontierPoints:
-    """Point correspondences: where epipolar planes touch a moving object, seen by both cameras.
-
-    Attributes
-    ----------
-    frame : ndarray, shape (m,), int
-        Frame of A; B's frame is this plus the time offset.
-    a, b : ndarray, shape (m, 2)
-        Pixels (x, y).
-    residual : ndarray, shape (m,)
-        Symmetric epipolar distance under F, pixels.
-    """
-
-    frame: NDArray[np.int64]
-    a: Array
-    b: Array
-    residual: Array
-
-    def __len__(self) -> int:
-        return len(self.frame)
-
-
-@dataclass(frozen=True)
-class Timing:
-    """What is known about the clocks of two cameras, beside the offset.
-
-    Attributes
-    ----------
-    frames_per_frame : float
-        Frames of B for each frame of A: the ratio of the frame rates, times 1 + 1e-6 ``drift`` where that is
-        used. 1 for equal frame rates and clocks that run alike.
-    offset_uncertainty : float or None
-        Standard error of a searched offset, frames of B. None where it was given, or could not be measured.
-    drift : float or None
-        By how much B's clock runs faster than A's, parts per million. None where the recordings are too short
-        to show it: where its standard error would be above 100 ppm.
-    drift_uncertainty : float or None
-        Its standard error, parts per million.
-    drift_used : bool
-        The drift is significant, and F and ``frames_per_frame`` take it into account.
-    runner_up : float or None
-        Second best offset by the motion barcodes, where the offset was searched.
-    runner_up_share : float or None
-        Its score as a share of the best.
-    offsets_tried : int
-        1 where the offset was given.
-    """
-
-    frames_per_frame: float = 1.0
-    offset_uncertainty: float | None = None
-    drift: float | None = None
-    drift_uncertainty: float | None = None
-    drift_used: bool = False
-    runner_up: float | None = None
-    runner_up_share: float | None = None
-    offsets_tried: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +102,11 @@ class Calibration:
         return self.timing.drift
 
     def frame_of_b(self, frame: ArrayLike) -> Array:
-        """Return where frames of A fall among the frames of B, where no frame of either is missing."""
-        return self.time_offset + np.asarray(frame, dtype=np.float64) * self.timing.frames_per_frame
+        """Return where frames of A fall among the frames of B, where no frame of either is missing.
+
+        Where frames were dropped the recordings know more: see :func:`epibar.timing.positions_in_b`.
+        """
+        return position_in_b(frame, self.time_offset, self.timing.frames_per_frame)
 
     def __repr__(self) -> str:
         error = "" if self.expected_error is None else f", expected error {self.expected_error:.2g} px"
@@ -378,8 +301,7 @@ def _checked_offset(time_offset: Any, rec_a: Recording, rec_b: Recording) -> flo
         return None
     if not _is_number(time_offset):
         raise EpibarError(f"time_offset = {time_offset!r}: expected a finite number of frames, or 'search'")
-    seconds, step = rec_a.times[-1] - rec_a.times[0], np.diff(rec_b.times)
-    before = seconds / np.median(step) if len(step) else 0.0
+    before = (rec_a.times[-1] - rec_a.times[0]) / frame_interval(rec_b)
     if time_offset >= rec_b.frames or -time_offset > before + 1:
         raise EpibarError(
             f"time_offset = {time_offset}: the recordings, of {rec_a.frames} and {rec_b.frames} frames, have "

@@ -9,40 +9,31 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
 from .camera_health import FLOOD_SHARE
 from .errors import EpibarError
-from .evaluation import area_between_lines
 from .findings import Finding, camera_findings, motion_findings
+from .json_values import plain
+from .motion_measures import lines_left, share_by_ninth, spread_of, straightness_of
 from .recording import Recording
 
 __all__ = ["Diagnosis", "cause_of_refusal", "inspect"]
 
 Array = NDArray[np.float64]
 
-INFORMATIVE_SHARE = 0.05
-INFORMATIVE_CHANGES, FRAMES_PER_CHANGE = 8, 25
-"""What the compiled matcher asks of a line: motion in 5 % of the frames, none in 5 %, eight changes, or one
-in 25 frames where the recording is short."""
-PATH_OVERLAP = 3.0
-"""Image widths: an area between two lines below this means that one runs along the other (paper, 3.2)."""
-MOST_MOTION = 0.95
-ROWS_AT_ONCE = 2000
-LEAST_SILHOUETTES = 50
-SHORTEST_PATH = 0.2
-"""Of the image diagonal; on a shorter way nothing can be said."""
-PATH_TRIMMED = 0.9
-HEADS_SLACK = 3.0
-"""People differ in height, so heads on one path stray more than feet do."""
 PLACES = (
     ("top left", "top", "top right"),
     ("left", "middle", "right"),
     ("bottom left", "bottom", "bottom right"),
 )
+
+
+# Each recording of a job is in many pairs.
+_worst: WeakKeyDictionary[Recording, Finding | None] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +103,8 @@ class Diagnosis:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything as plain numbers, lists and strings; what is not finite becomes None."""
-        content = {**asdict(self), "where": self.where.tolist(), "sound": self.sound}
-        return {key: _plain(value) for key, value in content.items()}
+        content: dict[str, Any] = plain({**asdict(self), "sound": self.sound})
+        return content
 
     def __str__(self) -> str:
         """Describe the camera for a terminal."""
@@ -177,7 +168,7 @@ def inspect(recording: Recording) -> Diagnosis:
     moving = recording.moving_pixels.astype(np.int64)
     heat = recording.heat.astype(np.float64)
     arrays = recording._core.to_arrays()
-    lines, paths = _lines(recording, arrays)
+    lines, paths = lines_left(recording, arrays)
     blanked = recording.health.get("blanked", 0.0)
     flooded = blanked + np.count_nonzero(moving > FLOOD_SHARE * width * height)
     diagnosis = Diagnosis(
@@ -188,11 +179,11 @@ def inspect(recording: Recording) -> Diagnosis:
         moving_frames=float(np.mean(moving > 0)),
         flooded_frames=float(flooded / recording.frames),
         moving_area=float(np.median(moving[moving > 0]) / (width * height)) if moving.any() else 0.0,
-        spread=_spread(heat),
-        where=_where(heat),
+        spread=spread_of(heat),
+        where=share_by_ninth(heat),
         lines=lines,
         paths=paths,
-        straightness=_straightness(arrays, (width, height)),
+        straightness=straightness_of(arrays, (width, height)),
         silhouettes=len(arrays["hull_area"]),
         cut=float(arrays["hull_border"].mean()) if len(arrays["hull_border"]) else 0.0,
         health=recording.health,
@@ -221,106 +212,13 @@ def cause_of_refusal(kind: str, rec_a: Recording, rec_b: Recording) -> str | Non
         return None
     told = []
     for recording, side in ((rec_a, "camera A"), (rec_b, "camera B")):
-        serious = [finding for finding in inspect(recording).findings if finding.serious]
-        if serious:
-            told.append(f"in {recording.name or side} {serious[0].text}")
+        if recording not in _worst:
+            serious = (finding for finding in inspect(recording).findings if finding.serious)
+            _worst[recording] = next(serious, None)
+        worst = _worst[recording]
+        if worst is not None:
+            told.append(f"in {recording.name or side} {worst.text}")
     return f"A possible cause: {'. And '.join(told)}." if told else None
-
-
-def _lines(recording: Recording, arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, int], int]:
-    """Count the lines left after each filter, and the straight paths."""
-    frames = recording.frames
-    least = max(1, int(np.ceil(INFORMATIVE_SHARE * frames)))
-    changes_asked = min(INFORMATIVE_CHANGES, max(frames // FRAMES_PER_CHANGE, 1))
-    packed = arrays["barcodes"]
-    ones, changes = np.empty(len(packed), np.int64), np.empty(len(packed), np.int64)
-    for start in range(0, len(packed), ROWS_AT_ONCE):
-        rows = np.ascontiguousarray(packed[start : start + ROWS_AT_ONCE]).astype("<u8").view(np.uint8)
-        bits = np.unpackbits(rows, axis=1, count=frames, bitorder="little")
-        ones[start : start + len(bits)] = bits.sum(axis=1, dtype=np.int64)
-        changes[start : start + len(bits)] = np.count_nonzero(bits[:, 1:] != bits[:, :-1], axis=1)
-    crossed = ones >= least
-    free = crossed & (frames - ones >= least)
-    informative = free & (changes >= changes_asked)
-    paths = _core.motion_lines(recording._core)
-    off = informative.copy()
-    for path in paths:
-        lines = _through(arrays["segments"][off])
-        apart = area_between_lines(lines, np.broadcast_to(path, lines.shape), recording.size)
-        off[off] = np.asarray(apart) >= PATH_OVERLAP * recording.width
-    counts = {"crossed": crossed, "free": free, "informative": informative, "off_paths": off}
-    return {
-        "drawn": len(packed),
-        **{name: int(np.count_nonzero(kept)) for name, kept in counts.items()},
-    }, len(paths)
-
-
-def _through(segments: Array) -> Array:
-    """Lines (a, b, c), a² + b² = 1, through segments (x0, y0, x1, y1)."""
-    x0, y0, x1, y1 = segments.T
-    lines = np.stack([y0 - y1, x1 - x0, x0 * y1 - x1 * y0], axis=1)
-    lengths: Array = np.hypot(lines[:, 0], lines[:, 1])
-    return lines / np.maximum(lengths, 1e-12)[:, None]
-
-
-def _spread(heat: Array) -> float:
-    """Least share of the pixels that hold most of the motion."""
-    hottest = np.cumsum(np.sort(heat, axis=None)[::-1])
-    if hottest[-1] == 0:
-        return 0.0
-    return float((np.searchsorted(hottest, MOST_MOTION * hottest[-1]) + 1) / heat.size)
-
-
-def _where(heat: Array) -> Array:
-    """Share of all motion in each ninth of the image."""
-    ninths = [
-        [part.sum() for part in np.array_split(rows, 3, axis=1)] for rows in np.array_split(heat, 3, axis=0)
-    ]
-    sums = np.array(ninths)
-    shares: Array = sums / max(sums.sum(), 1.0)
-    return shares
-
-
-def _straightness(arrays: Mapping[str, NDArray[Any]], size: tuple[int, int]) -> float:
-    """How far the lowest and highest points of the silhouettes stray from a straight line each, the larger.
-
-    Feet on one path are on one line in the image, and so are heads. Heads alone are not enough: under a low
-    camera they are on the horizon wherever people walk.
-    """
-    whole = ~np.asarray(arrays["hull_border"], dtype=bool)
-    starts = arrays["hull_start"].astype(np.int64)
-    if np.count_nonzero(whole) < LEAST_SILHOUETTES:
-        return float("nan")
-    points = arrays["hull_points"].astype(np.float64)
-    diagonal = float(np.hypot(*size))
-    strays = []
-    for sign, slack in ((1.0, 1.0), (-1.0, HEADS_SLACK)):
-        ends = _extremes(points, starts, sign)[whole]
-        width, length = _band(ends)
-        if length < SHORTEST_PATH * diagonal:
-            return float("nan")
-        strays.append(width / diagonal / slack)
-    return max(strays)
-
-
-def _extremes(points: Array, starts: NDArray[np.int64], sign: float) -> Array:
-    """Lowest (sign 1) or highest (sign −1) vertex of each hull, (n, 2)."""
-    hull = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
-    order = np.lexsort((-sign * points[:, 1], hull))
-    return points[order[starts[:-1]]]
-
-
-def _band(points: Array) -> tuple[float, float]:
-    """Half width and length of the straight band that holds most of the points, (n, 2)."""
-    kept = points
-    for _ in range(6):
-        centre = kept.mean(axis=0)
-        axes = np.linalg.svd(kept - centre, full_matrices=False)[2]
-        across = np.abs((points - centre) @ axes[1])
-        width = float(np.quantile(across, PATH_TRIMMED))
-        kept = points[across <= width]
-    along = (points - centre) @ axes[0]
-    return width, float(np.quantile(along, 0.95) - np.quantile(along, 0.05))
 
 
 def _camera(health: Mapping[str, float]) -> str:
@@ -338,12 +236,3 @@ def _camera(health: Mapping[str, float]) -> str:
 
 def _percent(share: float) -> str:
     return f"{share:.1%}" if share < 0.1 else f"{share:.0%}"
-
-
-def _plain(value: Any) -> Any:
-    """A value as JSON can hold it."""
-    if isinstance(value, dict):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -16,14 +16,14 @@ noise as well.
 from __future__ import annotations
 
 import os
-from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from .background import collect, median_background, steady_background
+from .background import collect, steady_background
+from .background_models import FLOOD_LEARNING_RATE, new_model
 from .camera_health import FLOOD_SHARE, CameraHealth
 from .errors import EpibarError
 from .video import Frames
@@ -33,7 +33,6 @@ __all__ = ["CameraHealth", "Foreground", "ForegroundOptions"]
 METHODS = ("mog2", "knn", "median")
 REFERENCE_HEIGHT = 480.0
 FLOOD_PATIENCE = 3  # flooded frames in a row before the model learns anew
-FLOOD_LEARNING_RATE = 0.05
 
 
 @dataclass(frozen=True)
@@ -96,104 +95,6 @@ class ForegroundOptions:
             raise EpibarError(f"ignore mask has shape {np.shape(self.ignore)}, expected (height, width)")
 
 
-class _Model(Protocol):
-    def learn(self, frame: np.ndarray, number: int) -> None: ...
-
-    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray: ...
-
-
-class _OpenCvModel:
-    """MOG2 or KNN; their mask is 0, 127 (shadow) or 255."""
-
-    def __init__(self, options: ForegroundOptions) -> None:
-        import cv2
-
-        self._model: Any
-        self._is_knn = options.method == "knn"
-        if self._is_knn:
-            threshold = options.threshold or 400.0
-            self._model = cv2.createBackgroundSubtractorKNN(options.warm_up, threshold, options.shadows)
-        else:
-            threshold = options.threshold or 25.0
-            self._model = cv2.createBackgroundSubtractorMOG2(500, threshold, options.shadows)
-            # A new thing becomes background when it has shown for 40 % of the memory, not for 10 %.
-            self._model.setBackgroundRatio(0.6)
-        self._model.setShadowThreshold(0.4)
-
-    def learn(self, frame: np.ndarray, number: int) -> None:
-        # 1 / (n + 1) weighs all samples alike; KNN counts by itself.
-        self._model.apply(frame, learningRate=-1 if self._is_knn else 1.0 / (number + 1))
-
-    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
-        return (self._model.apply(frame, learningRate=rate) == 255).astype(np.uint8)
-
-
-class _MedianModel:
-    """Selective temporal median, and the shadow test of Cucchiara et al. 2003, equation (6)."""
-
-    SAMPLES, INTERVAL, REFRESH = 25, 25, 10
-    DARKEST, LIGHTEST = 0.4, 0.95  # α and β: the brightness of a shadow, as a share of the background's
-    SATURATION, HUE = 50, 20  # τS of 255 and τH of 180
-
-    def __init__(self, options: ForegroundOptions) -> None:
-        self._difference = (options.threshold or 625.0) ** 0.5
-        self._shadows = options.shadows
-        self._interval = max(1, round(options.memory / (2 * self.SAMPLES * self.INTERVAL)) * self.INTERVAL)
-        self._samples: deque[np.ndarray] = deque(maxlen=self.SAMPLES)
-        self._seen = self._taken = 0
-        self._background: np.ndarray | None = None
-
-    def learn(self, frame: np.ndarray, number: int) -> None:
-        self._samples.append(frame.copy())
-        self._background = None
-
-    def _refresh(self) -> np.ndarray:
-        import cv2
-
-        self._background = median_background(np.stack(self._samples))
-        self._hsv = cv2.cvtColor(self._background, cv2.COLOR_BGR2HSV).astype(np.int16)
-        return self._background
-
-    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
-        import cv2
-
-        background = self._refresh() if self._background is None else self._background
-        moving = cv2.absdiff(frame, background).max(axis=2) > self._difference
-        if self._shadows:
-            moving &= ~self._shadow(frame)
-        self._update(frame, moving, rate)
-        return moving.astype(np.uint8)
-
-    def _shadow(self, frame: np.ndarray) -> np.ndarray:
-        import cv2
-
-        hsv = cv2.cvtColor(frame, cv2.COLOR_BGR2HSV).astype(np.int16)
-        value, ground = hsv[..., 2], self._hsv[..., 2]
-        hue = np.abs(hsv[..., 0] - self._hsv[..., 0])
-        return (
-            (value >= self.DARKEST * ground)
-            & (value <= self.LIGHTEST * ground)
-            & (np.abs(hsv[..., 1] - self._hsv[..., 1]) <= self.SATURATION)
-            & (np.minimum(hue, 180 - hue) <= self.HUE)
-        )
-
-    def _update(self, frame: np.ndarray, moving: np.ndarray, rate: float) -> None:
-        self._seen += 1
-        if rate >= FLOOD_LEARNING_RATE:
-            if self._samples.maxlen == self.SAMPLES:
-                self._samples = deque(maxlen=9)
-            self._samples.append(frame.copy())
-            self._refresh()
-            return
-        if self._samples.maxlen != self.SAMPLES:
-            self._samples = deque(self._samples, maxlen=self.SAMPLES)
-        if self._seen % self._interval == 0 and self._background is not None:
-            self._samples.append(np.where(moving[..., None], self._background, frame))
-            self._taken += 1
-            if self._taken % self.REFRESH == 0:
-                self._refresh()
-
-
 class Foreground:
     """Masks of what moves in the frames of one stationary camera, one frame at a time.
 
@@ -212,7 +113,7 @@ class Foreground:
     def __init__(self, options: ForegroundOptions | None = None) -> None:
         self.options = options or ForegroundOptions()
         self.background: np.ndarray | None = None
-        self._model: _Model = self._new_model()
+        self._model = new_model(self.options)
         self._size: tuple[int, int] | None = None
         self._learned = 0
         self._primed = False
@@ -237,9 +138,6 @@ class Foreground:
             foreground.prime(empty.sample(foreground.options.warm_up))
         return foreground
 
-    def _new_model(self) -> _Model:
-        return _MedianModel(self.options) if self.options.method == "median" else _OpenCvModel(self.options)
-
     def prime(self, frames: Iterable[np.ndarray]) -> None:
         """Learn the empty scene before the first frame.
 
@@ -256,7 +154,7 @@ class Foreground:
         samples = collect((self._checked(frame) for frame in frames), self.options.warm_up)
         self._set_size(samples[0])
         self.background = steady_background(samples)
-        self._model = self._new_model()
+        self._model = new_model(self.options)
         # MOG2 weighs late samples a little more, so their order must not be that of time.
         order = np.random.default_rng(0).permutation(len(samples))
         for number in range(max(len(order), 20)):

@@ -6,7 +6,8 @@
 Needs ``pip install 'epibar[live]'``. Below each camera's name there are ``image`` (where a video is given),
 ``silhouettes``, and for each other camera of its pairs ``points/<other>``, the frontier points, and
 ``lines/<other>``, the epipolar lines of the other view's points. One colour is one point in both views. The
-time line counts seconds (``time``) or frames (``frame``) of the first camera, by the pairs' time offsets.
+time line counts seconds (``time``) or frames (``frame``) of the first camera, by the pairs' clocks: time
+offset, frame rates and drift.
 """
 
 from __future__ import annotations
@@ -23,11 +24,13 @@ from numpy.typing import NDArray
 from .calibration import Calibration
 from .errors import EpibarError
 from .evaluation import clip_lines
+from .evaluation.checks import homogeneous
 from .images import opencv
 from .intrinsics import Intrinsics, MaskUndistorter
 from .recording import Recording
 from .report.picture import COLOURS as BGR
-from .validation import as_whole_number
+from .timing import clock_rate, frame_interval
+from .validation import as_whole_number, camera_names, check_pairs
 from .video import Frames
 
 __all__ = ["log", "save", "show"]
@@ -78,18 +81,22 @@ def log(
     rerun = _rerun()
     every = as_whole_number("every", every, 1)
     names = _names(recordings)
-    for key in calibrations:
-        if len(set(key)) != 2 or not all(index in range(len(names)) for index in key):
-            raise EpibarError(f"calibrations have key {key!r}: expected two places in recordings")
+    check_pairs(calibrations, len(names))
+    for argument, given in (("videos", videos), ("intrinsics", intrinsics)):
+        if given is not None and len(given) != len(names):
+            raise EpibarError(
+                f"{argument} holds {len(given)}, expected one for each of {len(names)} recordings"
+            )
     stream = stream if stream is not None else rerun.get_global_data_recording()
     if stream is None:
         raise EpibarError("there is no Rerun stream: call rerun.init first, or use epibar.live.show or save")
     clocks = _clocks(recordings, calibrations)
     for index, recording in enumerate(recordings):
         _log_silhouettes(rerun, stream, names[index], recording, clocks[index], every)
-        if videos is not None and videos[index] is not None:
+        video = videos[index] if videos is not None else None
+        if video is not None:
             lens = intrinsics[index] if intrinsics is not None else None
-            _log_frames(rerun, stream, names[index], recording, videos[index], lens, clocks[index], every)
+            _log_frames(rerun, stream, names[index], recording, video, lens, clocks[index], every)
     for (i, j), calibration in calibrations.items():
         if calibration.F is not None:
             sizes = recordings[i].size, recordings[j].size
@@ -170,10 +177,7 @@ def _rerun() -> Any:
 def _names(recordings: Sequence[Recording]) -> list[str]:
     if not recordings:
         raise EpibarError("recordings is empty: nothing to show")
-    names = [recording.name or f"cam{index + 1}" for index, recording in enumerate(recordings)]
-    if len(set(names)) < len(names):
-        raise EpibarError(f"recordings are called {', '.join(names)}: give each its own name")
-    return names
+    return camera_names(recording.name for recording in recordings)
 
 
 def _blueprint(names: list[str]) -> Any:
@@ -207,23 +211,31 @@ class _Clock:
 
 
 def _clocks(recordings: Sequence[Recording], calibrations: Calibrations) -> list[_Clock]:
-    """Clock of each camera, through the time offsets of as few pairs as possible, accepted ones first."""
-    steps = [float(np.median(np.diff(r.times))) if r.frames > 1 else 1.0 for r in recordings]
-    found = {0: 0.0}
+    """Clock of each camera, through as few pairs as possible, accepted ones first.
+
+    A camera that no pair leads to is taken to have started with the first.
+    """
+    step = frame_interval(recordings[0])
+    # Of each camera its seconds for each second of the first camera's, and its time at that one's frame 0.
+    found = {0: (1.0, 0.0)}
     for accepted in (True, False):
         pairs = {key: c for key, c in calibrations.items() if c.accepted or not accepted}
         for _ in recordings:
             reached = dict(found)
             for (i, j), calibration in pairs.items():
-                seconds = calibration.time_offset * steps[j]
+                rate = clock_rate(recordings[i], recordings[j], calibration.timing.frames_per_frame)
+                start = calibration.time_offset * frame_interval(recordings[j])
                 if i in reached:
-                    found.setdefault(j, reached[i] + seconds)
+                    of_i, at_i = reached[i]
+                    found.setdefault(j, (rate * of_i, rate * at_i + start))
                 if j in reached:
-                    found.setdefault(i, reached[j] - seconds)
-    return [
-        _Clock(recording.times - recording.times[:1] - found.get(index, 0.0), steps[0])
-        for index, recording in enumerate(recordings)
-    ]
+                    of_j, at_j = reached[j]
+                    found.setdefault(i, (of_j / rate, (at_j - start) / rate))
+    clocks = []
+    for index, recording in enumerate(recordings):
+        rate, start = found.get(index, (1.0, 0.0))
+        clocks.append(_Clock((recording.times - recording.times[:1] - start) / rate, step))
+    return clocks
 
 
 def _log_silhouettes(
@@ -282,11 +294,7 @@ def _log_pair(
     assert calibration.F is not None
     points = calibration.frontier_points
     pixels = points.a, points.b
-    ones = np.ones(len(points))
-    lines = (
-        np.column_stack([points.b, ones]) @ calibration.F,
-        np.column_stack([points.a, ones]) @ calibration.F.T,
-    )
+    lines = homogeneous(points.b) @ calibration.F, homogeneous(points.a) @ calibration.F.T
     for frame in range(0, len(clock.times), every):
         mine = np.flatnonzero(points.frame == frame)
         colours = COLOURS[np.arange(len(mine)) % len(COLOURS)]

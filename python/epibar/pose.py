@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .calibration import Calibration, FrontierPoints
 from .errors import EpibarError
+from .evaluation.checks import cross_matrix, homogeneous
 
 __all__ = ["RelativePose", "pose_entry", "relative_pose"]
 
@@ -156,12 +157,6 @@ def depths(pose: RelativePose, a: Array, b: Array, K_a: Array, K_b: Array) -> tu
     return _depths(pose.R, pose.t, _rays(a, K_a), _rays(b, K_b))
 
 
-def cross_matrix(vector: Array) -> Array:
-    """``[v]ₓ``, with ``[v]ₓ w = v × w``."""
-    x, y, z = vector
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-
-
 def _camera_matrix(name: str, value: ArrayLike) -> Array:
     try:
         matrix = np.asarray(value, dtype=np.float64)
@@ -175,7 +170,7 @@ def _camera_matrix(name: str, value: ArrayLike) -> Array:
 
 def _rays(points: Array, matrix: Array) -> Array:
     """Viewing rays with depth 1, (n, 3)."""
-    return np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(matrix).T
+    return homogeneous(points) @ np.linalg.inv(matrix).T
 
 
 def _depths(R: Array, t: Array, rays_a: Array, rays_b: Array) -> tuple[Array, Array]:

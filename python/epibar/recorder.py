@@ -139,7 +139,7 @@ def record(
 def intrinsics_of(path: str | os.PathLike[str], name: str) -> Intrinsics:
     """Look one camera up by its name: alone it has no place in an order, unless the file has only one."""
     cameras = load_cameras(path)
-    return find_camera(cameras, name, 0 if len(cameras) == 1 else len(cameras))
+    return find_camera(cameras, name, 0 if len(cameras) == 1 else None)
 
 
 def _options(

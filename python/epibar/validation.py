@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .errors import EpibarError
 
-__all__ = ["MAX_SEED", "as_masks", "as_whole_number", "core_errors"]
+__all__ = ["MAX_SEED", "as_masks", "as_whole_number", "camera_names", "check_pairs", "core_errors"]
 
 MAX_SEED = 2**64 - 1
 
@@ -56,3 +56,19 @@ def as_masks(masks: Any) -> NDArray[np.uint8]:
         raise EpibarError(f"masks have shape {array.shape}: no frames or no pixels")
     array = np.ascontiguousarray(array)
     return array.view(np.uint8)
+
+
+def camera_names(names: Iterable[str]) -> list[str]:
+    """Return the names of recordings; those without one are called cam1, cam2, … by their place."""
+    found = [name or f"cam{index + 1}" for index, name in enumerate(names)]
+    if len(set(found)) < len(found):
+        raise EpibarError(f"recordings are called {', '.join(found)}: give each its own name")
+    return found
+
+
+def check_pairs(keys: Iterable[Any], cameras: int) -> None:
+    """Check that each key of a mapping of calibrations is two places among so many recordings."""
+    for key in keys:
+        pair = isinstance(key, tuple) and len(key) == 2 and key[0] != key[1]
+        if not pair or not all(index in range(cameras) for index in key):
+            raise EpibarError(f"calibrations have key {key!r}: expected two places in recordings")

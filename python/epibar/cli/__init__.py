@@ -47,6 +47,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output, e.g. `head`, has gone
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:  # what the system says of a file: it may be in a folder that is not ours to read
+        if error.filename is None:
+            raise
+        print(f"epibar: error: {error.filename}: {error.strerror}", file=sys.stderr)
+        return BAD_INPUT
     except Exception as error:
         from ..errors import EpibarError
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 from argparse import Namespace
-from itertools import chain
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +13,7 @@ from ..errors import EpibarError
 from ..evaluation import (
     compare,
     fundamental_from_cameras,
+    image_correspondences,
     moving_volume,
     project,
     projection_matrix,
@@ -22,8 +21,8 @@ from ..evaluation import (
     triangulate,
     volume_correspondences,
 )
-from ..intrinsics import Pose, find_camera, load_cameras
-from ..report.files import read_frontier_points, read_json
+from ..export.run import Camera, Pair, Run
+from ..intrinsics import Pose, load_cameras
 from .console import Console
 
 __all__ = ["run"]
@@ -40,27 +39,23 @@ def run(args: Namespace) -> int:
     """Run the command."""
     console = Console()
     path = Path(args.calibration)
-    result = read_json(path)
+    result = Run.read(path)
     known = load_cameras(args.cameras)
-    try:
-        cameras = {
-            camera["name"]: find_camera(known, camera["name"], camera["index"]).posed()
-            for camera in result["cameras"]
-        }
-        sizes = {camera["name"]: (camera["width"], camera["height"]) for camera in result["cameras"]}
-        pairs = [pair for pair in result["pairs"] if {pair["a"], pair["b"]} <= cameras.keys()]
-    except (KeyError, TypeError) as error:
-        raise EpibarError(f"{path}: damaged: {error} is missing or of the wrong kind") from error
-    if not result.get("intrinsics") and any(camera.distorted for camera in known):
+    found = zip(result.cameras, result.found_in(known, args.cameras), strict=True)
+    cameras = {camera.name: given.posed() for camera, given in found}
+    if not result.intrinsics and any(camera.distorted for camera in known):
         console.warning(
             f"{path} was made without --intrinsics, but the cameras have lens distortion; "
             "the errors below include it"
         )
-    points = list(chain.from_iterable(_world_points(path, pair, cameras) for pair in pairs))
-    volume = moving_volume(np.array(points)) if len(points) >= LEAST_POINTS else None
+    truths = {pair.name: _truth(pair, cameras, console) for pair in result.pairs}
+    points = np.concatenate(
+        [np.empty((0, 3)), *(_world_points(pair, cameras, truths[pair.name]) for pair in result.pairs)]
+    )
+    volume = moving_volume(points) if len(points) >= LEAST_POINTS else None
 
     rows: list[tuple[str, ...]] = [("pair", "verdict", "error over the volume", "over the image", "expected")]
-    rows += [_row(pair, cameras, sizes, volume) for pair in pairs]
+    rows += [_row(pair, result.by_name, cameras, truths[pair.name], volume) for pair in result.pairs]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     for row in rows:
         console.result("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
@@ -69,16 +64,26 @@ def run(args: Namespace) -> int:
     return 0
 
 
-def _world_points(path: Path, pair: dict[str, Any], cameras: dict[str, Pose]) -> Array:
+def _truth(pair: Pair, cameras: dict[str, Pose], console: Console) -> Array | None:
+    """Fundamental matrix of the known cameras of a pair, where they have one that shows."""
+    a, b = cameras[pair.a], cameras[pair.b]
+    try:
+        truth = fundamental_from_cameras(a, b)
+        image_correspondences(truth, a.size, b.size)
+    except EpibarError as error:
+        console.warning(f"{pair.name}: no errors are given, {error}")
+        return None
+    return truth
+
+
+def _world_points(pair: Pair, cameras: dict[str, Pose], truth: Array | None) -> Array:
     """Triangulate the frontier points of a pair with the known cameras: where things moved, (n, 3)."""
-    if not pair.get("frontier_points"):
+    if truth is None:
         return np.empty((0, 3))
-    touched = read_frontier_points(path.parent / pair["frontier_points"])
-    a, b = touched.a, touched.b
-    camera_a, camera_b = cameras[pair["a"]], cameras[pair["b"]]
-    if len(a):
-        right = symmetric_epipolar_distance(fundamental_from_cameras(camera_a, camera_b), a, b) < RADIUS
-        a, b = a[right], b[right]
+    a, b = pair.frontier_points.a, pair.frontier_points.b
+    camera_a, camera_b = cameras[pair.a], cameras[pair.b]
+    right = symmetric_epipolar_distance(truth, a, b) < RADIUS
+    a, b = a[right], b[right]
     if not len(a):
         return np.empty((0, 3))
     points = triangulate(projection_matrix(camera_a), projection_matrix(camera_b), a, b)
@@ -88,25 +93,20 @@ def _world_points(path: Path, pair: dict[str, Any], cameras: dict[str, Pose]) ->
 
 
 def _row(
-    pair: dict[str, Any],
+    pair: Pair,
+    recorded: dict[str, Camera],
     cameras: dict[str, Pose],
-    sizes: dict[str, tuple[int, int]],
+    truth: Array | None,
     volume: Array | None,
 ) -> tuple[str, ...]:
     """One line of the table."""
-    name, verdict = (
-        f"{pair['a']} - {pair['b']}",
-        "accepted" if pair["accepted"] else f"refused ({pair['kind']})",
-    )
-    expected = "-" if pair["expected_error"] is None else _pixels(pair["expected_error"])
-    if pair["F"] is None:
-        return name, verdict, "-", "-", expected
-    camera_a, camera_b = cameras[pair["a"]], cameras[pair["b"]]
-    seen = None if volume is None else volume_correspondences(camera_a, camera_b, volume)
-    figures = compare(
-        pair["F"], fundamental_from_cameras(camera_a, camera_b), sizes[pair["a"]], sizes[pair["b"]], seen
-    )
-    return name, verdict, _pixels(figures.volume_error), _pixels(figures.image_error), expected
+    verdict = "accepted" if pair.accepted else f"refused ({pair.kind})"
+    expected = "-" if pair.expected_error is None else _pixels(pair.expected_error)
+    if pair.F is None or truth is None:
+        return pair.name, verdict, "-", "-", expected
+    seen = None if volume is None else volume_correspondences(cameras[pair.a], cameras[pair.b], volume)
+    figures = compare(pair.F, truth, recorded[pair.a].size, recorded[pair.b].size, seen)
+    return pair.name, verdict, _pixels(figures.volume_error), _pixels(figures.image_error), expected
 
 
 def _pixels(value: float) -> str:

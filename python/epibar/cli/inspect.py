@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import json
 from argparse import Namespace
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 from ..diagnosis import inspect
 from ..errors import EpibarError
 from ..intrinsics import find_camera, load_cameras
-from ..recorder import record
-from ..recording import Recording
+from ..jobs.inputs import Camera, one_each, source_name
+from ..jobs.tasks import is_saved, load_recorded, record_camera
+from .calibrate import record_options
 from .console import Console
 
 __all__ = ["run"]
@@ -20,19 +21,21 @@ __all__ = ["run"]
 def run(args: Namespace) -> int:
     """Run the command; every camera that can be read is inspected."""
     console = Console(args.quiet)
-    for option in ("background", "ignore"):
-        given = getattr(args, option)
-        if given is not None and len(given) != len(args.videos):
-            raise EpibarError(
-                f"--{option}: {len(given)} given for {len(args.videos)} cameras; give one per camera, in "
-                "their order"
-            )
+    count = len(args.videos)
+    backgrounds = one_each("--background", args.background, count)
+    ignored = one_each("--ignore", args.ignore, count)
     known = load_cameras(args.intrinsics) if args.intrinsics else None
+    options = record_options(args)
     entries: list[dict[str, Any]] = []
     failed = False
     for index, video in enumerate(args.videos):
+        camera = Camera(source_name(video), video, index, backgrounds[index], ignored[index])
         try:
-            recording = _recording(index, video, known, args, console)
+            if is_saved(camera, options):
+                recording = load_recorded(video, options.frames)
+            else:
+                lens = find_camera(known, camera.name, index) if known is not None else None
+                recording, _ = record_camera(replace(camera, intrinsics=lens), options, console.interactive)
         except EpibarError as error:
             console.error(str(error))
             failed = True
@@ -41,35 +44,12 @@ def run(args: Namespace) -> int:
         remarks = [text for text in recording.warnings if not _told(text, diagnosis.findings)]
         entries.append({**diagnosis.as_dict(), "file": video, "warnings": remarks})
         if not args.json:
-            print("\n" * (len(entries) > 1) + str(diagnosis), flush=True)
+            console.result("\n" * (len(entries) > 1) + str(diagnosis))
             for remark in remarks:
-                print(f"  note      {remark}", flush=True)
+                console.result(f"  note      {remark}")
     if args.json:
-        print(json.dumps(entries, indent=1, allow_nan=False), flush=True)
+        console.json(json.dumps(entries, indent=1, allow_nan=False))
     return 2 if failed else 0
-
-
-def _recording(index: int, video: str, known: Any, args: Namespace, console: Console) -> Recording:
-    """Record one camera, or load it where it was recorded before."""
-    path = Path(video)
-    name = path.resolve().name if path.is_dir() else path.stem
-    if path.suffix.lower() == ".npz" and not args.masks:
-        if args.frames is not None:
-            raise EpibarError(f"{video}: --frames is for videos; this is recorded already")
-        return Recording.load(path)
-    return record(
-        video,
-        lines=args.lines,
-        seed=args.seed,
-        name=name,
-        masks=args.masks,
-        background=args.background[index] if args.background else None,
-        foreground=args.foreground,
-        intrinsics=find_camera(known, name, index) if known is not None else None,
-        ignore=args.ignore[index] if args.ignore else None,
-        frames=args.frames,
-        progress=console.interactive,
-    )
 
 
 def _told(warning: str, findings: tuple[Any, ...]) -> bool:

@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 
 from ..errors import EpibarError
-from ..jobs.inputs import Camera
+from ..jobs.inputs import Camera, source_name
 from ..jobs.tasks import record_camera
 from ..recorder import intrinsics_of
 from .calibrate import record_options
@@ -22,10 +22,9 @@ def run(args: Namespace) -> int:
         raise EpibarError(f"--out {out}: the name of a recording ends in .npz")
     if not out.parent.is_dir():
         raise EpibarError(f"--out {out}: there is no folder {out.parent}")
-    path = Path(args.video)
-    if out.resolve() == path.resolve():
+    if out.resolve() == Path(args.video).resolve():
         raise EpibarError(f"--out {out}: this is the input itself")
-    name = path.resolve().name if path.is_dir() else path.stem
+    name = source_name(args.video)
     intrinsics = intrinsics_of(args.intrinsics, name) if args.intrinsics else None
     camera = Camera(
         name=name,

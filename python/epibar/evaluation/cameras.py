@@ -7,7 +7,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import Array, Size, checked
+from ..errors import EpibarError
+from .checks import Array, Size, checked, cross_matrix
 
 
 class PosedCamera(Protocol):
@@ -42,16 +43,15 @@ def fundamental_from_cameras(cam_a: PosedCamera, cam_b: PosedCamera) -> Array:
 
     Raises
     ------
-    ValueError
+    EpibarError
         If the two cameras stand at one place, where no F is defined.
     """
     rotation = cam_b.R @ cam_a.R.T
-    x, y, z = cam_b.t - rotation @ cam_a.t
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    cross = cross_matrix(cam_b.t - rotation @ cam_a.t)
     fundamental = np.linalg.inv(cam_b.K).T @ cross @ rotation @ np.linalg.inv(cam_a.K)
     norm = np.linalg.norm(fundamental)
     if norm < 1e-14:
-        raise ValueError("the two cameras stand at one place: no baseline, no fundamental matrix")
+        raise EpibarError("the two cameras stand at one place: no baseline, no fundamental matrix")
     return fundamental / norm
 
 
@@ -95,7 +95,7 @@ def triangulate(P_a: ArrayLike, P_b: ArrayLike, points_a: ArrayLike, points_b: A
         matrix, points = checked(f"P_{name}", matrix, (3, 4)), checked(f"points_{name}", points, 2)
         rows += [points[:, axis, None] * matrix[2] - matrix[axis] for axis in (0, 1)]
     if len(rows[0]) != len(rows[2]):
-        raise ValueError(f"points_b: {len(rows[2])} points, but points_a has {len(rows[0])}")
+        raise EpibarError(f"points_b: {len(rows[2])} points, but points_a has {len(rows[0])}")
     system = np.stack(rows, axis=1)
     system /= np.linalg.norm(system, axis=2, keepdims=True)
     solution = np.linalg.svd(system)[2][:, 3]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..errors import EpibarError
 from .checks import Array, Size, checked, homogeneous
 
 
@@ -88,7 +89,7 @@ def area_between_lines(line1: ArrayLike, line2: ArrayLike, size: Size) -> Array 
     single = np.ndim(line1) == 1
     first, second = checked("line1", np.atleast_2d(line1), 3), checked("line2", np.atleast_2d(line2), 3)
     if len(first) != len(second):
-        raise ValueError(f"line2: {len(second)} lines, but line1 has {len(first)}")
+        raise EpibarError(f"line2: {len(second)} lines, but line1 has {len(first)}")
     right, bottom = size[0] - 1.0, size[1] - 1.0
     image = np.array([[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]])
     images = np.broadcast_to(image, (len(first), 4, 2))
@@ -126,7 +127,7 @@ def true_candidates(
     """
     lines_a, lines_b = checked("lines_a", lines_a, 3), checked("lines_b", lines_b, 3)
     if len(lines_a) != len(lines_b):
-        raise ValueError(f"lines_b: {len(lines_b)} lines, but lines_a has {len(lines_a)}")
+        raise EpibarError(f"lines_b: {len(lines_b)} lines, but lines_a has {len(lines_a)}")
     true = np.ones(len(lines_a), dtype=bool)
     for lines, epipole, size in zip((lines_a, lines_b), epipoles(F_true), (size_a, size_b), strict=True):
         segments, hit = clip_lines(lines, size)

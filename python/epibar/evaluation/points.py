@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..errors import EpibarError
 from .cameras import PosedCamera, inside, project
 from .checks import Array, Size, checked, homogeneous
 from .lines import clip_lines
@@ -31,7 +32,7 @@ def symmetric_epipolar_distance(F: ArrayLike, points_a: ArrayLike, points_b: Arr
 
     Raises
     ------
-    ValueError
+    EpibarError
         For a wrong shape, unequal lengths, NaN, or F = 0.
 
     Examples
@@ -42,10 +43,10 @@ def symmetric_epipolar_distance(F: ArrayLike, points_a: ArrayLike, points_b: Arr
     """
     F = checked("F", F, (3, 3))
     if not F.any():
-        raise ValueError("F: all zero")
+        raise EpibarError("F: all zero")
     a, b = checked("points_a", points_a, 2), checked("points_b", points_b, 2)
     if len(a) != len(b):
-        raise ValueError(f"points_b: {len(b)} points, but points_a has {len(a)}")
+        raise EpibarError(f"points_b: {len(b)} points, but points_a has {len(a)}")
     a, b = homogeneous(a), homogeneous(b)
     lines_b, lines_a = a @ F.T, b @ F
     algebraic = np.abs(np.einsum("ni,ni->n", b, lines_b))
@@ -69,7 +70,7 @@ def image_correspondences(
 
     Raises
     ------
-    ValueError
+    EpibarError
         If the epipolar lines of image A (nearly) all miss image B.
     """
     F = checked("F_true", F_true, (3, 3))
@@ -85,7 +86,7 @@ def image_correspondences(
         count += int(hit.sum())
         if count >= n:
             return np.concatenate(kept_a)[:n], np.concatenate(kept_b)[:n]
-    raise ValueError(f"F_true: only {count} of {100 * n} epipolar lines of image A cross image B")
+    raise EpibarError(f"F_true: only {count} of {100 * n} epipolar lines of image A cross image B")
 
 
 def volume_correspondences(
@@ -111,7 +112,7 @@ def moving_volume(
     """
     points = checked("points3d", points3d, 3)
     if len(points) < 2:
-        raise ValueError(f"points3d: {len(points)} points do not span a volume")
+        raise EpibarError(f"points3d: {len(points)} points do not span a volume")
     low, high = np.percentile(points, percentiles, axis=0)
     return np.random.default_rng(seed).uniform(low, high, (n, 3))
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .checks import Array, Size, checked, homogeneous
+from ..errors import EpibarError
+from .checks import Array, Size, checked, cross_matrix, homogeneous
 from .lines import epipoles
 from .points import symmetric_epipolar_distance
 
@@ -56,11 +57,10 @@ def matched_tangent_points(
     """
     F = checked("F", F, (3, 3))
     if len(hulls_a) != len(hulls_b):
-        raise ValueError(f"hulls_b: {len(hulls_b)} frames, but hulls_a has {len(hulls_a)}")
+        raise EpibarError(f"hulls_b: {len(hulls_b)} frames, but hulls_a has {len(hulls_a)}")
     epipole = epipoles(F)[1]
     basis = np.linalg.svd(epipole[None])[2][1:]
-    x, y, z = epipole
-    to_pencil_a, to_pencil_b = basis @ F, basis @ np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    to_pencil_a, to_pencil_b = basis @ F, basis @ cross_matrix(epipole)
 
     def tangent_points(hulls: Sequence[Any], to_pencil: Array, size: Size | None) -> tuple[Array, Array]:
         ends: tuple[list[Array], list[Array]] = ([], [])

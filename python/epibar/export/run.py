@@ -17,6 +17,8 @@ from ..intrinsics import Intrinsics, find_camera
 from ..pose import RelativePose, relative_pose
 from ..recording import Recording
 from ..report.files import read_frontier_points, read_json
+from ..timing import nearest_frame, position_in_b
+from ..validation import camera_names, check_pairs
 
 __all__ = ["Camera", "Pair", "Run"]
 
@@ -34,11 +36,15 @@ class Camera:
         Width and height, pixels.
     matrix : ndarray, shape (3, 3), or None
         Camera matrix of the undistorted pixels that all is in; None where no intrinsics were given.
+    index : int or None
+        Place among the cameras that were given to ``epibar calibrate``, of which some may have failed; None
+        where it is that in the run.
     """
 
     name: str
     size: tuple[int, int]
     matrix: Array | None = None
+    index: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +69,9 @@ class Pair:
 
     @property
     def frames_b(self) -> NDArray[np.int64]:
-        """Frame of B of each frontier point."""
-        return np.floor(self.time_offset + self.frames_per_frame * self.frontier_points.frame + 0.5).astype(
-            np.int64
-        )
+        """Frame of B of each frontier point, where no frame of either camera is missing."""
+        frames = self.frontier_points.frame
+        return nearest_frame(position_in_b(frames, self.time_offset, self.frames_per_frame))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,13 +102,22 @@ class Run:
         EpibarError
             A file is missing or damaged.
         """
-        path = Path(folder) / "calibration.json"
+        return cls.read(Path(folder) / "calibration.json")
+
+    @classmethod
+    def read(cls, path: Path) -> Run:
+        """Read a calibration.json and the frontier points beside it; see :meth:`load`."""
         result = read_json(path)
         files = [path]
         pairs = []
         try:
             cameras = [
-                Camera(str(camera["name"]), _size(camera), _matrix("matrix", camera["matrix"]))
+                Camera(
+                    str(camera["name"]),
+                    _size(camera),
+                    _matrix("matrix", camera["matrix"]),
+                    int(camera["index"]),
+                )
                 for camera in result["cameras"]
             ]
             for pair in result["pairs"]:
@@ -140,27 +154,23 @@ class Run:
         EpibarError
             Two cameras of one name, or a pair of cameras that are not there.
         """
-        names = [recording.name or f"cam{index + 1}" for index, recording in enumerate(recordings)]
-        if len(set(names)) < len(names):
-            raise EpibarError(f"recordings are called {', '.join(names)}: give each its own name")
-        pairs = []
-        for key, calibration in calibrations.items():
-            if len(set(key)) != 2 or not all(index in range(len(names)) for index in key):
-                raise EpibarError(f"calibrations have key {key!r}: expected two places in recordings")
-            pairs.append(
-                Pair(
-                    names[key[0]],
-                    names[key[1]],
-                    calibration.F,
-                    calibration.accepted,
-                    calibration.kind,
-                    calibration.reason,
-                    calibration.expected_error,
-                    calibration.time_offset,
-                    calibration.frontier_points,
-                    calibration.timing.frames_per_frame,
-                )
+        names = camera_names(recording.name for recording in recordings)
+        check_pairs(calibrations, len(names))
+        pairs = [
+            Pair(
+                names[a],
+                names[b],
+                calibration.F,
+                calibration.accepted,
+                calibration.kind,
+                calibration.reason,
+                calibration.expected_error,
+                calibration.time_offset,
+                calibration.frontier_points,
+                calibration.timing.frames_per_frame,
             )
+            for (a, b), calibration in calibrations.items()
+        ]
         cameras = [
             Camera(name, recording.size, recording.matrix)
             for name, recording in zip(names, recordings, strict=True)
@@ -199,13 +209,7 @@ class Run:
             A camera is missing, has another size or matrix, or has a lens that the run did not take out.
         """
         cameras = []
-        for index, camera in enumerate(self.cameras):
-            given = find_camera(known, camera.name, index)
-            if given.size != camera.size:
-                raise EpibarError(
-                    f"{where}: {given.name} is for {given.size[0]}x{given.size[1]}, "
-                    f"but {camera.name} was recorded at {camera.size[0]}x{camera.size[1]}"
-                )
+        for camera, given in zip(self.cameras, self.found_in(known, where), strict=True):
             if camera.matrix is None and given.distorted:
                 raise EpibarError(
                     f"{where}: {given.name} has lens distortion, but {camera.name} was calibrated without; "
@@ -217,6 +221,25 @@ class Run:
                 )
             cameras.append(replace(camera, matrix=given.matrix))
         return replace(self, cameras=cameras)
+
+    def found_in(self, known: Sequence[Intrinsics], where: str) -> list[Intrinsics]:
+        """Find each camera of the run in a camera file, by its name or else by its place.
+
+        Raises
+        ------
+        EpibarError
+            One is not there, or is for images of another size; ``where`` names the file.
+        """
+        found = []
+        for place, camera in enumerate(self.cameras):
+            given = find_camera(known, camera.name, place if camera.index is None else camera.index)
+            if given.size != camera.size:
+                raise EpibarError(
+                    f"{where}: {given.name} is for {given.size[0]}x{given.size[1]}, "
+                    f"but {camera.name} was recorded at {camera.size[0]}x{camera.size[1]}"
+                )
+            found.append(given)
+        return found
 
     def poses(self) -> tuple[dict[tuple[str, str], RelativePose], list[str]]:
         """Relative pose of each pair whose camera matrices are known, and why others have none."""

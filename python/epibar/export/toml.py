@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import EpibarError
 from ..images import opencv
-from ..intrinsics import Intrinsics, find_camera, load_cameras, write_cameras
+from ..intrinsics import Intrinsics, load_cameras, write_cameras
 from ..pose import RelativePose
 from .network import place_cameras
 from .run import Pair, Run
@@ -70,8 +70,8 @@ def write_toml(
     if not poses:
         raise EpibarError(f"no pair has a pose ({'; '.join(reasons)})")
     lenses = {
-        camera.name: replace(find_camera(known, camera.name, index), name=camera.name)
-        for index, camera in enumerate(run.cameras)
+        camera.name: replace(lens, name=camera.name)
+        for camera, lens in zip(run.cameras, run.found_in(known, os.fspath(where)), strict=True)
     }
     with_pose = [pair for pair in run.pairs if (pair.a, pair.b) in poses]
     target = Path(path)

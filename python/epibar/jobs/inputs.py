@@ -18,7 +18,17 @@ from ..intrinsics import Intrinsics, find_camera, load_cameras
 from ..recording import DEFAULT_LINES, MAX_LINES
 from ..validation import MAX_SEED, as_whole_number
 
-__all__ = ["Camera", "Job", "Pair", "PairOptions", "RecordOptions", "camera_inputs", "pair_stems"]
+__all__ = [
+    "Camera",
+    "Job",
+    "Pair",
+    "PairOptions",
+    "RecordOptions",
+    "camera_inputs",
+    "one_each",
+    "pair_stems",
+    "source_name",
+]
 
 PathLike = str | os.PathLike[str]
 
@@ -179,8 +189,8 @@ def camera_inputs(
             "is for; use 'search', or calibrate the pairs one by one"
         )
     known = load_cameras(intrinsics) if intrinsics is not None else None
-    backgrounds = _one_each(spelt("background"), background, len(sources))
-    ignored = _one_each(spelt("ignore"), ignore, len(sources))
+    backgrounds = one_each(spelt("background"), background, len(sources))
+    ignored = one_each(spelt("ignore"), ignore, len(sources))
     return [
         Camera(
             name,
@@ -194,7 +204,8 @@ def camera_inputs(
     ]
 
 
-def _one_each(option: str, given: Sequence[PathLike] | None, count: int) -> list[str | None]:
+def one_each(option: str, given: Sequence[PathLike] | None, count: int) -> list[str | None]:
+    """Take what is given once per camera, or not at all; ``option`` names it in the error."""
     if given is None:
         return [None] * count
     if isinstance(given, (str, os.PathLike)) or len(given) != count:
@@ -205,12 +216,18 @@ def _one_each(option: str, given: Sequence[PathLike] | None, count: int) -> list
     return [os.fspath(path) for path in given]
 
 
+def source_name(source: str) -> str:
+    """Name of a camera that was given none: the file's without its suffix, or the folder's."""
+    path = Path(source)
+    return path.resolve().name if os.path.isdir(path) else path.stem
+
+
 def _names(sources: list[str]) -> list[str]:
     """File stems, with the folder's name before them where two are the same, then a number."""
-    paths = [Path(source) for source in sources]
-    names = [path.resolve().name if path.is_dir() else path.stem for path in paths]
+    names = [source_name(source) for source in sources]
     if len(set(names)) < len(names):
-        names = [f"{path.resolve().parent.name}_{name}" for path, name in zip(paths, names, strict=True)]
+        folders = [Path(source).resolve().parent.name for source in sources]
+        names = [f"{folder}_{name}" for folder, name in zip(folders, names, strict=True)]
     if len(set(names)) < len(names):
         names = [f"{name}_{index}" for index, name in enumerate(names)]
     return names

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..calibration import Calibration
+from ..errors import EpibarError
 from ..pose import pose_entry
 from ..recording import Recording
 from ..report.files import camera_entry, pair_entry, run_entry, write_frontier_points, write_json
@@ -67,9 +68,18 @@ class Results:
         self._files[pair] = {"frontier_points": points.name, "picture": picture.name}
 
     def forget(self, stem: str) -> None:
-        """Remove the points and the picture of an earlier run."""
+        """Remove the points and the picture of an earlier run.
+
+        Raises
+        ------
+        EpibarError
+            They cannot be removed.
+        """
         for path in (self._points(stem), self._picture(stem)):
-            path.unlink(missing_ok=True)
+            try:
+                path.unlink(missing_ok=True)
+            except OSError as error:
+                raise EpibarError(f"{path}: cannot be removed ({error.strerror or error})") from error
 
     def _points(self, stem: str) -> Path:
         return self._job.out / f"{stem}_frontier.csv"

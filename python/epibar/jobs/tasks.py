@@ -9,11 +9,13 @@ import time
 from collections.abc import Callable
 
 from ..calibration import Calibration, calibrate
+from ..errors import EpibarError
+from ..frame_range import FrameRange
 from ..recorder import record
 from ..recording import Recording
 from .inputs import Camera, PairOptions, RecordOptions
 
-__all__ = ["calibrate_pair", "is_saved", "record_camera"]
+__all__ = ["calibrate_pair", "is_saved", "load_recorded", "record_camera"]
 
 Progress = Callable[[str, float], None]
 
@@ -31,11 +33,12 @@ def record_camera(
     Raises
     ------
     EpibarError
-        The source cannot be read, or does not fit its intrinsics, background or ignore mask.
+        The source cannot be read, does not fit its intrinsics, background or ignore mask, or is a recording
+        of other frames than the options ask for.
     """
     started = time.perf_counter()
     if is_saved(camera, options):
-        recording = Recording.load(camera.source)
+        recording = load_recorded(camera.source, options.frames)
         recording.name = camera.name
     else:
         recording = record(
@@ -52,6 +55,25 @@ def record_camera(
             progress=progress,
         )
     return recording, time.perf_counter() - started
+
+
+def load_recorded(source: str, frames: FrameRange) -> Recording:
+    """Load a saved recording.
+
+    Raises
+    ------
+    EpibarError
+        It cannot be read, or is of other frames than are asked for: it cannot be cut.
+    """
+    recording = Recording.load(source)
+    first, last = recording.first_frame, recording.first_frame + recording.frames
+    fits = frames.first == first and (frames.last is None or last <= frames.last)
+    if frames != FrameRange() and not fits:
+        raise EpibarError(
+            f"{source}: frames {frames} asked for, but this is recorded already, from the frames "
+            f"{first}:{last} of its video; record that again"
+        )
+    return recording
 
 
 def calibrate_pair(

@@ -12,8 +12,9 @@ from ..calibration import Calibration
 from ..errors import EpibarError
 from ..recording import Recording
 from ..report.html.lines import WINDOW, LineSet, line_sets
-from ..report.html.moments import busiest_window, common_frames, points_per_frame
-from .canvas import DARK, error_bar, one_axes
+from ..report.html.moments import busiest_window, points_per_frame
+from ..timing import common_frames
+from .canvas import DARK, camera_name, error_bar, one_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -75,7 +76,7 @@ def barcode_strips(
     """
     if kind not in ("epipolar", "matched"):
         raise EpibarError(f"kind = {kind!r}: it must be 'epipolar' or 'matched'")
-    common = common_frames(rec_a, rec_b, calibration.time_offset)
+    common = common_frames(rec_a, rec_b, calibration)
     common = common[busiest_window(points_per_frame(common, rec_a, rec_b, calibration), WINDOW)]
     found = [
         lines
@@ -88,7 +89,7 @@ def barcode_strips(
     count = len(lines.bits_a)
     ax = one_axes(ax, width=9.0, height=0.8 + 0.42 * count)
     _draw_strips(ax, lines, int(common[0, 0]), int(common[-1, 0]) + 1)
-    names = [recording.name or f"camera {'AB'[index]}" for index, recording in enumerate((rec_a, rec_b))]
+    names = [camera_name(recording, index) for index, recording in enumerate((rec_a, rec_b))]
     title = "Epipolar lines" if kind == "epipolar" else "Matched lines"
     ax.set_title(f"{title}: is something moving on the line?", loc="left")
     for place, name, colour in ((0.86, names[0], BLUE), (0.99, names[1], ORANGE)):
@@ -142,8 +143,7 @@ def _draw_strips(ax: Axes, lines: LineSet, first: int, last: int) -> None:
         ylabel="pair of lines",
     )
     ax.tick_params(left=False)
-    for side in ax.spines.values():
-        side.set_visible(False)
+    ax.spines[:].set_visible(False)
 
 
 def time_shift_curve(calibration: Calibration, ax: Axes | None = None) -> Axes:
@@ -173,9 +173,7 @@ def time_shift_curve(calibration: Calibration, ax: Axes | None = None) -> Axes:
     ax.vlines(shifts[own], 0, scores[own], color=ORANGE, linewidth=1.6)
     ax.plot(shifts[own], scores[own], "o", color=ORANGE, markersize=7, label="not shifted")
     ax.set(xlabel="shift of B, frames", ylabel="score of F", title="Score with the clocks shifted")
-    ax.legend(frameon=False)
-    ax.spines[["top", "right"]].set_visible(False)
-    return ax
+    return _with_legend(ax)
 
 
 def residual_histogram(calibration: Calibration, ax: Axes | None = None) -> Axes:
@@ -210,6 +208,11 @@ def residual_histogram(calibration: Calibration, ax: Axes | None = None) -> Axes
         title=f"Residuals of {len(residual):,} frontier points",
         xlim=(0, None),
     )
+    return _with_legend(ax)
+
+
+def _with_legend(ax: Axes) -> Axes:
+    """Finish a chart of curves: a legend, and axes at the left and below only."""
     ax.legend(frameon=False)
     ax.spines[["top", "right"]].set_visible(False)
     return ax
@@ -274,6 +277,5 @@ def pair_matrix(
     )
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
-    for side in ax.spines.values():
-        side.set_visible(False)
+    ax.spines[:].set_visible(False)
     return ax

@@ -13,6 +13,8 @@ from ..errors import EpibarError
 from ..evaluation import clip_lines
 from ..recording import Recording
 from ..report.matched_lines import frames_to_show, matched_lines
+from ..timing import nearest_frame, positions_in_b
+from ..validation import as_whole_number
 from .canvas import (
     COLOURS,
     DARK,
@@ -71,7 +73,9 @@ def epipolar_lines(
     fundamental(calibration)
     recordings = rec_a, rec_b
     axes = two_axes(ax, recordings)
-    shown = frames_to_show(recordings, calibration) if frame is None else _moment(calibration, frame, rec_b)
+    shown = (
+        frames_to_show(recordings, calibration) if frame is None else _moment(calibration, frame, recordings)
+    )
     for index, (view, recording) in enumerate(zip(axes, recordings, strict=True)):
         show_view(view, recording, shown[index], images[index])
         view.set_title(f"{camera_name(recording, index)}, frame {shown[index]}")
@@ -86,11 +90,13 @@ def epipolar_lines(
     return axes
 
 
-def _moment(calibration: Calibration, frame: int, rec_b: Recording) -> tuple[int, int]:
-    other = int(np.floor(calibration.frame_of_b(frame) + 0.5))
-    if not 0 <= other < rec_b.frames:
-        raise EpibarError(f"frame = {frame}: camera B has no frame of that moment ({other})")
-    return frame, other
+def _moment(calibration: Calibration, frame: int, recordings: tuple[Recording, Recording]) -> tuple[int, int]:
+    """Frame of A, and B's of the same moment."""
+    frame = as_whole_number("frame", frame, 0, recordings[0].frames - 1)
+    position = positions_in_b(*recordings, calibration)[frame]
+    if not np.isfinite(position):
+        raise EpibarError(f"frame = {frame}: camera B has no frame of that moment")
+    return frame, int(nearest_frame(position))
 
 
 def frontier_points(
@@ -213,7 +219,7 @@ def expected_error_map(
     EpibarError
         The calibration has no error maps, or matplotlib is missing.
     """
-    maps = getattr(calibration, "error_maps", None)
+    maps = calibration.error_maps
     if maps is None:
         raise EpibarError(f"this calibration has no map of expected errors: {calibration.reason}")
     axes = two_axes(ax, (rec_a, rec_b))

@@ -6,7 +6,6 @@ The JSON holds no numpy type, no NaN and no infinity: a number that is not known
 from __future__ import annotations
 
 import json
-import math
 import platform
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
@@ -18,6 +17,7 @@ import numpy as np
 from ..archive import write_atomically
 from ..calibration import Calibration, FrontierPoints
 from ..errors import EpibarError
+from ..json_values import plain
 from ..recording import Recording
 
 __all__ = [
@@ -103,21 +103,6 @@ def pair_entry(a: str, b: str, calibration: Calibration) -> dict[str, Any]:
         "floor": calibration.floor,
         "rivals": calibration.rivals,
     }
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON knows it; a number that is not finite becomes None."""
-    if isinstance(value, dict):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, np.ndarray):
-        return plain(value.tolist())
-    if isinstance(value, (list, tuple)):
-        return [plain(item) for item in value]
-    if isinstance(value, np.generic):
-        return plain(value.item())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
 
 
 def json_text(result: dict[str, Any]) -> str:

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from ..calibration import Calibration
 from ..evaluation import clip_lines, epipoles
+from ..evaluation.checks import homogeneous
 from ..recording import Recording
+from ..timing import nearest_frame, positions_in_b
 
 __all__ = ["MatchedLine", "frames_to_show", "matched_lines"]
 
@@ -41,10 +43,11 @@ def frames_to_show(recordings: tuple[Recording, Recording], calibration: Calibra
     a, b = recordings
     points = calibration.frontier_points.frame
     counts = np.bincount(points, minlength=a.frames) if len(points) else a.moving_pixels
-    moment = np.floor(calibration.frame_of_b(np.arange(a.frames)) + 0.5).astype(np.int64)
-    shown = np.where((moment >= 0) & (moment < b.frames), counts[: a.frames].astype(np.int64), -1)
-    frame = int(shown.argmax())
-    return frame, int(np.clip(moment[frame], 0, b.frames - 1))
+    position = positions_in_b(a, b, calibration)
+    frame = int(np.where(np.isfinite(position), counts[: a.frames].astype(np.int64), -1).argmax())
+    # Where they have no moment in common, the nearest.
+    of_b = position[frame] if np.isfinite(position[frame]) else calibration.frame_of_b(frame)
+    return frame, int(nearest_frame(of_b).clip(0, b.frames - 1))
 
 
 def matched_lines(
@@ -67,12 +70,12 @@ def matched_lines(
     points = calibration.frontier_points
     in_frame = points.frame == frame
     if len(points):
-        lines_b = _homogeneous(points.a) @ calibration.F.T
-        lines_a = _homogeneous(points.b) @ calibration.F
+        lines_b = homogeneous(points.a) @ calibration.F.T
+        lines_a = homogeneous(points.b) @ calibration.F
     else:
         grid = np.linspace(0.15, 0.85, 2 * count)[:, None] * (np.array(size_a) - 1.0)
-        lines_b = _homogeneous(grid) @ calibration.F.T
-        lines_a = np.cross(epipoles(calibration.F)[0], _homogeneous(grid))
+        lines_b = homogeneous(grid) @ calibration.F.T
+        lines_a = np.cross(epipoles(calibration.F)[0], homogeneous(grid))
         in_frame = np.zeros(len(grid), bool)
     segments_a, hit_a = clip_lines(lines_a, size_a)
     segments_b, hit_b = clip_lines(lines_b, size_b)
@@ -110,7 +113,3 @@ def _unit_lines(lines: Array, size: Size) -> Array:
     angle = 2 * np.arctan2(lines[:, 1], lines[:, 0])
     sign = np.where(np.abs(lines[:, 1]) > np.abs(lines[:, 0]), np.sign(lines[:, 1]), np.sign(lines[:, 0]))
     return np.column_stack([np.cos(angle), np.sin(angle), sign * (lines @ middle) / norm / max(size)])
-
-
-def _homogeneous(points: Array) -> Array:
-    return np.column_stack([points, np.ones(len(points))])

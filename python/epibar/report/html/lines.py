@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...calibration import Calibration
 from ...evaluation import clip_lines, epipoles
+from ...evaluation.checks import homogeneous
 from ...recording import Recording
 
 __all__ = ["WINDOW", "LineSet", "hull_barcodes", "line_sets"]
@@ -107,7 +108,7 @@ def _epipolar_lines(calibration: Calibration, size: tuple[int, int]) -> tuple[Ar
     if not len(points):
         points = np.linspace(0.05, 0.95, 60)[:, None] * (np.array(size) - 1.0)
     points = points[np.unique(np.linspace(0, len(points) - 1, POOL).astype(int))]
-    points = np.column_stack([points, np.ones(len(points))])
+    points = homogeneous(points)
     return np.cross(epipoles(calibration.F)[0], points), points @ calibration.F.T
 
 

@@ -1,4 +1,4 @@
-"""Which moments of a pair a report shows, and which frame of B is which frame of A."""
+"""Which moments of a pair a report shows."""
 
 from __future__ import annotations
 
@@ -10,43 +10,12 @@ from numpy.typing import NDArray
 from ...calibration import Calibration
 from ...recording import Recording
 
-__all__ = ["MOMENTS", "busiest_window", "choose_moments", "common_frames", "points_per_frame"]
+__all__ = ["MOMENTS", "busiest_window", "choose_moments", "points_per_frame"]
 
 Index = NDArray[np.int64]
 
 MOMENTS = 16
 """Frames to scrub through, per pair."""
-
-
-def common_frames(a: Recording, b: Recording, offset: float) -> Index:
-    """Pair the frames that show the same moment, as the estimation does: (n, 2), frame of A and of B.
-
-    By index where both run at one rate and no frame is missing, by the nearest time otherwise.
-    """
-    if not a.frames or not b.frames:
-        return np.empty((0, 2), np.int64)
-    step_a, step_b = (_step(recording) for recording in (a, b))
-    frames = np.arange(a.frames)
-    if abs(step_a / step_b - 1) < 1e-4 and _is_regular(a, step_a) and _is_regular(b, step_b):
-        partner = np.floor(frames + offset + 0.5).astype(np.int64)
-        found = (partner >= 0) & (partner < b.frames)
-    else:
-        target = a.times - a.times[0] + offset * step_b + b.times[0]
-        right = np.searchsorted(b.times, target).clip(0, b.frames - 1)
-        left = (right - 1).clip(0)
-        nearer_left = np.abs(b.times[left] - target) < np.abs(b.times[right] - target)
-        partner = np.where(nearer_left, left, right)
-        found = np.abs(b.times[partner] - target) <= 0.6 * min(step_a, step_b)
-    return np.column_stack([frames, partner])[found]
-
-
-def _step(recording: Recording) -> float:
-    """Seconds between frames."""
-    return float(np.median(np.diff(recording.times))) if recording.frames > 1 else 1.0
-
-
-def _is_regular(recording: Recording, step: float) -> bool:
-    return bool(np.all(np.abs(np.diff(recording.times) / step - 1) < 0.5))
 
 
 def points_per_frame(common: Index, a: Recording, b: Recording, calibration: Calibration) -> Index:
@@ -65,7 +34,7 @@ def choose_moments(
     Parameters
     ----------
     common : ndarray, shape (n, 2)
-        See :func:`common_frames`.
+        Frames of A and of B, see :func:`epibar.timing.common_frames`.
     worth : ndarray, shape (n,)
         How much each has to show.
     wanted_a, wanted_b : collections of int

@@ -13,7 +13,7 @@ from typing import Any
 
 from ...archive import write_atomically
 from ...errors import EpibarError
-from ..files import plain
+from ...json_values import plain
 from ..picture import COLOURS
 from .inputs import ReportCamera, ReportPair
 from .overview import camera_cards, error_list, legend, matrix, summary

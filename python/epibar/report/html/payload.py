@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from ... import _core
 from ...calibration import Calibration, FrontierPoints
 from ...recording import Recording
+from ...timing import common_frames
 from .inputs import ReportCamera, ReportPair
 from .lines import WINDOW, LineSet, line_sets
-from .moments import busiest_window, choose_moments, common_frames, points_per_frame
+from .moments import busiest_window, choose_moments, points_per_frame
 from .words import advice, verdict_words
 
 __all__ = ["camera_entry", "pair_entries"]
@@ -78,7 +79,7 @@ def _pair_entry(
 ) -> dict[str, Any]:
     calibration = pair.calibration
     a, b = (cameras[by_name[name]].recording for name in (pair.a, pair.b))
-    common = common_frames(a, b, calibration.time_offset)
+    common = common_frames(a, b, calibration)
     worth = points_per_frame(common, a, b, calibration)
     moments = choose_moments(common, worth, wanted[pair.a], wanted[pair.b])
     wanted[pair.a].update(moments[:, 0].tolist())
@@ -95,6 +96,7 @@ def _pair_entry(
         "F": calibration.F,
         "expected_error": calibration.expected_error,
         "time_offset": calibration.time_offset,
+        "frames_per_frame": calibration.timing.frames_per_frame,
         "method": calibration.method,
         "seconds": round(pair.seconds, 1),
         "moments": [
@@ -152,7 +154,7 @@ def _histogram(residuals: NDArray[np.float64]) -> dict[str, Any] | None:
 
 
 def _error_maps(calibration: Calibration) -> list[Any] | None:
-    maps = getattr(calibration, "error_maps", None)
+    maps = calibration.error_maps
     if maps is None or not all(np.isfinite(grid).any() for grid in maps):
         return None
     return [np.round(grid, 3) for grid in maps]

@@ -41,8 +41,9 @@ function heading(pair, a, b, index) {
 function verdict(pair) {
   const error = pair.expected_error === null ? null
     : el("p", { class: "error" }, el("strong", {}, `${number(pair.expected_error, 2)} px`), " expected error");
-  const offset = pair.time_offset
-    ? el("p", {}, `Frame i of A is frame i ${pair.time_offset < 0 ? "−" : "+"} ${number(Math.abs(pair.time_offset), 2)} of B.`)
+  const rate = pair.frames_per_frame === 1 ? "" : `${+pair.frames_per_frame.toFixed(6)} × `;
+  const offset = pair.time_offset || rate
+    ? el("p", {}, `Frame i of A is frame ${rate}i ${pair.time_offset < 0 ? "−" : "+"} ${number(Math.abs(pair.time_offset), 2)} of B.`)
     : null;
   const next = pair.advice.length
     ? [el("h3", {}, "What to do next"), el("ul", {}, ...pair.advice.map(text => el("li", {}, ...withCode(text))))] : [];

@@ -1,0 +1,22 @@
+"""Four cameras around flying cubes, and the quickest options, for the tests of jobs."""
+
+import numpy as np
+
+from epibar import synthetic
+
+FAST = {"masks": True, "lines": 2000, "method": "lines", "report": False}
+WORDS = ["--masks", "--lines", "2000", "--method", "lines", "--no-report"]
+
+
+def write_masks(folder):
+    """Ready masks of each camera."""
+    scene = synthetic.cubes(3, cameras=4, objects=12, frames=200, size=(160, 120), size_m=(0.25, 0.45))
+    paths = []
+    for index in range(4):
+        paths.append(folder / f"cam{index + 1}.npz")
+        np.savez_compressed(paths[-1], masks=scene.masks(index), fps=25.0)
+    return paths
+
+
+def content(out):
+    return (out / "calibration.json").read_bytes()
