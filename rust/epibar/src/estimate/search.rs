@@ -163,7 +163,7 @@ const SHAKEN: usize = 6;
 /// How many are refined on more frames.
 const ROUGH_KEPT: usize = 24;
 /// A solution with less than this share of the best one's evidence is no rival to settle.
-const WORTH_SETTLING: f64 = 0.4;
+const WORTH_SETTLING: f64 = 0.5;
 /// How many of the best solutions are walked from.
 const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
@@ -305,7 +305,7 @@ impl<'a> Searcher<'a> {
             }
             walked.extend(explore(&self.comparing, start, self.scale, self.options.upright));
         }
-        Ok(self.distinct(walked, 0.5 * self.scale, 24))
+        Ok(self.distinct(walked, self.scale, 12))
     }
 
     /// Polishes the best on `views`.

@@ -5,6 +5,8 @@
 
 #![allow(clippy::inline_always, reason = "a body is compiled under the features of whoever calls it")]
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use super::elementary::{angle, decay, logarithm};
@@ -13,8 +15,9 @@ use super::tangents::{EITHER, LANES, Tangents, fill};
 use crate::estimate::views::View;
 use crate::geometry::Fundamental;
 
-/// One in so many frames decides the sign of the map of rays.
-const SIGN_STEP: usize = 6;
+/// About so many frames decide the sign of the map of rays, and no more than one in [`SIGN_STEP`].
+const SIGN_FRAMES: usize = 24;
+const SIGN_STEP: usize = 4;
 /// No tangent of B.
 const NONE: u32 = u32::MAX;
 
@@ -67,6 +70,15 @@ pub(super) struct Targets {
     pub(super) histogram: AngleHistogram,
 }
 
+/// For each tangent of B in a frame the nearest of A.
+#[derive(Debug, Default)]
+struct Nearest {
+    /// Squared distance.
+    distance: Vec<f64>,
+    /// Index of the tangent of A.
+    of: Vec<f64>,
+}
+
 /// What a comparison writes.
 #[derive(Debug, Default)]
 pub(super) struct Buffers {
@@ -75,9 +87,7 @@ pub(super) struct Buffers {
     pub(super) sent: [Sent; 2],
     pub(super) targets: [Targets; 2],
     pub(super) sides: Vec<u8>,
-    pub(super) row: Vec<f64>,
-    /// For each tangent of B in the frame, distance and index of the nearest of A.
-    pub(super) nearest: Vec<(f64, u32)>,
+    nearest: Nearest,
 }
 
 /// Pass: everything that depends on `f` alone.
@@ -110,8 +120,8 @@ impl WithSimd for Meetings<'_> {
     type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> f64 {
-        self.buffers.meet(self.sides, self.shift, self.radius)
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        self.buffers.meet(simd, self.sides, self.shift, self.radius)
     }
 }
 
@@ -130,6 +140,30 @@ impl WithSimd for Chances<'_> {
     fn with_simd<S: Simd>(self, _simd: S) {
         self.buffers.weigh(self.sides, self.sign, self.radius);
     }
+}
+
+/// Indices of the lanes of a vector.
+const COUNTED: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// Part of some values as whole vectors.
+#[inline(always)]
+fn vectors<'v, S: Simd>(values: &'v [f64], part: &Range<usize>) -> &'v [S::f64s] {
+    S::as_simd_f64s(&values[part.clone()]).0
+}
+
+/// The least of some values and which it is, the first of equal ones; [`NONE`] where none is finite.
+#[inline(always)]
+fn first_least<S: Simd>(values: S::f64s, which: S::f64s) -> (f64, u32) {
+    let (mut all, mut indices) = ([f64::INFINITY; LANES], [-1.0; LANES]);
+    S::as_mut_simd_f64s(&mut all).0[0] = values;
+    S::as_mut_simd_f64s(&mut indices).0[0] = which;
+    let (mut least, mut index) = (f64::INFINITY, f64::INFINITY);
+    for k in 0..S::F64_LANES {
+        if all[k] < least || (all[k] == least && indices[k] < index) {
+            (least, index) = (all[k], indices[k]);
+        }
+    }
+    if least < f64::INFINITY { (least, index as u32) } else { (f64::INFINITY, NONE) }
 }
 
 /// Pixels of Sampson distance per radian where a line with a normal of squared length `norm2` touches B at a point
@@ -157,11 +191,11 @@ impl Buffers {
 
     /// Which tangents meet, and the sign of the map of rays.
     #[inline(always)]
-    fn meet(&mut self, sides: Sides, shift: usize, radius: f64) -> f64 {
-        let sign = self.sign(sides, shift, radius);
+    fn meet<S: Simd>(&mut self, simd: S, sides: Sides, shift: usize, radius: f64) -> f64 {
+        let sign = self.sign(simd, sides, shift, radius);
         for side in 0..2 {
             for frame in 0..self.a[side].frames() {
-                self.meet_frame(sides, side, frame, shift, sign);
+                self.meet_frame(simd, sides, side, frame, shift, sign);
             }
             let targets = &self.targets[partner(side, sides)];
             let sent = &mut self.sent[side];
@@ -177,13 +211,13 @@ impl Buffers {
 
     /// Whether rays go by `F` or by `−F`.
     #[inline(always)]
-    fn sign(&mut self, sides: Sides, shift: usize, radius: f64) -> f64 {
+    fn sign<S: Simd>(&mut self, simd: S, sides: Sides, shift: usize, radius: f64) -> f64 {
         let frames = self.a[0].frames();
         let mut votes = [0.0; 2];
         for side in 0..2 {
-            for frame in (0..frames).step_by(SIGN_STEP) {
+            for frame in (0..frames).step_by((frames / SIGN_FRAMES).max(SIGN_STEP)) {
                 for (vote, sign) in votes.iter_mut().zip([1.0, -1.0]) {
-                    self.meet_frame(sides, side, frame, shift, sign);
+                    self.meet_frame(simd, sides, side, frame, shift, sign);
                     for i in self.a[side].of(frame) {
                         *vote += (1.0 - self.sent[side].squared[i] / (radius * radius)).max(0.0);
                     }
@@ -195,51 +229,71 @@ impl Buffers {
 
     /// For each tangent of A in a frame the nearest of B that it may meet, if that has none nearer.
     #[inline(always)]
-    fn meet_frame(&mut self, sides: Sides, side: usize, frame: usize, shift: usize, sign: f64) {
+    fn meet_frame<S: Simd>(
+        &mut self,
+        simd: S,
+        sides: Sides,
+        side: usize,
+        frame: usize,
+        shift: usize,
+        sign: f64,
+    ) {
         let partner = partner(side, sides);
-        let class_for_all = if sides.upright { 0 } else { EITHER };
         let (a, b) = (&self.a[side], &self.b[partner]);
         let (sent, targets) = (&mut self.sent[side], &self.targets[partner]);
         let in_a = a.of(frame);
         let in_b = b.of((frame + shift) % b.frames());
-        let (first, count) = (in_b.start, in_b.len());
-        // Whole vectors: what they read of the next frame is never looked at.
-        let width = count.next_multiple_of(LANES);
-        let read = first..first + width;
-        self.row.resize(width, 0.0);
-        self.nearest.clear();
-        self.nearest.resize(count, (f64::INFINITY, NONE));
-        let row = &mut self.row[..width];
-        let nearest = &mut self.nearest[..count];
-        let (x, y) = (&b.x[read.clone()], &b.y[read.clone()]);
-        let line = [0, 1, 2].map(|k| &b.line[k][read.clone()]);
-        let (class, back) = (&b.class[read.clone()], &targets.back_norm2[read]);
+        let first = in_b.start;
+        // Whole vectors: what they read of the next frame is refused by its index.
+        let read = first..first + in_b.len().next_multiple_of(LANES);
+        let (x, y) = (vectors::<S>(&b.x, &read), vectors::<S>(&b.y, &read));
+        let back = vectors::<S>(&targets.back_norm2, &read);
+        let line = b.line.each_ref().map(|part| vectors::<S>(part, &read));
+        let refused = b.refused.each_ref().map(|part| vectors::<S>(part, &read));
+        let near = &mut self.nearest;
+        for (values, empty) in [(&mut near.distance, f64::INFINITY), (&mut near.of, -1.0)] {
+            values.clear();
+            values.resize(read.len(), empty);
+        }
+        let distance = S::as_mut_simd_f64s(&mut near.distance).0;
+        let of = S::as_mut_simd_f64s(&mut near.of).0;
+        let index = S::as_simd_f64s(&COUNTED).0[0];
+        let (zero, never) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
+        let (step, count) = (simd.splat_f64s(S::F64_LANES as f64), simd.splat_f64s(in_b.len() as f64));
+        let dot = |p: [S::f64s; 3], q: [S::f64s; 3]| {
+            let first = simd.add_f64s(simd.mul_f64s(p[0], q[0]), simd.mul_f64s(p[1], q[1]));
+            simd.add_f64s(first, simd.mul_f64s(p[2], q[2]))
+        };
         for i in in_a.clone() {
-            let (lx, ly, lz) = (sent.line[0][i], sent.line[1][i], sent.line[2][i]);
-            let (rx, ry, rz) = (lx * sign, ly * sign, lz * sign);
-            let (norm2, mine) = (sent.norm2[i], (a.class[i] & EITHER) | class_for_all);
-            for j in 0..width {
-                let algebraic = x[j] * lx + y[j] * ly + lz;
-                let along = line[0][j] * rx + line[1][j] * ry + line[2][j] * rz;
-                let squared = algebraic * algebraic / (norm2 + back[j]).max(1e-300);
-                let may = (along > 0.0) & ((class[j] | class_for_all) & mine != 0);
-                row[j] = if may { squared } else { f64::INFINITY };
+            let to = [0, 1, 2].map(|k| simd.splat_f64s(sent.line[k][i]));
+            let ray = [0, 1, 2].map(|k| simd.splat_f64s(sent.line[k][i] * sign));
+            let norm2 = simd.splat_f64s(sent.norm2[i]);
+            let refused = refused[if sides.upright { (a.class[i] & EITHER) as usize } else { 0 }];
+            let mine = simd.splat_f64s(i as f64);
+            let (mut least, mut which, mut at) = (never, simd.splat_f64s(-1.0), index);
+            for j in 0..x.len() {
+                let algebraic = simd
+                    .add_f64s(simd.add_f64s(simd.mul_f64s(x[j], to[0]), simd.mul_f64s(y[j], to[1])), to[2]);
+                let square = simd.mul_f64s(algebraic, algebraic);
+                let squared = simd.div_f64s(square, simd.add_f64s(norm2, back[j]));
+                let along = dot([line[0][j], line[1][j], line[2][j]], ray);
+                let value = simd.add_f64s(squared, refused[j]);
+                let value = simd.select_f64s(simd.less_than_f64s(zero, along), value, never);
+                let value = simd.select_f64s(simd.less_than_f64s(at, count), value, never);
+                let nearer = simd.less_than_f64s(value, least);
+                least = simd.select_f64s(nearer, value, least);
+                which = simd.select_f64s(nearer, at, which);
+                let nearer = simd.less_than_f64s(value, distance[j]);
+                distance[j] = simd.select_f64s(nearer, value, distance[j]);
+                of[j] = simd.select_f64s(nearer, mine, of[j]);
+                at = simd.add_f64s(at, step);
             }
-            let (mut least, mut which) = (f64::INFINITY, NONE);
-            for j in 0..count {
-                if row[j] < least {
-                    (least, which) = (row[j], j as u32);
-                }
-                if row[j] < nearest[j].0 {
-                    nearest[j] = (row[j], i as u32);
-                }
-            }
-            (sent.squared[i], sent.met[i]) = (least, which);
+            (sent.squared[i], sent.met[i]) = first_least::<S>(least, which);
         }
         // One to one: a match is the nearest of both.
         for i in in_a {
             let j = sent.met[i];
-            if j != NONE && nearest[j as usize].1 == i as u32 {
+            if j != NONE && near.of[j as usize] == i as f64 {
                 sent.met[i] = first as u32 + j;
             } else {
                 (sent.squared[i], sent.met[i]) = (f64::INFINITY, NONE);

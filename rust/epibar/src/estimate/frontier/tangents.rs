@@ -29,6 +29,8 @@ pub(super) struct Tangents {
     pub(super) line: [Vec<f64>; 3],
     /// [`EITHER`] and [`BOTTOM`].
     pub(super) class: Vec<u64>,
+    /// Infinite where a tangent of the other view with these bits of [`EITHER`] must not meet it, else 0.
+    pub(super) refused: [Vec<f64>; 4],
 }
 
 impl Tangents {
@@ -55,7 +57,7 @@ impl Tangents {
     #[inline(always)]
     fn classify(&mut self, epipole: &Homogeneous, positive: bool) {
         let n = self.len() + LANES;
-        for part in [&mut self.x, &mut self.y].into_iter().chain(&mut self.line) {
+        for part in [&mut self.x, &mut self.y].into_iter().chain(&mut self.line).chain(&mut self.refused) {
             part.resize(n, 0.0);
         }
         self.class.resize(n, 0);
@@ -63,6 +65,8 @@ impl Tangents {
         let (line_x, line_y, line_z) = (&mut line_x[..n], &mut line_y[..n], &mut line_z[..n]);
         let (x, y, class) = (&self.x[..n], &self.y[..n], &mut self.class[..n]);
         let (ex, ey, ew) = (epipole.x, epipole.y, epipole.z);
+        let [_, refuses_top, refuses_bottom, _] = &mut self.refused;
+        let (refuses_top, refuses_bottom) = (&mut refuses_top[..n], &mut refuses_bottom[..n]);
         let towards = if positive { 1.0 } else { -1.0 };
         for i in 0..n {
             let (lx, ly) = (ey - ew * y[i], ew * x[i] - ex);
@@ -71,6 +75,8 @@ impl Tangents {
             let steep = ly * ly < STEEP * STEEP * (lx * lx + ly * ly);
             let may = if top { MAY_BE_TOP } else { MAY_BE_BOTTOM };
             class[i] = if steep { EITHER } else { may } | if top { 0 } else { BOTTOM };
+            refuses_top[i] = if steep || top { 0.0 } else { f64::INFINITY };
+            refuses_bottom[i] = if steep || !top { 0.0 } else { f64::INFINITY };
         }
     }
 }
