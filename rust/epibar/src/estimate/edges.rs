@@ -4,8 +4,6 @@
 //! silhouette has a dozen or two edges: eight at a time without a branch are done before a search in their logarithm has
 //! mispredicted its first comparison.
 
-#![allow(clippy::inline_always, reason = "a body is compiled under the features of whoever calls it")]
-
 use crate::line::Homogeneous;
 
 /// Edges of a hull are padded to a multiple of it.

@@ -172,8 +172,8 @@ impl WithSimd for Linearisation<'_> {
                     weighed[i] = weight[i] * entries[j][i];
                 }
                 add_products(simd, &mut sums.gradient[j], &weighed, &value);
-                for i in j..9 {
-                    add_products(simd, &mut sums.normal[i][j], &weighed, &entries[i]);
+                for (row, entries) in sums.normal.iter_mut().zip(&entries).skip(j) {
+                    add_products(simd, &mut row[j], &weighed, entries);
                 }
             }
         }

@@ -1,7 +1,5 @@
 //! Silhouettes of two cameras on one time line, ready for epipolar tangents.
 
-#![allow(clippy::inline_always, reason = "a body is compiled under the features of whoever calls it")]
-
 use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
@@ -73,6 +71,13 @@ impl View {
     fn thinned(&self, step: usize) -> Self {
         let hulls = |frame| self.hulls_of(frame).map(Cow::Borrowed).collect();
         Self::new(self.size, self.visible.as_ref(), (0..self.frames()).step_by(step).map(hulls))
+    }
+
+    /// Hulls made up by a test.
+    #[cfg(test)]
+    pub(super) fn made_up(size: ImageSize, frames: &[Vec<Vec<[f64; 2]>>]) -> Self {
+        let hulls = |hulls: &Vec<Vec<[f64; 2]>>| hulls.iter().map(|h| Cow::Owned(h.clone())).collect();
+        Self::new(size, None, frames.iter().map(hulls))
     }
 
     /// Number of frames.

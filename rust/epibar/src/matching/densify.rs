@@ -78,7 +78,6 @@ impl WithSimd for MetHulls<'_> {
     type Output = Vec<u64>;
 
     #[inline(always)]
-    #[allow(clippy::inline_always, reason = "the body is compiled for every instruction set")]
     fn with_simd<S: Simd>(self, _simd: S) -> Vec<u64> {
         let Self { discs, line, words } = self;
         let n = discs.frame.len();

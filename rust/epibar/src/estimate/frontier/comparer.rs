@@ -153,3 +153,106 @@ fn keeps_side(f: &Fundamental, size_a: ImageSize) -> bool {
     }
     best.1
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::ransac::generator;
+    use nalgebra::Matrix3;
+    use rand::RngExt;
+
+    /// Polygons of 3 to 70 vertices here and there, none to 20 in a frame.
+    fn polygons(size: ImageSize, frames: usize, seed: u64) -> View {
+        let mut random = generator(seed, 0);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+        let frames: Vec<Vec<Vec<[f64; 2]>>> = (0..frames)
+            .map(|_| {
+                (0..between(0.0, 21.0) as usize)
+                    .map(|_| {
+                        let n = if between(0.0, 1.0) < 0.05 { 70 } else { between(3.0, 20.0) as usize };
+                        let (x, y) = (between(0.0, size.x_max()), between(0.0, size.y_max()));
+                        let (w, h, turn) = (between(2.0, 30.0), between(5.0, 60.0), between(0.0, 6.0));
+                        let at = |k: usize| turn + k as f64 * std::f64::consts::TAU / n as f64;
+                        (0..n).map(|k| [x + w * at(k).cos(), y + h * at(k).sin()]).collect()
+                    })
+                    .collect()
+            })
+            .collect();
+        View::made_up(size, &frames)
+    }
+
+    fn levels() -> Vec<Arch> {
+        let mut levels = vec![Arch::Scalar];
+        #[cfg(target_arch = "x86_64")]
+        {
+            levels.extend(pulp::x86::V3::try_new().map(Arch::V3));
+            levels.extend(pulp::x86::V4::try_new().map(Arch::V4));
+        }
+        levels
+    }
+
+    /// By one tangent after the other, as the definition says: the nearest of both, and its squared distance.
+    fn met(a: &View, b: &View, f: &Fundamental, shift: usize, radius: f64) -> usize {
+        use crate::geometry::{TangentPoint, epipolar_tangents, sampson_distance};
+        let same = keeps_side(f, a.size);
+        let count = |sign: f64, step: usize| {
+            let mut count = 0;
+            for frame in (0..a.frames()).step_by(step) {
+                let of = |view: &View, frame, e| -> Vec<TangentPoint> {
+                    let both = view.hulls_of(frame).filter_map(|h| epipolar_tangents(h, e)).flatten();
+                    both.filter(|t| !view.on_border(t.point)).collect()
+                };
+                let in_a = of(a, frame, f.epipole_a());
+                let in_b = of(b, (frame + shift) % b.frames(), f.epipole_b());
+                let distance = |p: &TangentPoint, q: &TangentPoint| {
+                    let ray = f.line_in_b(&Vector3::new(p.point[0], p.point[1], 1.0)) * sign;
+                    let other = f.epipole_b().cross(&Vector3::new(q.point[0], q.point[1], 1.0));
+                    let may = (p.positive == q.positive) == same && ray.dot(&other) > 0.0;
+                    if may { sampson_distance(f, p.point, q.point).abs() } else { f64::INFINITY }
+                };
+                for p in &in_a {
+                    let nearest = in_b.iter().min_by(|q, r| distance(p, q).total_cmp(&distance(p, r)));
+                    count += usize::from(nearest.is_some_and(|q| {
+                        let d = distance(p, q);
+                        d < radius && in_a.iter().all(|r| distance(r, q) >= d)
+                    }));
+                }
+            }
+            count
+        };
+        count(1.0, 1).max(count(-1.0, 1))
+    }
+
+    #[test]
+    fn every_level_finds_what_the_definition_says() {
+        let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(800, 450).unwrap()];
+        let (a, b) = (polygons(sizes[0], 60, 1), polygons(sizes[1], 60, 2));
+        let mut random = generator(3, 0);
+        let mut matches = 0;
+        for k in 0..24 {
+            let matrix = Matrix3::from_fn(|i, j| {
+                let scale = [1.0, 1.0, 600.0][i] * [1.0, 1.0, 600.0][j];
+                (2.0 * random.random::<f64>() - 1.0) * scale / 360_000.0
+            });
+            let Some(f) = Fundamental::from_matrix(&matrix, sizes[0], sizes[1]) else { continue };
+            let mut first: Option<(FrontierScore, Vec<FrontierPoint>, Vec<f64>)> = None;
+            for arch in levels() {
+                let mut comparer = Comparer::on(arch, &a, &b, &f, k % 2 == 0);
+                let mut met = comparer.meet(k, 4.0);
+                let found = met.at(4.0);
+                let found = (found.score(), found.points(), found.per_frame());
+                assert!((found.2.iter().sum::<f64>() - found.0.total()).abs() < 1e-6);
+                assert_eq!(found.0.matches(), found.1.len());
+                assert_eq!(*first.get_or_insert_with(|| found.clone()), found, "{arch:?}");
+            }
+            let found = first.unwrap().0.matches();
+            matches += found;
+            if k % 2 == 1 {
+                // The sign is decided on a few frames, and may be the one with fewer matches where there is no answer.
+                assert!(found <= met(&a, &b, &f, k, 4.0));
+                assert!(10 * found >= 8 * met(&a, &b, &f, k, 4.0), "{found}");
+            }
+        }
+        assert!(matches > 500, "{matches}");
+    }
+}

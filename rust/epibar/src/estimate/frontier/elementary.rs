@@ -3,8 +3,6 @@
 //! Polynomials with an error below 10⁻⁹; the C library's are exact to the last place, differ between libraries, and were a
 //! quarter of the time of a score.
 
-#![allow(clippy::inline_always, reason = "a body is compiled under the features of whoever calls it")]
-
 use std::f64::consts::{FRAC_PI_2, LN_2, LOG2_E, PI, SQRT_2};
 
 /// `atan(t) / t` in powers of `t²` on [0, 1].

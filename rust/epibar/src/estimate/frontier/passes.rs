@@ -3,8 +3,6 @@
 //! Tangents whose objects lie on corresponding sides are compared with each other only, so everything is done twice, once
 //! for each side of A.
 
-#![allow(clippy::inline_always, reason = "a body is compiled under the features of whoever calls it")]
-
 use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
@@ -153,17 +151,14 @@ fn vectors<'v, S: Simd>(values: &'v [f64], part: &Range<usize>) -> &'v [S::f64s]
 
 /// The least of some values and which it is, the first of equal ones; [`NONE`] where none is finite.
 #[inline(always)]
-fn first_least<S: Simd>(values: S::f64s, which: S::f64s) -> (f64, u32) {
-    let (mut all, mut indices) = ([f64::INFINITY; LANES], [-1.0; LANES]);
-    S::as_mut_simd_f64s(&mut all).0[0] = values;
-    S::as_mut_simd_f64s(&mut indices).0[0] = which;
-    let (mut least, mut index) = (f64::INFINITY, f64::INFINITY);
-    for k in 0..S::F64_LANES {
-        if all[k] < least || (all[k] == least && indices[k] < index) {
-            (least, index) = (all[k], indices[k]);
-        }
+fn first_least<S: Simd>(simd: S, values: S::f64s, which: S::f64s) -> (f64, u32) {
+    let least = simd.reduce_min_f64s(values);
+    if least == f64::INFINITY {
+        return (f64::INFINITY, NONE);
     }
-    if least < f64::INFINITY { (least, index as u32) } else { (f64::INFINITY, NONE) }
+    let equal = simd.equal_f64s(values, simd.splat_f64s(least));
+    let index = simd.reduce_min_f64s(simd.select_f64s(equal, which, simd.splat_f64s(f64::INFINITY)));
+    (least, index as u32)
 }
 
 /// Pixels of Sampson distance per radian where a line with a normal of squared length `norm2` touches B at a point
@@ -288,7 +283,7 @@ impl Buffers {
                 of[j] = simd.select_f64s(nearer, mine, of[j]);
                 at = simd.add_f64s(at, step);
             }
-            (sent.squared[i], sent.met[i]) = first_least::<S>(least, which);
+            (sent.squared[i], sent.met[i]) = first_least(simd, least, which);
         }
         // One to one: a match is the nearest of both.
         for i in in_a {

@@ -1,7 +1,5 @@
 //! Angles in the pencil of epipolar lines of B, and how often tangents lie at each.
 
-#![allow(clippy::inline_always, reason = "a body is compiled under the features of whoever calls it")]
-
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix2x3, Matrix3x2, Vector3};

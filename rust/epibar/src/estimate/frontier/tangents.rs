@@ -1,7 +1,5 @@
 //! Tangents of all silhouettes of a view from one epipole, those with the object on one side apart from the others.
 
-#![allow(clippy::inline_always, reason = "a body is compiled under the features of whoever calls it")]
-
 use super::super::views::View;
 use crate::line::Homogeneous;
 
