@@ -87,7 +87,9 @@ mod tests {
         let counts = [3, 4, 7, 8, 9, 16, 31, 63, 64];
         let mut edges = Edges::default();
         let hulls: Vec<_> = counts.iter().map(|&n| polygon(n, 0.1 * n as f64)).collect();
-        hulls.iter().for_each(|hull| edges.push(hull));
+        for hull in &hulls {
+            edges.push(hull);
+        }
         let mut sides = Vec::new();
         let mut inside = 0;
         for k in 0..200 {
