@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use crate::estimate::frontier::FrontierPoint;
 use crate::estimate::ransac::generator;
 use crate::estimate::views::Views;
+use crate::geometry::eight_point::least_matrix;
 use crate::geometry::fundamental::normaliser;
 
 /// Share of the points that must fit.
@@ -21,6 +22,8 @@ const SHARE: f64 = 0.8;
 const POINTS: usize = 1500;
 /// Samples of four points.
 const SAMPLES: usize = 400;
+/// The best of them, which are fitted to more points.
+const FITTED: usize = 24;
 /// Rounds of fitting to the points that fit.
 const ROUNDS: usize = 6;
 
@@ -41,26 +44,34 @@ pub fn plane_residual(views: &Views, points: &[FrontierPoint]) -> f64 {
     if matches.len() < 20 || width <= 0.0 {
         return f64::INFINITY;
     }
-    let best = (0..SAMPLES)
+    let mut drawn: Vec<(f64, Matrix3<f64>)> = (0..SAMPLES)
         .into_par_iter()
         .filter_map(|k| {
             let mut random = generator(0x70_6C_61_6E_65, k as u64);
             let drawn: [Match; 4] = std::array::from_fn(|_| matches[random.random_range(0..matches.len())]);
             let h = homography(drawn.iter())?;
-            let (mut residual, mut distances) = within(&h, &matches);
-            for _ in 0..ROUNDS {
-                let near = matches.iter().zip(&distances).filter(|(_, d)| **d <= residual).map(|(m, _)| m);
-                let Some(better) = homography(near) else { break };
-                let (next, next_distances) = within(&better, &matches);
-                if next >= residual {
-                    break;
-                }
-                (residual, distances) = (next, next_distances);
-            }
-            Some(residual)
+            Some((within(&h, &matches).0, h))
         })
-        .reduce(|| f64::INFINITY, f64::min);
+        .collect();
+    drawn.sort_by(|p, q| p.0.total_cmp(&q.0));
+    drawn.truncate(FITTED);
+    let best = drawn.into_par_iter().map(|(_, h)| fitted(&h, &matches)).reduce(|| f64::INFINITY, f64::min);
     best * 0.5 * sizes[1].diagonal() / width
+}
+
+/// The residual of a homography fitted again and again to the matches that fit.
+fn fitted(h: &Matrix3<f64>, matches: &[Match]) -> f64 {
+    let (mut residual, mut distances) = within(h, matches);
+    for _ in 0..ROUNDS {
+        let near = matches.iter().zip(&distances).filter(|(_, d)| **d <= residual).map(|(m, _)| m);
+        let Some(better) = homography(near) else { break };
+        let (value, of_better) = within(&better, matches);
+        if value >= residual {
+            break;
+        }
+        (residual, distances) = (value, of_better);
+    }
+    residual
 }
 
 /// The transfer distance in B below which [`SHARE`] of the matches lie, and all distances; normalised coordinates.
@@ -92,9 +103,7 @@ fn homography<'m>(matches: impl Iterator<Item = &'m Match>) -> Option<Matrix3<f6
             normal.ger(1.0, &row, &row, 1.0);
         }
     }
-    let eigen = normal.try_symmetric_eigen(1e-14, 300)?;
-    let v = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-    Some(Matrix3::new(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]))
+    least_matrix(&normal)
 }
 
 /// Median over B's silhouettes of the shorter side of the bounding box, pixels.

@@ -8,7 +8,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use crate::estimate::frontier::{FrontierOptions, FrontierPoint, FrontierScore, frontier_score};
+use crate::estimate::frontier::{Comparer, FrontierPoint, FrontierScore};
 use crate::estimate::optimise::{Information, SevenParameters, Step};
 use crate::estimate::refine::residual_row;
 use crate::estimate::views::Views;
@@ -60,10 +60,10 @@ pub fn shift_curve(
     }
     shifts
         .into_par_iter()
-        .map(|shift| ShiftScore {
-            shift,
-            score: frontier_score(views, f, &FrontierOptions { radius, upright, shift }),
-        })
+        .map_init(
+            || Comparer::new(&views.a, &views.b, f, upright),
+            |comparer, shift| ShiftScore { shift, score: comparer.meet(shift, radius).at(radius).score() },
+        )
         .collect()
 }
 

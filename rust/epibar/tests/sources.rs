@@ -5,7 +5,7 @@ mod common;
 use common::cameras::{Camera, error, fundamental};
 use common::flying::{Scene, hull};
 use common::masks::Random;
-use epibar::estimate::frontier::{Class, FrontierOptions, FrontierPoint};
+use epibar::estimate::frontier::{Class, FrontierOptions, FrontierPoint, Scorer};
 use epibar::estimate::ransac::{Unwatched, ransac};
 use epibar::estimate::refine::refine;
 use epibar::estimate::track_model::TrackModel;
@@ -99,7 +99,8 @@ fn walkers() -> ([Camera; 2], Views) {
 fn tracks_of_walkers_lead_near_the_truth_without_a_single_line() {
     let (cameras, views) = walkers();
     let options = FrontierOptions { radius: 3.0, upright: true, shift: 0 };
-    let model = TrackModel::new(&views, &views, options, 0.5);
+    let scorer = Scorer::new(&views, options);
+    let model = TrackModel::new(&views, &scorer, 0.5);
     assert!(model.pairs() >= 8, "{}", model.pairs());
     let best = ransac(&model, 4000, 20, 1, "test", &mut Unwatched).unwrap();
     // Near enough for refinement to find the rest of the way.

@@ -10,12 +10,13 @@ use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::frontier::{FrontierOptions, frontier_score};
+use super::frontier::Scorer;
 use super::ransac::{Estimator, Watch, ransac};
 use super::tracks::{Extremes, extremes};
 use super::views::{View, Views};
 use crate::Result;
 use crate::geometry::Fundamental;
+use crate::geometry::eight_point::least_matrix;
 use crate::geometry::fundamental::{denormaliser, normaliser};
 use crate::line::{ImageSize, Line, Segment};
 use crate::matching::Candidate;
@@ -82,9 +83,7 @@ impl FloorModel<'_> {
                 normal.ger(1.0, &equation, &equation, 1.0);
             }
         }
-        let eigen = normal.try_symmetric_eigen(1e-14, 300)?;
-        let v = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-        let lines = Matrix3::new(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]);
+        let lines = least_matrix(&normal)?;
         if lines.determinant().abs() < 1e-7 {
             return None;
         }
@@ -193,13 +192,12 @@ struct Standing {
 pub struct FloorEpipoles<'a> {
     homography: Matrix3<f64>,
     standing: Vec<Standing>,
-    views: &'a Views,
-    options: FrontierOptions,
+    scorer: &'a Scorer<'a>,
 }
 
 impl<'a> FloorEpipoles<'a> {
     /// Associates silhouettes by their feet.
-    pub fn new(floor: &Floor, association: &Views, views: &'a Views, options: FrontierOptions) -> Self {
+    pub fn new(floor: &Floor, association: &Views, scorer: &'a Scorer<'a>) -> Self {
         let h = floor.homography;
         let near = 0.02 * association.b.size.diagonal();
         let mut standing = Vec::new();
@@ -219,7 +217,7 @@ impl<'a> FloorEpipoles<'a> {
                 }
             }
         }
-        Self { homography: h, standing, views, options }
+        Self { homography: h, standing, scorer }
     }
 
     /// How many silhouettes were associated.
@@ -246,6 +244,10 @@ impl Estimator for FloorEpipoles<'_> {
     }
 
     fn score(&self, model: &Fundamental) -> f64 {
-        frontier_score(self.views, model, &self.options).total()
+        self.scorer.score(model)
+    }
+
+    fn glance(&self, model: &Fundamental) -> f64 {
+        self.scorer.glance(model)
     }
 }

@@ -3,12 +3,12 @@
 //! [`ransac`] is the loop, and knows no geometry; [`line_model`] is the paper's estimator (§3). The frontier
 //! method scores with [`frontier`], draws from [`sources`], refines in [`refine`] and puts it together in [`search`].
 
+mod edges;
 pub mod explore;
 pub mod floor;
 pub mod frontier;
 pub mod line_model;
 pub mod optimise;
-mod pencil_angle;
 pub mod ransac;
 pub mod refine;
 pub mod search;

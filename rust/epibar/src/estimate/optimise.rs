@@ -134,7 +134,7 @@ pub fn minimise<P: Problem>(
             at = tried;
             (cost, normal, gradient) = (new_cost, new_normal, new_gradient);
             damping = (damping * 0.3).max(1e-9);
-            if gain < 1e-7 {
+            if gain < 1e-6 {
                 break;
             }
         } else {

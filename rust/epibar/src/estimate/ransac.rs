@@ -12,6 +12,9 @@ use crate::{Error, Result};
 /// Hypotheses scored between two looks at [`Watch::keep_going`].
 const BATCH: usize = 512;
 
+/// Share of the worst kept score below which a glance is enough.
+const GLANCED: f64 = 0.5;
+
 /// Something that proposes models and tells how good they are.
 pub trait Estimator: Sync {
     /// What is estimated.
@@ -22,6 +25,13 @@ pub trait Estimator: Sync {
 
     /// How good a model is: larger is better, NaN never wins.
     fn score(&self, model: &Self::Model) -> f64;
+
+    /// About the score, from part of what tells it; infinite where that would save nothing.
+    ///
+    /// A model with less than half of what the worst that is kept scored is not looked at more closely.
+    fn glance(&self, _model: &Self::Model) -> f64 {
+        f64::INFINITY
+    }
 }
 
 /// Lets a caller watch a long computation and stop it.
@@ -81,10 +91,14 @@ pub fn ransac<E: Estimator>(
         if !watch.keep_going(stage, start as f64 / draws as f64) {
             return Err(Error::Interrupted);
         }
+        let enough = if best.len() < keep { f64::NEG_INFINITY } else { GLANCED * best[keep - 1].score };
         let scored: Vec<_> = (start..(start + BATCH).min(draws))
             .into_par_iter()
             .filter_map(|index| {
                 let model = estimator.generate(index, &mut generator(seed, index as u64))?;
+                if estimator.glance(&model) < enough {
+                    return None;
+                }
                 let score = estimator.score(&model);
                 (!score.is_nan()).then_some(Scored { model, score, index })
             })
@@ -128,6 +142,39 @@ mod tests {
         for (p, q) in one.iter().zip(&four) {
             assert_eq!((p.model.to_bits(), p.index), (q.model.to_bits(), q.index));
         }
+    }
+
+    /// As [`Nearest`], with a glance that tells half the score, or nothing.
+    struct Glancing(f64, std::sync::atomic::AtomicUsize);
+
+    impl Estimator for Glancing {
+        type Model = f64;
+
+        fn generate(&self, index: usize, random: &mut Pcg64Mcg) -> Option<f64> {
+            Nearest.generate(index, random)
+        }
+
+        fn score(&self, model: &f64) -> f64 {
+            self.1.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            1.0 - 2.0 * (model - 0.5).abs()
+        }
+
+        fn glance(&self, model: &f64) -> f64 {
+            self.0 * (1.0 - 2.0 * (model - 0.5).abs())
+        }
+    }
+
+    #[test]
+    fn a_glance_saves_scores_and_loses_nothing_that_it_does_not_halve() {
+        let run = |factor| {
+            let estimator = Glancing(factor, 0.into());
+            let best = ransac(&estimator, 3000, 5, 7, "test", &mut Unwatched).unwrap();
+            (best.iter().map(|s| s.index).collect::<Vec<_>>(), estimator.1.into_inner())
+        };
+        let (all, scored) = run(f64::INFINITY);
+        let (glanced, fewer) = run(0.6);
+        assert_eq!(all, glanced);
+        assert!(scored > 2500 && fewer < scored / 2, "{fewer} of {scored}");
     }
 
     #[test]

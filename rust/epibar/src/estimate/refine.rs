@@ -6,18 +6,47 @@
 //! Jacobian of fixed points is the right one.
 
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use pulp::{Arch, Simd, WithSimd};
 
-use super::frontier::{FrontierOptions, FrontierPoint, compare};
-use super::optimise::{Information, Problem, SevenParameters, Step, cauchy, minimise};
+use super::frontier::{FrontierOptions, FrontierPoint, compare, logarithm};
+use super::optimise::{Information, Problem, SevenParameters, Step, minimise};
 use super::views::Views;
 use crate::geometry::Fundamental;
 
+/// Steps between two searches for tangents, which move the optimum by more than the last steps would.
+const ITERATIONS: usize = 5;
+/// Points that are summed up at a time.
+const CHUNK: usize = 64;
+/// Sums that run beside one another.
+const LANES: usize = 8;
+
 /// Sampson errors of matched tangent points.
-pub struct SampsonProblem<'a> {
-    /// The points.
-    pub points: &'a [FrontierPoint],
+pub struct SampsonProblem {
+    /// Coordinates in A and in B and the weight of each point, padded with points of no weight.
+    columns: [Vec<f64>; 5],
     /// Scale of the Cauchy loss, pixels.
-    pub scale: f64,
+    scale: f64,
+    arch: Arch,
+}
+
+impl SampsonProblem {
+    /// `scale`: of the Cauchy loss, pixels.
+    pub fn new(points: &[FrontierPoint], scale: f64) -> Self {
+        let padded = points.len().next_multiple_of(CHUNK);
+        let column = |of: fn(&FrontierPoint) -> f64| {
+            let mut values: Vec<f64> = points.iter().map(of).collect();
+            values.resize(padded, 0.0);
+            values
+        };
+        let columns = [
+            column(|p| p.a[0]),
+            column(|p| p.a[1]),
+            column(|p| p.b[0]),
+            column(|p| p.b[1]),
+            column(|p| p.surprise),
+        ];
+        Self { columns, scale, arch: Arch::new() }
+    }
 }
 
 /// Sampson distance of a pair under a matrix, with what its derivative needs.
@@ -64,32 +93,105 @@ pub fn residual_row(at: &SevenParameters, p: &FrontierPoint) -> (f64, Step) {
     (residual.value, Step::from_fn(|k, _| along(k)))
 }
 
-impl Problem for SampsonProblem<'_> {
-    fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step) {
-        let matrix = at.unscaled();
-        // Summed over the nine entries of the matrix, where a row is cheap, and carried to the seven parameters once.
-        let mut cost = 0.0;
-        let mut normal = SMatrix::<f64, 9, 9>::zeros();
-        let mut gradient = SVector::<f64, 9>::zeros();
-        for p in self.points {
-            let residual = Residual::new(&matrix, p);
-            let (loss, weight) = cauchy(residual.value, self.scale);
-            let weight = weight * p.surprise;
-            cost += loss * p.surprise;
-            let row = residual.entries();
+/// Cost, `JᵀWJ` (lower triangle) and `JᵀWr` over the nine entries of the matrix.
+struct Sums {
+    cost: [f64; LANES],
+    normal: [[[f64; LANES]; 9]; 9],
+    gradient: [[f64; LANES]; 9],
+}
+
+/// Pass over all points.
+struct Linearisation<'p> {
+    problem: &'p SampsonProblem,
+    matrix: &'p Matrix3<f64>,
+}
+
+/// Adds the products of two rows, lane by lane whatever the width of the CPU's vectors.
+#[inline(always)]
+fn add_products<S: Simd>(simd: S, sum: &mut [f64; LANES], p: &[f64; CHUNK], q: &[f64; CHUNK]) {
+    let sum = S::as_mut_simd_f64s(sum).0;
+    let width = sum.len();
+    let (p, q) = (S::as_simd_f64s(p).0, S::as_simd_f64s(q).0);
+    for (k, sum) in sum.iter_mut().enumerate() {
+        let mut total = *sum;
+        for at in (k..p.len()).step_by(width) {
+            total = simd.add_f64s(total, simd.mul_f64s(p[at], q[at]));
+        }
+        *sum = total;
+    }
+}
+
+impl WithSimd for Linearisation<'_> {
+    type Output = Sums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Sums {
+        let (m, scale2) = (self.matrix, self.problem.scale * self.problem.scale);
+        let columns = self.problem.columns.each_ref().map(|c| c.as_chunks::<CHUNK>().0);
+        let mut sums =
+            Sums { cost: [0.0; LANES], normal: [[[0.0; LANES]; 9]; 9], gradient: [[0.0; LANES]; 9] };
+        let mut entries = [[0.0; CHUNK]; 9];
+        let (mut value, mut loss) = ([0.0; CHUNK], [0.0; CHUNK]);
+        for chunk in 0..columns[0].len() {
+            let [xa, ya, xb, yb, surprise] = columns.map(|c| &c[chunk]);
+            let mut weight = [0.0; CHUNK];
+            for i in 0..CHUNK {
+                let (xa, ya, xb, yb) = (xa[i], ya[i], xb[i], yb[i]);
+                let in_b = [
+                    m.m11 * xa + m.m12 * ya + m.m13,
+                    m.m21 * xa + m.m22 * ya + m.m23,
+                    m.m31 * xa + m.m32 * ya + m.m33,
+                ];
+                let in_a = [m.m11 * xb + m.m21 * yb + m.m31, m.m12 * xb + m.m22 * yb + m.m32];
+                let algebraic = xb * in_b[0] + yb * in_b[1] + in_b[2];
+                let norm2 = in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1];
+                let norm2 = norm2.max(1e-300);
+                let scale = 1.0 / norm2.sqrt();
+                let share = algebraic / norm2;
+                value[i] = algebraic * scale;
+                let q = 1.0 + value[i] * value[i] / scale2;
+                loss[i] = 0.5 * scale2 * logarithm(q);
+                weight[i] = surprise[i] / q;
+                // As `Residual::entries`.
+                let b = [scale * (xb - share * in_b[0]), scale * (yb - share * in_b[1]), scale];
+                let a = [scale * share * in_a[0], scale * share * in_a[1]];
+                entries[0][i] = b[0] * xa - xb * a[0];
+                entries[1][i] = b[1] * xa - yb * a[0];
+                entries[2][i] = b[2] * xa - a[0];
+                entries[3][i] = b[0] * ya - xb * a[1];
+                entries[4][i] = b[1] * ya - yb * a[1];
+                entries[5][i] = b[2] * ya - a[1];
+                entries[6][i] = b[0];
+                entries[7][i] = b[1];
+                entries[8][i] = b[2];
+            }
+            add_products(simd, &mut sums.cost, &loss, surprise);
             for j in 0..9 {
-                let weighed = weight * row[j];
-                gradient[j] += weighed * residual.value;
-                // The lower triangle alone.
-                for i in j..9 {
-                    normal[(i, j)] += weighed * row[i];
+                let mut weighed = [0.0; CHUNK];
+                for i in 0..CHUNK {
+                    weighed[i] = weight[i] * entries[j][i];
+                }
+                add_products(simd, &mut sums.gradient[j], &weighed, &value);
+                for (row, entries) in sums.normal.iter_mut().zip(&entries).skip(j) {
+                    add_products(simd, &mut row[j], &weighed, entries);
                 }
             }
         }
-        normal.fill_upper_triangle_with_lower_triangle();
+        sums
+    }
+}
+
+impl Problem for SampsonProblem {
+    fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step) {
+        // Summed over the nine entries of the matrix, where a row is cheap, and carried to the seven parameters once.
+        let matrix = at.unscaled();
+        let sums = self.arch.dispatch(Linearisation { problem: self, matrix: &matrix });
+        let total = |lanes: &[f64; LANES]| lanes.iter().sum::<f64>();
+        let normal = SMatrix::<f64, 9, 9>::from_fn(|i, j| total(&sums.normal[i.max(j)][i.min(j)]));
+        let gradient = SVector::<f64, 9>::from_fn(|i, _| total(&sums.gradient[i]));
         let derivatives = at.derivatives();
         let chain = SMatrix::<f64, 9, 7>::from_fn(|i, k| derivatives[k].as_slice()[i]);
-        (cost, chain.tr_mul(&(normal * chain)), chain.tr_mul(&gradient))
+        (total(&sums.cost), chain.tr_mul(&(normal * chain)), chain.tr_mul(&gradient))
     }
 }
 
@@ -111,8 +213,8 @@ pub fn refine(
                 return None;
             }
             let start = SevenParameters::new(&current, views.sizes())?;
-            let problem = SampsonProblem { points: &points, scale: 0.35 * radius };
-            current = minimise(&problem, start, 12).0.fundamental()?;
+            let problem = SampsonProblem::new(&points, 0.35 * radius);
+            current = minimise(&problem, start, ITERATIONS).0.fundamental()?;
         }
     }
     Some(current)

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::explore::explore;
 use super::floor::Floor;
-use super::frontier::{FrontierOptions, compare_radii, frontier_score};
+use super::frontier::{Comparer, FrontierOptions, Scorer, frontier_score};
 use super::optimise::{SevenParameters, Step};
 use super::ransac::{Scored, Watch, generator};
 use super::refine::refine;
@@ -107,21 +107,34 @@ pub struct Weighed {
 
 /// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
 pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
+    weigh(views, f, upright).0
+}
+
+/// The evidence, and the comparison from A to B that it was found with.
+fn weigh(views: &Views, f: &Fundamental, upright: bool) -> (Weighed, Comparer) {
     let radii = RADII.map(|r| r * pixel_scale(views));
-    let there = compare_radii(&views.a, &views.b, f, &radii, upright, 0);
-    let back = compare_radii(&views.b, &views.a, &f.transposed(), &radii, upright, 0);
+    let of = |comparer: &mut Comparer| {
+        let mut met = comparer.meet(0, radii[2]);
+        radii.map(|radius| {
+            let found = met.at(radius);
+            (found.score().total(), found.per_frame())
+        })
+    };
+    let mut comparer = Comparer::new(&views.a, &views.b, f, upright);
+    let there = of(&mut comparer);
+    let back = of(&mut Comparer::new(&views.b, &views.a, &f.transposed(), upright));
     let mut best = Weighed { total: f64::NEG_INFINITY, ..Weighed::default() };
     for ((radius, there), back) in radii.into_iter().zip(there).zip(back) {
-        let total = 0.5 * (there.score.total() + back.score.total());
+        let total = 0.5 * (there.0 + back.0);
         if total > best.total {
-            let per_frame = there.per_frame.iter().zip(&back.per_frame).map(|(p, q)| 0.5 * (p + q)).collect();
+            let per_frame = there.1.iter().zip(&back.1).map(|(p, q)| 0.5 * (p + q)).collect();
             best = Weighed { total, radius, per_frame };
         }
     }
-    best
+    (best, comparer)
 }
 
-/// A solution with less than this share of the best one's evidence is not walked from.
+/// A solution is not walked from with less than this share of the best one's evidence.
 const WORTH_EXPLORING: f64 = 0.7;
 /// Shifts of the clocks that tell what evidence is by chance.
 const CHANCE_SHIFTS: usize = 5;
@@ -130,19 +143,27 @@ const CHANCE_SHIFTS: usize = 5;
 ///
 /// The score's own model of chance takes moments as independent; where the same places are busy all the time
 /// a wrong geometry may beat it, and does so at every shift.
-pub fn chance_level(views: &Views, f: &Fundamental, radius: f64, upright: bool) -> f64 {
-    let frames = views.frames();
+fn chance_level(comparer: &mut Comparer, frames: usize, radius: f64) -> f64 {
     let sum: f64 = (1..=CHANCE_SHIFTS)
-        .map(|k| {
-            let shift = k * frames / (CHANCE_SHIFTS + 1);
-            frontier_score(views, f, &FrontierOptions { radius, upright, shift }).total()
-        })
+        .map(|k| comparer.meet(k * frames / (CHANCE_SHIFTS + 1), radius).at(radius).score().total())
         .sum();
     (sum / CHANCE_SHIFTS as f64).max(0.0)
 }
 
+/// The evidence for `f` less that of chance; `None` where it is not finite.
+fn weighed_solution(views: &Views, f: Fundamental, source: Source, upright: bool) -> Option<Solution> {
+    let (weighed, mut comparer) = weigh(views, &f, upright);
+    let chance = chance_level(&mut comparer, views.frames(), weighed.radius);
+    let evidence = weighed.total - chance;
+    evidence.is_finite().then_some(Solution { fundamental: f, evidence, chance, source })
+}
+
 /// How many of the best solutions are shaken in a round.
 const SHAKEN: usize = 6;
+/// How many are refined on more frames.
+const ROUGH_KEPT: usize = 24;
+/// A solution with less than this share of the best one's evidence is no rival to settle.
+const WORTH_SETTLING: f64 = 0.5;
 /// How many of the best solutions are walked from.
 const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
@@ -216,24 +237,32 @@ impl<'a> Searcher<'a> {
         kept.into_iter().map(|(f, _, source)| (f, source)).collect()
     }
 
-    /// Refines in parallel, from a wide radius and from a narrow one, and keeps what has more evidence on the comparing
-    /// frames: in a crowd nearly every tangent meets a wrong one within a wide radius, and a good start is lost there;
+    /// Refines in parallel on `views`, from a wide radius and from a narrow one, and keeps what has more evidence there:
+    /// in a crowd nearly every tangent meets a wrong one within a wide radius, and a good start is lost there;
     /// a bad start needs it.
-    fn refined(&self, starts: &[(Fundamental, Source)], schedules: &[&[f64]]) -> Vec<Solution> {
+    fn refined(
+        &self,
+        views: &Views,
+        starts: &[(Fundamental, Source)],
+        schedules: &[&[f64]],
+    ) -> Vec<Solution> {
         starts
             .par_iter()
             .filter_map(|(f, source)| {
                 let tried = schedules.iter().filter_map(|radii| {
                     let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
-                    let refined = refine(&self.comparing, f, &radii, 2, self.options.upright)?;
-                    Some((evidence(&self.comparing, &refined, self.options.upright), refined))
+                    let refined = refine(views, f, &radii, 2, self.options.upright)?;
+                    weighed_solution(views, refined, *source, self.options.upright)
                 });
-                let (weighed, refined) = tried.max_by(|p, q| p.0.total.total_cmp(&q.0.total))?;
-                let chance = chance_level(&self.comparing, &refined, weighed.radius, self.options.upright);
-                let evidence = weighed.total - chance;
-                Some(Solution { fundamental: refined, evidence, chance, source: *source })
+                tried.max_by(|p, q| p.evidence.total_cmp(&q.evidence))
             })
             .collect()
+    }
+
+    /// Refines on the comparing frames what was refined on the fewer that score.
+    fn refined_again(&self, rough: &[Solution]) -> Vec<Solution> {
+        let starts: Vec<_> = rough.iter().map(|s| (s.fundamental, s.source)).collect();
+        self.distinct(self.refined(&self.comparing, &starts, &[&[4.0]]), self.scale, 16)
     }
 
     /// Sorted by evidence, near copies of a better one dropped.
@@ -276,20 +305,18 @@ impl<'a> Searcher<'a> {
             }
             walked.extend(explore(&self.comparing, start, self.scale, self.options.upright));
         }
-        Ok(self.distinct(walked, 0.5 * self.scale, 24))
+        Ok(self.distinct(walked, self.scale, 12))
     }
 
     /// Polishes the best on `views`.
     fn settled(&self, views: &Views, solutions: &[Solution]) -> Vec<Solution> {
         let upright = self.options.upright;
+        let best = solutions.first().map_or(0.0, |s| s.evidence);
         let finalists: Vec<Solution> = solutions
             .par_iter()
+            .filter(|s| s.evidence >= WORTH_SETTLING * best)
             .filter_map(|s| {
-                let fundamental = polish(views, &s.fundamental, upright);
-                let weighed = evidence(views, &fundamental, upright);
-                let chance = chance_level(views, &fundamental, weighed.radius, upright);
-                let evidence = weighed.total - chance;
-                evidence.is_finite().then_some(Solution { fundamental, evidence, chance, ..s.clone() })
+                weighed_solution(views, polish(views, &s.fundamental, upright), s.source, upright)
             })
             .collect();
         self.distinct(finalists, 0.5 * self.scale, 12)
@@ -333,15 +360,18 @@ pub fn search(
 ) -> Result<Found> {
     let searcher = Searcher::new(all, train, subset, options);
     let Hypotheses { scored, floors } = {
-        let frames = Frames { train, comparing: &searcher.comparing, scoring: &searcher.scoring };
-        hypotheses(&frames, candidates, options, searcher.coarse(), searcher.scale, seed, watch)?
+        let scoring = Scorer::new(&searcher.scoring, searcher.coarse());
+        let frames = Frames { train, comparing: &searcher.comparing, scoring: &scoring };
+        hypotheses(&frames, candidates, options, searcher.scale, seed, watch)?
     };
     let starts = searcher.different(&scored, options.own_starts, options.starts, 4.0 * searcher.scale);
     let mut going =
         |stage, done: f64| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) };
     going("refine", 0.0)?;
-    let mut solutions =
-        searcher.distinct(searcher.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]), searcher.scale, 16);
+    // Roughly on the frames that score, and what remains on those that compare.
+    let rough = searcher.refined(&searcher.scoring, &starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
+    let rough = searcher.distinct(rough, searcher.scale, ROUGH_KEPT);
+    let mut solutions = searcher.refined_again(&rough);
     for round in 0..options.restarts {
         if searcher.is_clear(&solutions) {
             break;
@@ -351,7 +381,8 @@ pub fn search(
         for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
             shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
         }
-        solutions.extend(searcher.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
+        let rough = searcher.refined(&searcher.scoring, &shaken, &[&[8.0, 4.0], &[3.0]]);
+        solutions.extend(searcher.refined_again(&rough));
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
     let solutions = searcher.walked(&solutions, &mut going)?;

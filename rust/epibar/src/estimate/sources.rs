@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::floor::{Floor, FloorEpipoles, find_floors};
-use super::frontier::{FrontierOptions, frontier_score};
+use super::frontier::Scorer;
 use super::line_model::LineModel;
 use super::ransac::{Estimator, Scored, Watch, ransac};
 use super::search::SearchOptions;
@@ -49,8 +49,7 @@ impl Source {
 /// Line pairs as hypotheses, tangents as the score.
 struct TangentScored<'a> {
     lines: LineModel<'a>,
-    views: &'a Views,
-    options: FrontierOptions,
+    scorer: &'a Scorer<'a>,
 }
 
 impl Estimator for TangentScored<'_> {
@@ -61,7 +60,11 @@ impl Estimator for TangentScored<'_> {
     }
 
     fn score(&self, model: &Fundamental) -> f64 {
-        frontier_score(self.views, model, &self.options).total()
+        self.scorer.score(model)
+    }
+
+    fn glance(&self, model: &Fundamental) -> f64 {
+        self.scorer.glance(model)
     }
 }
 
@@ -78,7 +81,7 @@ pub(super) struct Frames<'a> {
     /// Those that associate silhouettes.
     pub(super) comparing: &'a Views,
     /// Those that score.
-    pub(super) scoring: &'a Views,
+    pub(super) scoring: &'a Scorer<'a>,
 }
 
 /// Line models that are fitted to their inliers before they are scored with tangents.
@@ -92,7 +95,6 @@ pub(super) fn hypotheses(
     frames: &Frames,
     candidates: &Candidates,
     options: &SearchOptions,
-    coarse: FrontierOptions,
     scale: f64,
     seed: u64,
     watch: &mut dyn Watch,
@@ -102,8 +104,7 @@ pub(super) fn hypotheses(
     let line_sources: [(&[Candidate], Source); 2] =
         [(candidates.best(), Source::BestLines), (&candidates.pairs, Source::AllLines)];
     for (pairs, source) in line_sources {
-        let estimator =
-            TangentScored { lines: LineModel::new(pairs, sizes), views: frames.scoring, options: coarse };
+        let estimator = TangentScored { lines: LineModel::new(pairs, sizes), scorer: frames.scoring };
         let seed = seed.wrapping_add((source as u64 + 1) << 56);
         let best = ransac(&estimator, options.draws, 300, seed, source.name(), watch)?;
         scored.extend(best.into_iter().map(|s| (s, source)));
@@ -114,18 +115,18 @@ pub(super) fn hypotheses(
         .into_par_iter()
         .map(|start| {
             let model = lines.optimise(&start.model);
-            let score = frontier_score(frames.scoring, &model, &coarse).total();
+            let score = frames.scoring.score(&model);
             (Scored { model, score, index: start.index }, Source::LineInliers)
         })
         .collect();
     scored.extend(fitted);
     let floors = find_floors(candidates.best(), sizes, seed, 3, watch)?;
     for floor in &floors {
-        let estimator = FloorEpipoles::new(floor, frames.comparing, frames.scoring, coarse);
+        let estimator = FloorEpipoles::new(floor, frames.comparing, frames.scoring);
         let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
         scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
     }
-    let tracks = TrackModel::new(frames.train, frames.scoring, coarse, scale);
+    let tracks = TrackModel::new(frames.train, frames.scoring, scale);
     if tracks.pairs() > 0 {
         let best = ransac(&tracks, options.track_draws, 300, seed, Source::Tracks.name(), watch)?;
         scored.extend(best.into_iter().map(|s| (s, Source::Tracks)));

@@ -9,7 +9,7 @@
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::frontier::{FrontierOptions, frontier_score};
+use super::frontier::Scorer;
 use super::ransac::Estimator;
 use super::tracks::{Extremes, tracks};
 use super::views::Views;
@@ -33,14 +33,13 @@ pub struct TrackModel<'a> {
     /// Running sum of the pairs' lengths.
     cumulative: Vec<usize>,
     tolerance: f64,
-    views: &'a Views,
-    options: FrontierOptions,
+    scorer: &'a Scorer<'a>,
 }
 
 impl<'a> TrackModel<'a> {
     /// Follows the silhouettes of `followed`, whose frames must be consecutive for the most part; hypotheses are
-    /// scored on `views`. `scale`: pixels of a 640×480 image in these.
-    pub fn new(followed: &Views, views: &'a Views, options: FrontierOptions, scale: f64) -> Self {
+    /// scored by `scorer`. `scale`: pixels of a 640×480 image in these.
+    pub fn new(followed: &Views, scorer: &'a Scorer<'a>, scale: f64) -> Self {
         let frames = &followed.frame_pairs;
         let in_a = tracks(&followed.a, |t| frames[t + 1].0 <= frames[t].0 + 2, SHORTEST);
         let in_b = tracks(&followed.b, |t| frames[t + 1].1 <= frames[t].1 + 2, SHORTEST);
@@ -64,7 +63,7 @@ impl<'a> TrackModel<'a> {
                 sum
             })
             .collect();
-        Self { pairs, cumulative, tolerance: TOLERANCE * scale, views, options }
+        Self { pairs, cumulative, tolerance: TOLERANCE * scale, scorer }
     }
 
     /// How many pairs of tracks there are to draw from.
@@ -92,12 +91,16 @@ impl Estimator for TrackModel<'_> {
                 matches.extend([(a[0], b[0]), (a[1], b[1])]);
             }
         }
-        let f = eight_point(&matches, self.views.sizes())?;
+        let f = eight_point(&matches, self.scorer.views().sizes())?;
         let sum: f64 = matches.iter().map(|(a, b)| symmetric_epipolar_distance(&f, *a, *b)).sum();
         (sum <= self.tolerance * matches.len() as f64).then_some(f)
     }
 
     fn score(&self, model: &Fundamental) -> f64 {
-        frontier_score(self.views, model, &self.options).total()
+        self.scorer.score(model)
+    }
+
+    fn glance(&self, model: &Fundamental) -> f64 {
+        self.scorer.glance(model)
     }
 }

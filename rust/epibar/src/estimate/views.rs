@@ -1,8 +1,13 @@
 //! Silhouettes of two cameras on one time line, ready for epipolar tangents.
 
-use crate::line::ImageSize;
-use crate::recording::{Recording, visible};
+use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
+
+use super::edges::Edges;
+use crate::geometry::{TangentPoint, epipolar_tangents};
+use crate::line::{Homogeneous, ImageSize};
+use crate::recording::{Recording, visible};
 
 /// Hulls of one camera, frame by frame, vertices as floating point.
 #[derive(Debug, Clone)]
@@ -15,48 +20,64 @@ pub struct View {
     hull_start: Vec<u32>,
     /// Vertices, pixels.
     vertices: Vec<[f64; 2]>,
+    /// Vertices again, NaN where the view ends.
+    touchable: Vec<[f64; 2]>,
+    edges: Edges,
     /// For each pixel 0 where nothing is seen to move; `None` where all is visible.
     visible: Option<Arc<[u8]>>,
 }
 
 impl View {
-    fn empty(recording: &Recording) -> Self {
-        Self {
-            size: recording.size,
+    /// From the hulls of each frame, each of at least three vertices.
+    fn new<'h>(
+        size: ImageSize,
+        visible: Option<&Arc<[u8]>>,
+        frames: impl Iterator<Item = Vec<Cow<'h, [[f64; 2]]>>>,
+    ) -> Self {
+        let mut view = Self {
+            size,
             frame_start: vec![0],
             hull_start: vec![0],
             vertices: Vec::new(),
-            visible: recording.visible.clone(),
-        }
-    }
-
-    fn new(recording: &Recording, frames: impl Iterator<Item = u32>) -> Self {
-        let silhouettes = &recording.silhouettes;
-        let mut view = Self::empty(recording);
-        for frame in frames {
-            for hull in silhouettes.hulls(frame as usize) {
-                let points = silhouettes.hull(hull);
-                if points.len() >= 3 {
-                    view.vertices.extend(points.iter().map(|p| p.map(f64::from)));
-                    view.hull_start.push(view.vertices.len() as u32);
-                }
-            }
-            view.frame_start.push((view.hull_start.len() - 1) as u32);
-        }
-        view
-    }
-
-    /// From hulls of a recording drawn elsewhere, frame by frame, each of at least three vertices.
-    fn of_hulls(recording: &Recording, frames: impl Iterator<Item = Vec<Vec<[f64; 2]>>>) -> Self {
-        let mut view = Self::empty(recording);
+            touchable: Vec::new(),
+            edges: Edges::default(),
+            visible: visible.cloned(),
+        };
         for hulls in frames {
             for hull in hulls {
-                view.vertices.extend(hull);
+                let cut = |p: &[f64; 2]| visible::on_border(view.size, view.visible.as_deref(), *p);
+                view.touchable.extend(hull.iter().map(|p| if cut(p) { [f64::NAN; 2] } else { *p }));
+                view.edges.push(&hull);
+                view.vertices.extend_from_slice(&hull);
                 view.hull_start.push(view.vertices.len() as u32);
             }
             view.frame_start.push((view.hull_start.len() - 1) as u32);
         }
         view
+    }
+
+    /// The frames of a recording.
+    fn of_frames(recording: &Recording, frames: impl Iterator<Item = u32>) -> Self {
+        let silhouettes = &recording.silhouettes;
+        let hulls = |frame: u32| {
+            let all = silhouettes.hulls(frame as usize).map(|hull| silhouettes.hull(hull));
+            let areas = all.filter(|points| points.len() >= 3);
+            areas.map(|points| points.iter().map(|p| p.map(f64::from)).collect()).collect()
+        };
+        Self::new(recording.size, recording.visible.as_ref(), frames.map(hulls))
+    }
+
+    /// One frame in `step`.
+    fn thinned(&self, step: usize) -> Self {
+        let hulls = |frame| self.hulls_of(frame).map(Cow::Borrowed).collect();
+        Self::new(self.size, self.visible.as_ref(), (0..self.frames()).step_by(step).map(hulls))
+    }
+
+    /// Hulls made up by a test.
+    #[cfg(test)]
+    pub(super) fn made_up(size: ImageSize, frames: &[Vec<Vec<[f64; 2]>>]) -> Self {
+        let hulls = |hulls: &Vec<Vec<[f64; 2]>>| hulls.iter().map(|h| Cow::Owned(h.clone())).collect();
+        Self::new(size, None, frames.iter().map(hulls))
     }
 
     /// Number of frames.
@@ -81,6 +102,37 @@ impl View {
     pub fn on_border(&self, p: [f64; 2]) -> bool {
         visible::on_border(self.size, self.visible.as_deref(), p)
     }
+
+    /// Indices of the hulls of a frame.
+    pub(super) fn hull_indices(&self, frame: usize) -> Range<usize> {
+        self.frame_start[frame] as usize..self.frame_start[frame + 1] as usize
+    }
+
+    /// For each edge of all hulls 1 where it turns its positive side to the epipole.
+    #[inline(always)]
+    pub(super) fn edges_facing(&self, epipole: &Homogeneous, sides: &mut Vec<u8>) {
+        self.edges.facing(epipole, sides);
+    }
+
+    /// The vertices of a hull where lines from the epipole touch it, as [`epipolar_tangents`] finds them: with the hull
+    /// on the positive side, and on the negative. `sides` are those of [`View::edges_facing`] the same epipole.
+    #[inline(always)]
+    pub(super) fn turns(&self, hull: usize, sides: &[u8], epipole: &Homogeneous) -> Option<[usize; 2]> {
+        let first = self.hull_start[hull] as usize;
+        let count = self.hull_start[hull + 1] as usize - first;
+        if count <= Edges::MOST {
+            return self.edges.turns(hull, count, sides).map(|turns| turns.map(|i| first + i));
+        }
+        let vertices = &self.vertices[first..first + count];
+        let tangents = epipolar_tangents(vertices, epipole)?;
+        let index = |t: TangentPoint| vertices.iter().position(|v| *v == t.point);
+        Some([first + index(tangents[0])?, first + index(tangents[1])?])
+    }
+
+    /// A vertex, NaN where the view ends ([`View::on_border`]).
+    pub(super) fn touchable(&self, i: usize) -> [f64; 2] {
+        self.touchable[i]
+    }
 }
 
 /// Two views whose frame `i` is one moment.
@@ -101,8 +153,8 @@ impl Views {
     /// If a frame is beyond its recording.
     pub fn new(a: &Recording, b: &Recording, frame_pairs: &[(u32, u32)]) -> Self {
         Self {
-            a: View::new(a, frame_pairs.iter().map(|p| p.0)),
-            b: View::new(b, frame_pairs.iter().map(|p| p.1)),
+            a: View::of_frames(a, frame_pairs.iter().map(|p| p.0)),
+            b: View::of_frames(b, frame_pairs.iter().map(|p| p.1)),
             frame_pairs: frame_pairs.to_vec(),
         }
     }
@@ -115,9 +167,26 @@ impl Views {
         hulls_of_b: impl Fn(u32) -> Vec<Vec<[f64; 2]>>,
     ) -> Self {
         Self {
-            a: View::new(a, frame_pairs.iter().map(|p| p.0)),
-            b: View::of_hulls(b, frame_pairs.iter().map(|p| hulls_of_b(p.0))),
+            a: View::of_frames(a, frame_pairs.iter().map(|p| p.0)),
+            b: View::new(
+                b.size,
+                b.visible.as_ref(),
+                frame_pairs.iter().map(|p| hulls_of_b(p.0).into_iter().map(Cow::Owned).collect()),
+            ),
             frame_pairs: frame_pairs.to_vec(),
+        }
+    }
+
+    /// One frame in `step`.
+    ///
+    /// # Panics
+    /// If `step` is 0.
+    #[must_use]
+    pub fn thinned(&self, step: usize) -> Self {
+        Self {
+            a: self.a.thinned(step),
+            b: self.b.thinned(step),
+            frame_pairs: self.frame_pairs.iter().step_by(step).copied().collect(),
         }
     }
 

@@ -11,7 +11,9 @@ pub fn symmetric_epipolar_distance(f: &Fundamental, a: [f64; 2], b: [f64; 2]) ->
     let (xa, xb) = (Vector3::new(a[0], a[1], 1.0), Vector3::new(b[0], b[1], 1.0));
     let (line_b, line_a) = (f.line_in_b(&xa), f.line_in_a(&xb));
     let algebraic = xb.dot(&line_b).abs();
-    let distance = 0.5 * algebraic * (1.0 / line_b.x.hypot(line_b.y) + 1.0 / line_a.x.hypot(line_a.y));
+    // Not `hypot`: image coordinates do not overflow, and everything is measured with this.
+    let length = |line: &Vector3<f64>| (line.x * line.x + line.y * line.y).sqrt();
+    let distance = 0.5 * algebraic * (1.0 / length(&line_b) + 1.0 / length(&line_a));
     if distance.is_nan() { f64::INFINITY } else { distance }
 }
 

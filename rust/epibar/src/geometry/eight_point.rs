@@ -20,10 +20,14 @@ pub fn eight_point(matches: &[([f64; 2], [f64; 2])], sizes: [ImageSize; 2]) -> O
         let equation = SVector::<f64, 9>::from_fn(|k, _| b[k / 3] * a[k % 3]);
         normal.ger(1.0, &equation, &equation, 1.0);
     }
-    let eigen = normal.try_symmetric_eigen(1e-14, 300)?;
-    let v = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-    let normalised = Matrix3::new(v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8]);
+    let normalised = least_matrix(&normal)?;
     Fundamental::from_matrix(&(tb.transpose() * normalised * ta), sizes[0], sizes[1])
+}
+
+/// The 3×3 matrix, row by row, of unit norm for which a quadratic form is least.
+pub(crate) fn least_matrix(form: &SMatrix<f64, 9, 9>) -> Option<Matrix3<f64>> {
+    let eigen = form.try_symmetric_eigen(1e-14, 300)?;
+    Some(Matrix3::from_row_slice(eigen.eigenvectors.column(eigen.eigenvalues.imin()).as_slice()))
 }
 
 #[cfg(test)]

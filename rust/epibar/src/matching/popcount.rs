@@ -185,7 +185,6 @@ impl Level {
 
 /// Compiled once as it is and once for AVX2.
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "the body must be compiled under each target feature")]
 fn compare(frames: f32, row: &Row, group: &Group, thresholds: Thresholds, scores: &mut Lanes<f32>) -> u64 {
     let counts = count(row, group);
     for (k, score) in scores.0.iter_mut().enumerate() {
@@ -204,7 +203,6 @@ fn compare(frames: f32, row: &Row, group: &Group, thresholds: Thresholds, scores
 
 /// Common bits of the row's words with each of the group, counted in bytes, which are added up before they overflow.
 #[inline(always)]
-#[allow(clippy::inline_always, reason = "the body must be compiled under each target feature")]
 fn count(row: &Row, group: &Group) -> [u32; GROUP] {
     let mut counts = [0u32; GROUP];
     for words in row.words.chunks(BYTES_HOLD) {

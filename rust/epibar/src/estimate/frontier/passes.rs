@@ -1,0 +1,416 @@
+//! The passes of a comparison, over flat arrays that the compiler vectorises for what the CPU has.
+//!
+//! Tangents whose objects lie on corresponding sides are compared with each other only, so everything is done twice, once
+//! for each side of A.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::elementary::{angle, decay, logarithm};
+use super::pencil::{AngleHistogram, Pencil};
+use super::tangents::{EITHER, LANES, Tangents, fill};
+use crate::estimate::views::View;
+use crate::geometry::Fundamental;
+
+/// About so many frames decide the sign of the map of rays, and no more than one in [`SIGN_STEP`].
+const SIGN_FRAMES: usize = 24;
+const SIGN_STEP: usize = 4;
+/// No tangent of B.
+const NONE: u32 = u32::MAX;
+
+/// Which tangents may meet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sides {
+    /// An object on the positive side in A is on the positive side in B.
+    pub(super) same: bool,
+    /// Tops meet tops only.
+    pub(super) upright: bool,
+}
+
+/// The side of B that one of A meets.
+pub(super) fn partner(side: usize, sides: Sides) -> usize {
+    if sides.same { side } else { 1 - side }
+}
+
+/// Tangents of A as B sees them.
+#[derive(Debug, Default)]
+pub(super) struct Sent {
+    /// `F x`.
+    pub(super) line: [Vec<f64>; 3],
+    /// Squared length of its normal.
+    pub(super) norm2: Vec<f64>,
+    /// Its angle in the pencil of B.
+    pub(super) angle: Vec<f64>,
+    /// Pixels per radian where it passes the image centre.
+    pub(super) elsewhere: Vec<f64>,
+    /// The tangent of B that it meets, or [`NONE`].
+    pub(super) met: Vec<u32>,
+    /// Squared Sampson distance to it.
+    pub(super) squared: Vec<f64>,
+    /// Pixels per radian where it meets it.
+    pub(super) lever: Vec<f64>,
+    /// What each adds to the evidence, and `−ln` of its chance.
+    pub(super) excess: Vec<f64>,
+    pub(super) surprise: Vec<f64>,
+    /// The chance itself.
+    pub(super) chance: Vec<f64>,
+}
+
+/// Tangents of B as those of A see them.
+#[derive(Debug, Default)]
+pub(super) struct Targets {
+    /// Pixels that the line moves at its point per radian.
+    pub(super) lever: Vec<f64>,
+    /// Squared length of the normal of its point's epipolar line in A.
+    pub(super) back_norm2: Vec<f64>,
+    pub(super) angle: Vec<f64>,
+    pub(super) histogram: AngleHistogram,
+}
+
+/// For each tangent of B in a frame the nearest of A.
+#[derive(Debug, Default)]
+struct Nearest {
+    /// Squared distance.
+    distance: Vec<f64>,
+    /// Index of the tangent of A.
+    of: Vec<f64>,
+}
+
+/// What a comparison writes.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    pub(super) a: [Tangents; 2],
+    pub(super) b: [Tangents; 2],
+    pub(super) sent: [Sent; 2],
+    pub(super) targets: [Targets; 2],
+    pub(super) sides: Vec<u8>,
+    nearest: Nearest,
+}
+
+/// Pass: everything that depends on `f` alone.
+pub(super) struct Touched<'p> {
+    pub(super) buffers: &'p mut Buffers,
+    pub(super) a: &'p View,
+    pub(super) b: &'p View,
+    pub(super) f: &'p Fundamental,
+}
+
+impl WithSimd for Touched<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        self.buffers.touch(self.a, self.b, self.f);
+    }
+}
+
+/// Pass: which tangents meet; gives the sign of the map of rays.
+pub(super) struct Meetings<'p> {
+    pub(super) buffers: &'p mut Buffers,
+    pub(super) sides: Sides,
+    pub(super) shift: usize,
+    /// Matches within it decide the sign.
+    pub(super) radius: f64,
+}
+
+impl WithSimd for Meetings<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
+        self.buffers.meet(simd, self.sides, self.shift, self.radius)
+    }
+}
+
+/// Pass: chance, surprise and evidence of every tangent of A at a radius.
+pub(super) struct Chances<'p> {
+    pub(super) buffers: &'p mut Buffers,
+    pub(super) sides: Sides,
+    pub(super) sign: f64,
+    pub(super) radius: f64,
+}
+
+impl WithSimd for Chances<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        self.buffers.weigh(self.sides, self.sign, self.radius);
+    }
+}
+
+/// Indices of the lanes of a vector.
+const COUNTED: [f64; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// Part of some values as whole vectors.
+#[inline(always)]
+fn vectors<'v, S: Simd>(values: &'v [f64], part: &Range<usize>) -> &'v [S::f64s] {
+    S::as_simd_f64s(&values[part.clone()]).0
+}
+
+/// The least of some values and which it is, the first of equal ones; [`NONE`] where none is finite.
+#[inline(always)]
+fn first_least<S: Simd>(simd: S, values: S::f64s, which: S::f64s) -> (f64, u32) {
+    let least = simd.reduce_min_f64s(values);
+    if least == f64::INFINITY {
+        return (f64::INFINITY, NONE);
+    }
+    let equal = simd.equal_f64s(values, simd.splat_f64s(least));
+    let index = simd.reduce_min_f64s(simd.select_f64s(equal, which, simd.splat_f64s(f64::INFINITY)));
+    (least, index as u32)
+}
+
+/// Pixels of Sampson distance per radian where a line with a normal of squared length `norm2` touches B at a point
+/// whose epipolar line in A has one of `back_norm2`.
+///
+/// A Sampson distance shares the gap between both views: near an epipole of A a pixel there is worth many in B,
+/// and a wide range of angles is within the radius.
+#[inline(always)]
+fn pixels_per_radian(norm2: f64, back_norm2: f64, lever: f64) -> f64 {
+    (lever / (1.0 + back_norm2 / norm2.max(1e-300)).sqrt()).max(1e-9)
+}
+
+impl Buffers {
+    /// Everything that depends on `f` alone.
+    #[inline(always)]
+    fn touch(&mut self, a: &View, b: &View, f: &Fundamental) {
+        fill(&mut self.a, a, f.epipole_a(), &mut self.sides);
+        fill(&mut self.b, b, f.epipole_b(), &mut self.sides);
+        let pencil = Pencil::new(f.epipole_b(), b.size);
+        for side in 0..2 {
+            self.targets[side].fill(&self.b[side], f, &pencil);
+            self.sent[side].fill(&self.a[side], f, &pencil);
+        }
+    }
+
+    /// Which tangents meet, and the sign of the map of rays.
+    #[inline(always)]
+    fn meet<S: Simd>(&mut self, simd: S, sides: Sides, shift: usize, radius: f64) -> f64 {
+        let sign = self.sign(simd, sides, shift, radius);
+        for side in 0..2 {
+            for frame in 0..self.a[side].frames() {
+                self.meet_frame(simd, sides, side, frame, shift, sign);
+            }
+            let targets = &self.targets[partner(side, sides)];
+            let sent = &mut self.sent[side];
+            for i in 0..sent.met.len() {
+                let j = sent.met[i] as usize;
+                if sent.met[i] != NONE {
+                    sent.lever[i] = pixels_per_radian(sent.norm2[i], targets.back_norm2[j], targets.lever[j]);
+                }
+            }
+        }
+        sign
+    }
+
+    /// Whether rays go by `F` or by `−F`.
+    #[inline(always)]
+    fn sign<S: Simd>(&mut self, simd: S, sides: Sides, shift: usize, radius: f64) -> f64 {
+        let frames = self.a[0].frames();
+        let mut votes = [0.0; 2];
+        for side in 0..2 {
+            for frame in (0..frames).step_by((frames / SIGN_FRAMES).max(SIGN_STEP)) {
+                for (vote, sign) in votes.iter_mut().zip([1.0, -1.0]) {
+                    self.meet_frame(simd, sides, side, frame, shift, sign);
+                    for i in self.a[side].of(frame) {
+                        *vote += (1.0 - self.sent[side].squared[i] / (radius * radius)).max(0.0);
+                    }
+                }
+            }
+        }
+        if votes[1] > votes[0] { -1.0 } else { 1.0 }
+    }
+
+    /// For each tangent of A in a frame the nearest of B that it may meet, if that has none nearer.
+    #[inline(always)]
+    fn meet_frame<S: Simd>(
+        &mut self,
+        simd: S,
+        sides: Sides,
+        side: usize,
+        frame: usize,
+        shift: usize,
+        sign: f64,
+    ) {
+        let partner = partner(side, sides);
+        let (a, b) = (&self.a[side], &self.b[partner]);
+        let (sent, targets) = (&mut self.sent[side], &self.targets[partner]);
+        let in_a = a.of(frame);
+        let in_b = b.of((frame + shift) % b.frames());
+        let first = in_b.start;
+        // Whole vectors: what they read of the next frame is refused by its index.
+        let read = first..first + in_b.len().next_multiple_of(LANES);
+        let (x, y) = (vectors::<S>(&b.x, &read), vectors::<S>(&b.y, &read));
+        let back = vectors::<S>(&targets.back_norm2, &read);
+        let line = b.line.each_ref().map(|part| vectors::<S>(part, &read));
+        let refused = b.refused.each_ref().map(|part| vectors::<S>(part, &read));
+        let near = &mut self.nearest;
+        for (values, empty) in [(&mut near.distance, f64::INFINITY), (&mut near.of, -1.0)] {
+            values.clear();
+            values.resize(read.len(), empty);
+        }
+        let distance = S::as_mut_simd_f64s(&mut near.distance).0;
+        let of = S::as_mut_simd_f64s(&mut near.of).0;
+        let index = S::as_simd_f64s(&COUNTED).0[0];
+        let (zero, never) = (simd.splat_f64s(0.0), simd.splat_f64s(f64::INFINITY));
+        let (step, count) = (simd.splat_f64s(S::F64_LANES as f64), simd.splat_f64s(in_b.len() as f64));
+        let dot = |p: [S::f64s; 3], q: [S::f64s; 3]| {
+            let first = simd.add_f64s(simd.mul_f64s(p[0], q[0]), simd.mul_f64s(p[1], q[1]));
+            simd.add_f64s(first, simd.mul_f64s(p[2], q[2]))
+        };
+        for i in in_a.clone() {
+            let to = [0, 1, 2].map(|k| simd.splat_f64s(sent.line[k][i]));
+            let ray = [0, 1, 2].map(|k| simd.splat_f64s(sent.line[k][i] * sign));
+            let norm2 = simd.splat_f64s(sent.norm2[i]);
+            let refused = refused[if sides.upright { (a.class[i] & EITHER) as usize } else { 0 }];
+            let mine = simd.splat_f64s(i as f64);
+            let (mut least, mut which, mut at) = (never, simd.splat_f64s(-1.0), index);
+            for j in 0..x.len() {
+                let algebraic = simd
+                    .add_f64s(simd.add_f64s(simd.mul_f64s(x[j], to[0]), simd.mul_f64s(y[j], to[1])), to[2]);
+                let square = simd.mul_f64s(algebraic, algebraic);
+                let squared = simd.div_f64s(square, simd.add_f64s(norm2, back[j]));
+                let along = dot([line[0][j], line[1][j], line[2][j]], ray);
+                let value = simd.add_f64s(squared, refused[j]);
+                let value = simd.select_f64s(simd.less_than_f64s(zero, along), value, never);
+                let value = simd.select_f64s(simd.less_than_f64s(at, count), value, never);
+                let nearer = simd.less_than_f64s(value, least);
+                least = simd.select_f64s(nearer, value, least);
+                which = simd.select_f64s(nearer, at, which);
+                let nearer = simd.less_than_f64s(value, distance[j]);
+                distance[j] = simd.select_f64s(nearer, value, distance[j]);
+                of[j] = simd.select_f64s(nearer, mine, of[j]);
+                at = simd.add_f64s(at, step);
+            }
+            (sent.squared[i], sent.met[i]) = first_least(simd, least, which);
+        }
+        // One to one: a match is the nearest of both.
+        for i in in_a {
+            let j = sent.met[i];
+            if j != NONE && near.of[j as usize] == i as f64 {
+                sent.met[i] = first as u32 + j;
+            } else {
+                (sent.squared[i], sent.met[i]) = (f64::INFINITY, NONE);
+            }
+        }
+    }
+
+    /// Chance, surprise and evidence of every tangent of A at a radius.
+    #[inline(always)]
+    fn weigh(&mut self, sides: Sides, sign: f64, radius: f64) {
+        let frames = self.b[0].frames() as f64;
+        for side in 0..2 {
+            let sent = &mut self.sent[side];
+            let histogram = &self.targets[partner(side, sides)].histogram;
+            let n = sent.met.len();
+            let (chance, angles, levers) = (&mut sent.chance[..n], &sent.angle[..n], &sent.lever[..n]);
+            let (squared, elsewhere) = (&sent.squared[..n], &sent.elsewhere[..n]);
+            let radius2 = radius * radius;
+            for i in 0..n {
+                let turned = if sign > 0.0 { angles[i] } else { opposite(angles[i]) };
+                let lever = if squared[i] < radius2 { levers[i] } else { elsewhere[i] };
+                chance[i] = histogram.count(turned, radius / lever);
+            }
+            let (surprise, excess) = (&mut sent.surprise[..n], &mut sent.excess[..n]);
+            for i in 0..n {
+                // Poisson: the chance that at least one tangent of another moment lies this near.
+                let q = 1.0 - decay((chance[i] + 0.5) / frames);
+                let m = (1.0 - squared[i] / radius2).max(0.0);
+                chance[i] = q;
+                surprise[i] = -logarithm(q);
+                excess[i] = (m - q * 2.0 / 3.0) * surprise[i];
+            }
+        }
+    }
+}
+
+/// The angle of the line in the other direction.
+#[inline(always)]
+fn opposite(angle: f64) -> f64 {
+    use std::f64::consts::PI;
+    if angle > 0.0 { angle - PI } else { angle + PI }
+}
+
+impl Targets {
+    #[inline(always)]
+    fn fill(&mut self, tangents: &Tangents, f: &Fundamental, pencil: &Pencil) {
+        let n = tangents.len();
+        for part in [&mut self.lever, &mut self.back_norm2, &mut self.angle] {
+            part.resize(n + LANES, 0.0);
+        }
+        let (x, y) = (&tangents.x[..n], &tangents.y[..n]);
+        let line = [0, 1, 2].map(|k| &tangents.line[k][..n]);
+        let (lever, back_norm2, angles) =
+            (&mut self.lever[..n], &mut self.back_norm2[..n], &mut self.angle[..n]);
+        let (m, to, from) = (f.matrix(), &pencil.coordinates, &pencil.line);
+        for i in 0..n {
+            let (lx, ly, lz) = (line[0][i], line[1][i], line[2][i]);
+            let cx = to.m11 * lx + to.m12 * ly + to.m13 * lz;
+            let cy = to.m21 * lx + to.m22 * ly + to.m23 * lz;
+            angles[i] = angle(cy, cx);
+            let tx = from.m12 * cx - from.m11 * cy;
+            let ty = from.m22 * cx - from.m21 * cy;
+            let tz = from.m32 * cx - from.m31 * cy;
+            let moved = tx * x[i] + ty * y[i] + tz;
+            lever[i] = moved.abs() / (lx * lx + ly * ly).sqrt().max(1e-300);
+            let back_x = m.m11 * x[i] + m.m21 * y[i] + m.m31;
+            let back_y = m.m12 * x[i] + m.m22 * y[i] + m.m32;
+            back_norm2[i] = back_x * back_x + back_y * back_y;
+        }
+        self.histogram.fill(angles);
+    }
+}
+
+impl Sent {
+    #[inline(always)]
+    fn fill(&mut self, tangents: &Tangents, f: &Fundamental, pencil: &Pencil) {
+        let n = tangents.len();
+        let [line_x, line_y, line_z] = &mut self.line;
+        for part in [
+            &mut *line_x,
+            &mut *line_y,
+            &mut *line_z,
+            &mut self.norm2,
+            &mut self.angle,
+            &mut self.elsewhere,
+            &mut self.squared,
+            &mut self.lever,
+            &mut self.excess,
+            &mut self.surprise,
+            &mut self.chance,
+        ] {
+            part.resize(n, 0.0);
+        }
+        self.met.resize(n, NONE);
+        let (line_x, line_y, line_z) = (&mut line_x[..n], &mut line_y[..n], &mut line_z[..n]);
+        let (x, y) = (&tangents.x[..n], &tangents.y[..n]);
+        let (norm2, angles, elsewhere) =
+            (&mut self.norm2[..n], &mut self.angle[..n], &mut self.elsewhere[..n]);
+        let (m, to, from) = (f.matrix(), &pencil.coordinates, &pencil.line);
+        let (x_max, y_max) = (pencil.size.x_max(), pencil.size.y_max());
+        for i in 0..n {
+            let lx = m.m11 * x[i] + m.m12 * y[i] + m.m13;
+            let ly = m.m21 * x[i] + m.m22 * y[i] + m.m23;
+            let lz = m.m31 * x[i] + m.m32 * y[i] + m.m33;
+            (line_x[i], line_y[i], line_z[i]) = (lx, ly, lz);
+            let length2 = lx * lx + ly * ly;
+            norm2[i] = length2;
+            let cx = to.m11 * lx + to.m12 * ly + to.m13 * lz;
+            let cy = to.m21 * lx + to.m22 * ly + to.m23 * lz;
+            angles[i] = angle(cy, cx);
+            // The point of the line nearest the image centre, clamped into the image.
+            let safe = length2.max(1e-300);
+            let distance = (0.5 * (lx * x_max + ly * y_max) + lz) / safe;
+            let px = (0.5 * x_max - distance * lx).max(0.0).min(x_max);
+            let py = (0.5 * y_max - distance * ly).max(0.0).min(y_max);
+            let tx = from.m12 * cx - from.m11 * cy;
+            let ty = from.m22 * cx - from.m21 * cy;
+            let tz = from.m32 * cx - from.m31 * cy;
+            let lever = (tx * px + ty * py + tz).abs() / safe.sqrt();
+            let back_x = m.m11 * px + m.m21 * py + m.m31;
+            let back_y = m.m12 * px + m.m22 * py + m.m32;
+            elsewhere[i] = pixels_per_radian(length2, back_x * back_x + back_y * back_y, lever);
+        }
+    }
+}
