@@ -12,6 +12,7 @@
 //! sides is fixed by `F` alone: it is the orientation of the 1-D homography.
 
 use nalgebra::{Vector2, Vector3};
+use rayon::prelude::*;
 
 use super::pencil_angle::{AngleHistogram, PencilAngle, centre_of_line};
 use super::views::{View, Views};
@@ -194,15 +195,26 @@ pub fn compare_radii(
     upright: bool,
     shift: usize,
 ) -> Vec<Comparison> {
-    let comparer = Comparer::new(a, b, f, upright, shift);
-    let frames = a.frames();
-    // Which of the two maps of rays holds shows on a few frames.
-    let few = |sign| {
-        let found = comparer.run(radii, sign, (0..frames).step_by(SIGN_STEP));
-        found.iter().map(|c| c.score.total()).sum::<f64>()
-    };
-    let sign = if few(-1.0) > few(1.0) { -1.0 } else { 1.0 };
-    comparer.run(radii, sign, 0..frames)
+    Comparer::new(a, b, f, upright).compare(radii, shift, 0..a.frames())
+}
+
+/// Evidence for one `F` with B shifted in time.
+pub struct ShiftedScorer<'a> {
+    comparer: Comparer<'a>,
+    radius: f64,
+}
+
+impl<'a> ShiftedScorer<'a> {
+    /// What is chance is told from all frames of B. `radius` and `upright` as in [`FrontierOptions`].
+    pub fn new(views: &Views, f: &'a Fundamental, radius: f64, upright: bool) -> Self {
+        Self { comparer: Comparer::new(&views.a, &views.b, f, upright), radius }
+    }
+
+    /// Evidence of some frames of A, at each of several shifts of B, cyclic over all frames.
+    pub fn scores(&self, frames: &[usize], shifts: &[usize]) -> Vec<FrontierScore> {
+        let at = |&shift| self.comparer.compare(&[self.radius], shift, frames.iter().copied())[0].score;
+        shifts.par_iter().map(at).collect()
+    }
 }
 
 /// One in so many frames decides the sign of the map of rays.
@@ -230,11 +242,10 @@ struct Comparer<'a> {
     same_side: bool,
     size_b: ImageSize,
     upright: bool,
-    shift: usize,
 }
 
 impl<'a> Comparer<'a> {
-    fn new(view_a: &View, view_b: &View, f: &'a Fundamental, upright: bool, shift: usize) -> Self {
+    fn new(view_a: &View, view_b: &View, f: &'a Fundamental, upright: bool) -> Self {
         let a = Tangents::new(view_a, f.epipole_a());
         let b = Tangents::new(view_b, f.epipole_b());
         let pencil = PencilAngle::new(f.epipole_b(), view_b.size);
@@ -267,12 +278,33 @@ impl<'a> Comparer<'a> {
             same_side: keeps_side(f, view_a.size),
             size_b: view_b.size,
             upright,
-            shift,
         }
     }
 
+    /// Evidence of some frames of A with B shifted, for each radius.
+    fn compare(
+        &self,
+        radii: &[f64],
+        shift: usize,
+        chosen: impl Iterator<Item = usize> + Clone,
+    ) -> Vec<Comparison> {
+        // Which of the two maps of rays holds shows on a few frames.
+        let few = |sign| {
+            let found = self.run(radii, sign, shift, chosen.clone().step_by(SIGN_STEP));
+            found.iter().map(|c| c.score.total()).sum::<f64>()
+        };
+        let sign = if few(-1.0) > few(1.0) { -1.0 } else { 1.0 };
+        self.run(radii, sign, shift, chosen)
+    }
+
     /// Evidence of some frames under the map of rays `sign · F`, for each radius.
-    fn run(&self, radii: &[f64], sign: f64, chosen: impl Iterator<Item = usize>) -> Vec<Comparison> {
+    fn run(
+        &self,
+        radii: &[f64],
+        sign: f64,
+        shift: usize,
+        chosen: impl Iterator<Item = usize>,
+    ) -> Vec<Comparison> {
         let frames = self.a.frame_start.len() - 1;
         let mut found: Vec<Comparison> = radii
             .iter()
@@ -284,7 +316,7 @@ impl<'a> Comparer<'a> {
             .collect();
         let mut scratch = Scratch::default();
         for frame in chosen {
-            let frame_b = (frame + self.shift) % frames;
+            let frame_b = (frame + shift) % frames;
             let base = self.b.frame_start[frame_b] as usize;
             let (tangents_a, tangents_b) = (self.a.of(frame), self.b.of(frame_b));
             scratch.nearest(self, tangents_a, tangents_b, &self.targets[base..], sign);
