@@ -48,7 +48,9 @@ pub struct Evidence {
 pub struct HeldOut<'a> {
     /// All common frames in which both cameras see something.
     pub views: &'a Views,
-    /// Stretches of those frames that the geometry was not fitted to.
+    /// The frames that the geometry was fitted to.
+    pub fitted: &'a Views,
+    /// Stretches of `views` that it was not fitted to, nor anything near them.
     pub tested: &'a [Range<usize>],
     /// For how many frames motion stays where it is; shifts by less say the same as none.
     pub stay: usize,
@@ -75,7 +77,7 @@ pub struct ShiftCurve {
 /// known no better than there are moments that differ. A frame of B that `f` was fitted to is no more in its favour
 /// beside another frame of A than any other is.
 pub fn shift_curve(held_out: &HeldOut, f: &Fundamental, count: usize) -> ShiftCurve {
-    let HeldOut { views, tested, stay, .. } = *held_out;
+    let HeldOut { views, fitted, tested, stay, radius, upright } = *held_out;
     let (frames, stay) = (views.frames(), stay.max(1));
     let span = frames.saturating_sub(2 * stay);
     let count = count.min(span);
@@ -85,7 +87,7 @@ pub fn shift_curve(held_out: &HeldOut, f: &Fundamental, count: usize) -> ShiftCu
     let moved = |by: usize| -> Vec<usize> {
         tested.iter().flat_map(Clone::clone).map(|i| (i + by) % frames.max(1)).collect()
     };
-    let scorer = ShiftedScorer::new(views, f, held_out.radius, held_out.upright);
+    let scorer = ShiftedScorer::new(views, fitted, f, radius, upright);
     let scores = shifts.iter().copied().zip(scorer.scores(&moved(0), &shifts));
     ShiftCurve {
         scores: scores.map(|(shift, score)| ShiftScore { shift, score }).collect(),

@@ -11,6 +11,8 @@
 //! cameras a point in front of both lies on one half of its epipolar line. The map of rays is `± F`; the map of
 //! sides is fixed by `F` alone: it is the orientation of the 1-D homography.
 
+use std::ops::Range;
+
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 
@@ -195,25 +197,31 @@ pub fn compare_radii(
     upright: bool,
     shift: usize,
 ) -> Vec<Comparison> {
-    Comparer::new(a, b, f, upright).compare(radii, shift, 0..a.frames())
+    let comparer = Comparer::new(a, b, f, upright);
+    let sign = comparer.sign(radii, shift, 0..a.frames());
+    comparer.run(radii, sign, shift, 0..a.frames())
 }
 
 /// Evidence for one `F` with B shifted in time.
 pub struct ShiftedScorer<'a> {
     comparer: Comparer<'a>,
     radius: f64,
+    sign: f64,
 }
 
 impl<'a> ShiftedScorer<'a> {
-    /// What is chance is told from all frames of B. `radius` and `upright` as in [`FrontierOptions`].
-    pub fn new(views: &Views, f: &'a Fundamental, radius: f64, upright: bool) -> Self {
-        Self { comparer: Comparer::new(&views.a, &views.b, f, upright), radius }
+    /// What is chance is told from all frames of `views`; which of the two maps of rays holds, from those of `fitted`
+    /// unshifted. `radius` and `upright` as in [`FrontierOptions`].
+    pub fn new(views: &Views, fitted: &Views, f: &'a Fundamental, radius: f64, upright: bool) -> Self {
+        let frames = 0..fitted.frames();
+        let sign = Comparer::new(&fitted.a, &fitted.b, f, upright).sign(&[radius], 0, frames);
+        Self { comparer: Comparer::new(&views.a, &views.b, f, upright), radius, sign }
     }
 
     /// Evidence of some frames of A, at each of several shifts of B, cyclic over all frames.
     pub fn scores(&self, frames: &[usize], shifts: &[usize]) -> Vec<FrontierScore> {
-        let at = |&shift| self.comparer.compare(&[self.radius], shift, frames.iter().copied())[0].score;
-        shifts.par_iter().map(at).collect()
+        let run = |shift| self.comparer.run(&[self.radius], self.sign, shift, frames.iter().copied());
+        shifts.par_iter().map(|&shift| run(shift)[0].score).collect()
     }
 }
 
@@ -281,20 +289,13 @@ impl<'a> Comparer<'a> {
         }
     }
 
-    /// Evidence of some frames of A with B shifted, for each radius.
-    fn compare(
-        &self,
-        radii: &[f64],
-        shift: usize,
-        chosen: impl Iterator<Item = usize> + Clone,
-    ) -> Vec<Comparison> {
-        // Which of the two maps of rays holds shows on a few frames.
+    /// Which of the two maps of rays holds, `F` or `−F`: it shows on a few frames.
+    fn sign(&self, radii: &[f64], shift: usize, frames: Range<usize>) -> f64 {
         let few = |sign| {
-            let found = self.run(radii, sign, shift, chosen.clone().step_by(SIGN_STEP));
+            let found = self.run(radii, sign, shift, frames.clone().step_by(SIGN_STEP));
             found.iter().map(|c| c.score.total()).sum::<f64>()
         };
-        let sign = if few(-1.0) > few(1.0) { -1.0 } else { 1.0 };
-        self.run(radii, sign, shift, chosen)
+        if few(-1.0) > few(1.0) { -1.0 } else { 1.0 }
     }
 
     /// Evidence of some frames under the map of rays `sign · F`, for each radius.
