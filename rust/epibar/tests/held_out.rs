@@ -64,11 +64,11 @@ fn a_standard_score_is_one() {
         let pairs: Vec<(u32, u32)> = (0..frames as u32).map(|i| (i, i)).collect();
         let (a_recording, b_recording) = (a.record(0, 50), b.record(1, 50));
         let views = Views::new(&a_recording, &b_recording, &pairs);
-        let fitted = Views::new(&a_recording, &b_recording, &pairs[..230]);
+        let fitted = Views::new(&a_recording, &b_recording, &pairs[..110]);
         let held_out = HeldOut {
             views: &views,
             fitted: &fitted,
-            tested: &[240..frames],
+            tested: &[120..150, 270..frames],
             stay: 10,
             radius: 4.0,
             upright: true,

@@ -137,7 +137,7 @@ mod tests {
         let common = pairs(0..400);
         let busy = pairs((0..120).chain(370..400));
         let split = Split::new(&common, &busy, 30);
-        assert_eq!((split.tested.as_slice(), split.fitted_busy.len()), ([120..150].as_slice(), 120));
+        assert_eq!((split.tested, split.fitted_busy.len()), (vec![Range { start: 120, end: 150 }], 120));
     }
 
     /// Barcodes from a function of line and frame.
