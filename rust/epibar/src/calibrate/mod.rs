@@ -4,6 +4,7 @@
 
 mod alignment;
 mod error_map;
+mod split;
 mod timing;
 mod verdict;
 
@@ -23,11 +24,12 @@ use crate::estimate::ransac::{Watch, ransac};
 use crate::estimate::search::{Found, SearchOptions, Solution, Source, search};
 use crate::estimate::views::{Views, busy_frames};
 use crate::geometry::Fundamental;
-use crate::matching::candidates::find_candidates;
+use crate::matching::candidates::find_candidates_among;
 use crate::matching::{Candidate, CandidateOptions, Candidates};
 use crate::recording::Recording;
 use crate::verify::{Evidence, ShiftScore};
 use crate::{Error, Result};
+use split::Split;
 
 /// How `F` is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -112,7 +114,9 @@ pub struct Calibration {
     pub rivals: Vec<Rival>,
     /// Numbers behind the verdict.
     pub evidence: Evidence,
-    /// Evidence on held-out frames as B is shifted in time.
+    /// The matrix that was tested: the answer of the fitted frames alone, in which those kept aside had no part.
+    pub tested: Option<Fundamental>,
+    /// Evidence on frames kept aside as B is shifted in time.
     pub shift_curve: Vec<ShiftScore>,
     /// Common frames used.
     pub frames: usize,
@@ -135,6 +139,7 @@ impl Calibration {
             floor: None,
             rivals: Vec::new(),
             evidence: Evidence::default(),
+            tested: None,
             shift_curve: Vec::new(),
             frames,
             source: "none",
@@ -182,49 +187,53 @@ fn calibrate_at(
     if !watch.keep_going("candidates", 0.0) {
         return Err(Error::Interrupted);
     }
+    let busy = busy_frames(a, b, &pairs, usize::MAX);
+    let split = Split::new(&pairs, &busy, split::stay(a, b, &pairs));
     let mut candidate_options = options.candidates.clone();
-    if options.method == Method::Frontier {
-        candidate_options.densify = candidate_options.densify.max(FRONTIER_LINES);
-    }
-    let candidates = find_candidates(a, b, &pairs, &candidate_options)?;
+    let over = match options.method {
+        Method::Frontier => {
+            candidate_options.densify = candidate_options.densify.max(FRONTIER_LINES);
+            &split.fitted
+        }
+        Method::Lines => &pairs,
+    };
+    let candidates = find_candidates_among(a, b, &pairs, over, &candidate_options)?;
     if let Some(verdict) = Verdict::too_little_motion(&candidates) {
         return refuse(verdict, candidates);
     }
     if candidates.pairs.len() < MIN_CANDIDATES {
         return refuse(Verdict::no_candidates(), candidates);
     }
-
-    let views = aligned.views(&pairs);
-    let busy = busy_frames(a, b, &pairs, usize::MAX);
     if busy.len() < MIN_FRAMES {
         return refuse(Verdict::too_few_silhouettes(busy.len(), MIN_FRAMES), candidates);
     }
-    // Fit on blocks of frames, test on every third block. Long blocks: who walks across the seam of two walks on.
-    let block = (busy.len() / 9).max(4);
-    let (train, test): (Vec<_>, Vec<_>) = busy.iter().enumerate().partition(|(i, _)| i / block % 3 != 2);
-    let strip = |v: Vec<(usize, &(u32, u32))>| v.into_iter().map(|(_, p)| *p).collect::<Vec<_>>();
-    let (train, test) = (strip(train), strip(test));
-    let train_views = aligned.views(&train);
 
+    let views = aligned.views(&pairs);
+    let fitted_views = aligned.views(&split.fitted_busy);
     let found = match options.method {
         Method::Frontier => {
-            let subset = |limit| aligned.views(&busy_frames(a, b, &train, limit));
+            let subset = |limit| aligned.views(&busy_frames(a, b, &split.fitted_busy, limit));
             let search_options =
                 SearchOptions { upright: options.upright, draws: options.draws, ..SearchOptions::default() };
-            search(&views, &train_views, subset, &candidates, &search_options, options.seed, watch)?
+            search(&views, &fitted_views, subset, &candidates, &search_options, options.seed, watch)?
         }
-        Method::Lines => by_lines(&candidates, &views, options, watch)?,
+        Method::Lines => {
+            let fitted = find_candidates_among(a, b, &pairs, &split.fitted, &candidate_options)?;
+            let fitted = by_lines(&fitted, &views, options, watch)?.first().map(|s| s.fundamental);
+            Found { solutions: by_lines(&candidates, &views, options, watch)?, fitted, floor: None }
+        }
     };
     let Some(winner) = found.solutions.first() else {
         return refuse(Verdict::no_hypothesis(), candidates);
     };
     let fundamental = winner.fundamental;
-    let test_views = aligned.views(&test);
+    let busy_views = aligned.views(&busy);
     let judged = verdict::judge(&verdict::Case {
         views: &views,
-        test_views: &test_views,
+        busy_views: &busy_views,
+        fitted_views: &fitted_views,
+        split: &split,
         fundamental: &fundamental,
-        fitted: found.fitted.as_ref().unwrap_or(&fundamental),
         found: &found,
         options,
         frame_rate: a.frame_rate(),
@@ -250,7 +259,8 @@ fn calibrate_at(
             .map(|f| f.homography),
         rivals: judged.rivals,
         evidence: judged.evidence,
-        shift_curve: judged.curve,
+        shift_curve: judged.curve.scores,
+        tested: found.fitted,
         frames: pairs.len(),
         source: winner.source.name(),
         candidates,
@@ -278,18 +288,17 @@ fn by_lines(
     views: &Views,
     options: &CalibrateOptions,
     watch: &mut dyn Watch,
-) -> Result<Found> {
+) -> Result<Vec<Solution>> {
     let pairs: &[Candidate] = candidates.best();
     let model = LineModel::new(pairs, views.sizes());
     let best = ransac(&model, options.draws, 1, options.seed, "lines", watch)?;
-    let solutions = best
+    Ok(best
         .into_iter()
         .map(|scored| {
             let fundamental = model.optimise(&scored.model);
             Solution { fundamental, evidence: scored.score, chance: 0.0, source: Source::BestLines }
         })
-        .collect();
-    Ok(Found { solutions, fitted: None, floor: None })
+        .collect())
 }
 
 /// Matched tangents of all frames under `f` at a radius in pixels.

@@ -77,7 +77,7 @@ pub struct Solution {
 pub struct Found {
     /// Different geometries, most evidence first.
     pub solutions: Vec<Solution>,
-    /// The winner of the training frames alone, which the test frames had no part in.
+    /// The winner of the fitted frames alone, in which those kept aside had no part.
     pub fitted: Option<Fundamental>,
     /// The plane that many candidates fit, if there is one.
     pub floor: Option<Floor>,
@@ -387,7 +387,7 @@ pub fn search(
     }
     let solutions = searcher.walked(&solutions, &mut going)?;
     going("settle", 0.0)?;
-    // The few that remain, once on the training frames alone, for the test, and once on all frames, for the answer.
+    // The few that remain, once on the fitted frames alone, for the test, and once on all frames, for the answer.
     let fitted = searcher.settled(train, &solutions);
     going("settle", 0.5)?;
     let mut solutions = searcher.settled(all, &solutions);

@@ -76,7 +76,7 @@ pub(super) struct Hypotheses {
 
 /// The frames that hypotheses are made of and scored on.
 pub(super) struct Frames<'a> {
-    /// All training frames, consecutive for the most part.
+    /// All fitted frames, consecutive for the most part.
     pub(super) train: &'a Views,
     /// Those that associate silhouettes.
     pub(super) comparing: &'a Views,

@@ -86,10 +86,12 @@ struct InformativeLines {
     barcodes: Barcodes,
 }
 
-/// The informative ones among the recording's lines, and as many more near them as `densify` asks for.
+/// The informative ones among the recording's lines, and as many more near them as `densify` asks for, with their
+/// barcodes at the `counted` places of `frames`.
 fn informative_lines(
     recording: &Recording,
     frames: &[u32],
+    counted: &[u32],
     options: &CandidateOptions,
     salt: u64,
 ) -> InformativeLines {
@@ -105,7 +107,7 @@ fn informative_lines(
         barcodes.count += kept.len();
         barcodes.bits.extend(bits.select_rows(&kept).bits);
     }
-    InformativeLines { segments, barcodes }
+    InformativeLines { segments, barcodes: barcodes.select_frames(counted) }
 }
 
 /// Finds candidates between two recordings whose frames correspond by `frame_pairs` (frame of A, frame of B).
@@ -118,9 +120,26 @@ pub fn find_candidates(
     frame_pairs: &[(u32, u32)],
     options: &CandidateOptions,
 ) -> Result<Candidates> {
+    find_candidates_among(a, b, frame_pairs, frame_pairs, options)
+}
+
+/// The same with lines that are informative over all of `frame_pairs`, compared at some of them only, `counted`.
+///
+/// Frames that are not counted have a say in what each camera is taken to see, but none in what the two see together.
+///
+/// # Errors
+/// Those of [`mutual_matches`].
+pub fn find_candidates_among(
+    a: &Recording,
+    b: &Recording,
+    frame_pairs: &[(u32, u32)],
+    counted: &[(u32, u32)],
+    options: &CandidateOptions,
+) -> Result<Candidates> {
+    let counted: Vec<u32> = counted.iter().map(|c| frame_pairs.partition_point(|p| p < c) as u32).collect();
     let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = frame_pairs.iter().copied().unzip();
-    let lines_a = informative_lines(a, &frames_a, options, 1);
-    let lines_b = informative_lines(b, &frames_b, options, 2);
+    let lines_a = informative_lines(a, &frames_a, &counted, options, 1);
+    let lines_b = informative_lines(b, &frames_b, &counted, options, 2);
     let deep = options.mutual.max(options.mutual_reserve);
     let mut matches = mutual_matches(&lines_a.barcodes, &lines_b.barcodes, deep, usize::MAX)?;
     // The paper's candidates first, each part best correlation first (the sort is stable).

@@ -5,13 +5,14 @@
 //! comparison of a thread to its next.
 
 use std::cell::Cell;
+use std::ops::Range;
 
 use nalgebra::Vector3;
 use pulp::Arch;
 
-use super::passes::{Buffers, Chances, Meetings, Sides, Touched, partner};
+use super::passes::{Buffers, Chances, Meetings, Sides, Sign, Touched, partner};
 use super::tangents::BOTTOM;
-use super::{Class, ClassScore, FrontierPoint, FrontierScore};
+use super::{Class, FrontierPoint, FrontierScore};
 use crate::estimate::views::View;
 use crate::geometry::Fundamental;
 use crate::line::ImageSize;
@@ -45,12 +46,21 @@ impl Comparer {
         Self { buffers, sides: Sides { same: keeps_side(f, a.size), upright }, arch }
     }
 
-    /// Finds which tangents meet when frame `t` of A is compared with common frame `t + shift` of B, cyclically.
-    ///
-    /// Which of the two maps of rays `± F` holds shows on a few frames, by matches within `radius` pixels.
+    /// The sign of the map of rays, `F` or `−F`: it shows on a few frames, by matches within `radius` pixels.
+    pub fn sign(&mut self, shift: usize, radius: f64) -> f64 {
+        self.arch.dispatch(Sign { buffers: &mut self.buffers, sides: self.sides, shift, radius })
+    }
+
+    /// Finds which tangents meet when frame `t` of A is compared with common frame `t + shift` of B, cyclically; the sign
+    /// of the map of rays is that of [`Comparer::sign`].
     pub fn meet(&mut self, shift: usize, radius: f64) -> Met<'_> {
-        let buffers = &mut *self.buffers;
-        let sign = self.arch.dispatch(Meetings { buffers, sides: self.sides, shift, radius });
+        let sign = self.sign(shift, radius);
+        self.meet_by(sign, shift)
+    }
+
+    /// As [`Comparer::meet`], with a known sign of the map of rays.
+    pub fn meet_by(&mut self, sign: f64, shift: usize) -> Met<'_> {
+        self.arch.dispatch(Meetings { buffers: &mut self.buffers, sides: self.sides, shift, sign });
         Met { comparer: self, sign }
     }
 }
@@ -79,23 +89,26 @@ pub struct AtRadius<'c> {
 impl AtRadius<'_> {
     /// The evidence.
     pub fn score(&self) -> FrontierScore {
+        self.sum(|side| std::iter::once(0..self.comparer.buffers.a[side].len()))
+    }
+
+    /// The evidence of some frames of A.
+    pub fn score_of(&self, frames: &[usize]) -> FrontierScore {
+        self.sum(|side| frames.iter().map(move |&frame| self.comparer.buffers.a[side].of(frame)))
+    }
+
+    fn sum<R: Iterator<Item = Range<usize>>>(&self, ranges: impl Fn(usize) -> R) -> FrontierScore {
         let mut score = FrontierScore::default();
         let radius2 = self.radius * self.radius;
         let Buffers { a, sent, .. } = &*self.comparer.buffers;
-        for (tangents, sent) in a.iter().zip(sent) {
-            let mut of_class = [ClassScore::default(); 2];
-            for i in 0..tangents.len() {
-                let class = &mut of_class[usize::from(tangents.class[i] & BOTTOM != 0)];
+        for (side, (tangents, sent)) in a.iter().zip(sent).enumerate() {
+            for i in ranges(side).flatten() {
+                let bottom = tangents.class[i] & BOTTOM != 0;
+                let class = if bottom { &mut score.bottoms } else { &mut score.tops };
                 class.tangents += 1;
                 class.matches += usize::from(sent.squared[i] < radius2);
                 class.expected += sent.chance[i];
                 class.excess += sent.excess[i];
-            }
-            for (sum, part) in [&mut score.tops, &mut score.bottoms].into_iter().zip(of_class) {
-                sum.tangents += part.tangents;
-                sum.matches += part.matches;
-                sum.expected += part.expected;
-                sum.excess += part.excess;
             }
         }
         score

@@ -105,21 +105,37 @@ impl WithSimd for Touched<'_> {
     }
 }
 
-/// Pass: which tangents meet; gives the sign of the map of rays.
-pub(super) struct Meetings<'p> {
+/// Pass: whether rays go by `F` or by `−F`, by matches within the radius on a few frames.
+pub(super) struct Sign<'p> {
     pub(super) buffers: &'p mut Buffers,
     pub(super) sides: Sides,
     pub(super) shift: usize,
-    /// Matches within it decide the sign.
     pub(super) radius: f64,
 }
 
-impl WithSimd for Meetings<'_> {
+impl WithSimd for Sign<'_> {
     type Output = f64;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        self.buffers.meet(simd, self.sides, self.shift, self.radius)
+        self.buffers.sign(simd, self.sides, self.shift, self.radius)
+    }
+}
+
+/// Pass: which tangents meet.
+pub(super) struct Meetings<'p> {
+    pub(super) buffers: &'p mut Buffers,
+    pub(super) sides: Sides,
+    pub(super) shift: usize,
+    pub(super) sign: f64,
+}
+
+impl WithSimd for Meetings<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        self.buffers.meet(simd, self.sides, self.shift, self.sign);
     }
 }
 
@@ -184,10 +200,9 @@ impl Buffers {
         }
     }
 
-    /// Which tangents meet, and the sign of the map of rays.
+    /// Which tangents meet.
     #[inline(always)]
-    fn meet<S: Simd>(&mut self, simd: S, sides: Sides, shift: usize, radius: f64) -> f64 {
-        let sign = self.sign(simd, sides, shift, radius);
+    fn meet<S: Simd>(&mut self, simd: S, sides: Sides, shift: usize, sign: f64) {
         for side in 0..2 {
             for frame in 0..self.a[side].frames() {
                 self.meet_frame(simd, sides, side, frame, shift, sign);
@@ -201,7 +216,6 @@ impl Buffers {
                 }
             }
         }
-        sign
     }
 
     /// Whether rays go by `F` or by `−F`.
