@@ -1,6 +1,6 @@
 //! The verdict: accepted, or refused with a reason in plain English (DESIGN §7).
 
-use super::error_map::Uncertainty;
+use super::error_map::{ErrorMap, Uncertainty};
 use super::split::Split;
 use super::{CalibrateOptions, Method, Rival, matched};
 use crate::estimate::floor::Floor;
@@ -130,6 +130,9 @@ const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
 /// baseline.
 const MIN_DEPTH: f64 = 0.3;
+/// Half of an image may be known no worse than this, pixels of a 640×480 image, by the covariance alone: of scenes with
+/// depth it is 0.2 to 0.8, where all keep to one path 5 and more.
+const MAX_BEYOND: f64 = 2.5;
 /// A class of tangents below this normal deviate matches no better than chance: one in fifteen would.
 const MIN_CLASS_Z: f64 = 1.5;
 /// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
@@ -253,8 +256,20 @@ pub(super) fn judge(case: &Case) -> Judged {
         systematic,
     });
 
-    let verdict = decide(case, &evidence_now, &points, error, &rivals, radius);
+    let beyond = uncertainty.as_ref().map_or(f64::NAN, beyond_motion);
+    let verdict = decide(case, &evidence_now, &points, error, beyond, &rivals, radius);
     Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points, uncertainty }
+}
+
+/// The error that the covariance alone expects in half of either image, the larger of the two, pixels.
+fn beyond_motion(uncertainty: &Uncertainty) -> f64 {
+    let known = Uncertainty { systematic: 0.0, ..uncertainty.clone() };
+    let median = |map: ErrorMap| {
+        let mut values: Vec<f64> = map.values.into_iter().filter(|v| v.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    known.maps().map(median).into_iter().fold(0.0, f64::max)
 }
 
 fn decide(
@@ -262,6 +277,7 @@ fn decide(
     evidence: &Evidence,
     points: &[FrontierPoint],
     error: f64,
+    beyond: f64,
     rivals: &[Rival],
     radius: f64,
 ) -> Verdict {
@@ -305,6 +321,14 @@ fn decide(
                 "The motion leaves the geometry undetermined: everything keeps to one straight path or one plane, or the \
                  cameras stand at one place (most matched points lie within {:.0} % of a silhouette's width of a plane).",
                 100.0 * plane
+            ),
+        );
+    }
+    if beyond > MAX_BEYOND * pixel_scale(case.views) {
+        return Verdict::new(
+            Kind::Undetermined,
+            format!(
+                "The motion leaves the geometry undetermined: it is known where things moved, but in half of an image it                  may be {beyond:.0} px off or more, because everything keeps to one path or about one plane."
             ),
         );
     }

@@ -6,7 +6,7 @@ const EVIDENCE = {
   z_bottoms: ["lower edges alone", "standard deviations", 1],
   explained: ["outlines of A explained", "of its tangents", 0],
   explained_by_chance: ["by chance", "of its tangents", 0],
-  plane_residual: ["distance from one plane", "px; near nought means undetermined", 1],
+  plane_residual: ["distance from one plane", "widths of a silhouette; near nought means undetermined", 2],
 };
 
 const COUNTS = {
