@@ -12,7 +12,9 @@ use crate::estimate::volume::{disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
 use crate::matching::Candidates;
 use crate::planarity::plane_residual;
-use crate::verify::{Evidence, HeldOut, ShiftCurve, covariance, expected_error, paired_z, shift_curve};
+use crate::verify::{
+    Evidence, HeldOut, ShiftCurve, covariance, cross_validated, expected_error, paired_z, shift_curve,
+};
 
 /// What a verdict says, for programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -133,8 +135,10 @@ const MIN_DEPTH: f64 = 0.3;
 /// Half of an image may be known no worse than this, pixels of a 640×480 image, by the covariance alone: of scenes with
 /// depth it is 0.2 to 0.8, where all keep to one path 5 and more.
 const MAX_BEYOND: f64 = 2.5;
-/// A class of tangents below this normal deviate matches no better than chance: one in fifteen would.
-const MIN_CLASS_Z: f64 = 1.5;
+/// A class of tangents below this normal deviate matches no better than chance.
+const MIN_CLASS_Z: f64 = 2.0;
+/// Below this on the frames kept aside a class is judged on all frames.
+const FAINT_CLASS_Z: f64 = 3.0;
 /// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
 const RIVAL_Z: f64 = 2.5;
 /// Share of the radius at which outlines agree that counts as a systematic error.
@@ -187,9 +191,10 @@ fn radius_of(generous: &[FrontierPoint], scale: f64) -> f64 {
     if radius.is_nan() { 3.0 * scale } else { radius }
 }
 
-/// The curve over time shifts, on the frames kept aside, of what the others were fitted with.
-fn tested(case: &Case, fitted: &Fundamental) -> ShiftCurve {
-    let Case { busy_views, split, fitted_views, options, .. } = case;
+/// The curve over time shifts, on the frames kept aside, of what the others were fitted with, and its sum. Where one class
+/// stands out little on so few frames, its deviate is taken from all of them.
+fn tested(case: &Case, fitted: &Fundamental) -> (ShiftCurve, Evidence) {
+    let Case { busy_views, split, fitted_views, options, fundamental, .. } = case;
     let scale = pixel_scale(busy_views);
     let generous = matched(fitted_views, fitted, 6.0 * scale, options.upright);
     let held_out = HeldOut {
@@ -200,7 +205,13 @@ fn tested(case: &Case, fitted: &Fundamental) -> ShiftCurve {
         radius: radius_of(&generous, scale).max(2.0 * scale),
         upright: options.upright,
     };
-    shift_curve(&held_out, fitted, SHIFTS)
+    let curve = shift_curve(&held_out, fitted, SHIFTS);
+    let mut evidence = curve.evidence();
+    if evidence.z >= MIN_Z && evidence.z_tops.min(evidence.z_bottoms) < FAINT_CLASS_Z {
+        let of_all = cross_validated(busy_views, fundamental, &held_out, SHIFTS).evidence();
+        (evidence.z_tops, evidence.z_bottoms) = (of_all.z_tops, of_all.z_bottoms);
+    }
+    (curve, evidence)
 }
 
 pub(super) fn judge(case: &Case) -> Judged {
@@ -210,8 +221,7 @@ pub(super) fn judge(case: &Case) -> Judged {
     let radius = radius_of(&matched(views, fundamental, 6.0 * scale, upright), scale);
     let points = matched(views, fundamental, radius, upright);
 
-    let curve = found.fitted.map_or_else(ShiftCurve::default, |fitted| tested(case, &fitted));
-    let mut evidence_now = curve.evidence();
+    let (curve, mut evidence_now) = found.fitted.map_or_else(Default::default, |f| tested(case, &f));
     evidence_now.plane_residual = plane_residual(views, &points);
 
     let second = if frame_rate.is_finite() { frame_rate.round().max(1.0) as usize } else { 25 };
