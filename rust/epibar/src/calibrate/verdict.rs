@@ -127,6 +127,8 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 /// Evidence below this normal deviate on frames kept aside is none. Unrelated pairs were never seen to reach 3, true ones of
 /// 400 frames stood at 7 and more.
 pub(super) const MIN_Z: f64 = 5.0;
+/// From this on there is something to be told of, if not enough.
+const SOME_Z: f64 = 2.0;
 /// Below this share of A's tangents that meet one of B, an `F` is not the geometry of the scene.
 const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
@@ -134,7 +136,7 @@ const MIN_EXPLAINED: f64 = 0.15;
 const MIN_DEPTH: f64 = 0.3;
 /// Half of an image may be known no worse than this, pixels of a 640×480 image, by the covariance alone: of scenes with
 /// depth it is 0.2 to 0.8, where all keep to one path 5 and more.
-const MAX_BEYOND: f64 = 2.5;
+const MAX_BEYOND: f64 = 4.0;
 /// A class of tangents below this normal deviate matches no better than chance.
 const MIN_CLASS_Z: f64 = 2.0;
 /// Below this on the frames kept aside a class is judged on all frames.
@@ -293,10 +295,11 @@ fn decide(
 ) -> Verdict {
     let limit = case.options.max_expected_error;
     if evidence.z < MIN_Z {
+        let found = if evidence.z < SOME_Z { "Nothing suggests" } else { "Too little suggests" };
         return Verdict::new(
             Kind::NoCommonScene,
             format!(
-                "Nothing suggests that the two cameras see the same moving things at the same time: on frames kept \
+                "{found} that the two cameras see the same moving things at the same time: on frames kept \
                  aside the geometry stands {:.1} standard deviations above its own score with the clocks shifted, and {MIN_Z:.0} \
                  are needed.",
                 evidence.z
@@ -338,7 +341,8 @@ fn decide(
         return Verdict::new(
             Kind::Undetermined,
             format!(
-                "The motion leaves the geometry undetermined: it is known where things moved, but in half of an image it                  may be {beyond:.0} px off or more, because everything keeps to one path or about one plane."
+                "The motion leaves the geometry undetermined: it is known where things moved, but in half of an image it \
+                 may be {beyond:.0} px off or more, because everything keeps to one path or about one plane."
             ),
         );
     }
