@@ -135,7 +135,7 @@ const MIN_EXPLAINED: f64 = 0.15;
 /// baseline.
 const MIN_DEPTH: f64 = 0.3;
 /// Half of an image may be known no worse than this, pixels of a 640×480 image, by the covariance alone: of scenes with
-/// depth it is 0.2 to 0.8, where all keep to one path 5 and more.
+/// depth it is 0.2 to 3.4, where all keep to one path 5 and more.
 const MAX_BEYOND: f64 = 4.0;
 /// A class of tangents below this normal deviate matches no better than chance.
 const MIN_CLASS_Z: f64 = 2.0;
