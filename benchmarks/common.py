@@ -63,6 +63,7 @@ class Outcome:
     true_candidates: float
     candidates: int
     frontier_points: int
+    evidence: dict[str, float]
     seconds: float
     F: list[list[float]] | None
 
@@ -150,6 +151,7 @@ def measure(
         true_candidates=rate,
         candidates=len(found),
         frontier_points=len(cal.frontier_points),
+        evidence=dict(cal.evidence),
         seconds=seconds,
         F=None if cal.F is None else cal.F.tolist(),
     )

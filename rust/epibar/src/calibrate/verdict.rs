@@ -133,7 +133,7 @@ const SOME_Z: f64 = 2.0;
 const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
 /// baseline.
-const MIN_DEPTH: f64 = 0.3;
+const MIN_DEPTH: f64 = 0.5;
 /// Half of an image may be known no worse than this, pixels of a 640×480 image, by the covariance alone: of scenes with
 /// depth it is 0.2 to 3.4, where all keep to one path 5 and more.
 const MAX_BEYOND: f64 = 4.0;
