@@ -160,8 +160,6 @@ fn weighed_solution(views: &Views, f: Fundamental, source: Source, upright: bool
 
 /// How many of the best solutions are shaken in a round.
 const SHAKEN: usize = 6;
-/// How many are refined on more frames.
-const ROUGH_KEPT: usize = 24;
 /// A solution with less than this share of the best one's evidence is no rival to settle.
 const WORTH_SETTLING: f64 = 0.5;
 /// How many of the best solutions are walked from.
@@ -245,15 +243,12 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// Refines in parallel on `views`, from a wide radius and from a narrow one, and keeps what has more evidence there:
-    /// in a crowd nearly every tangent meets a wrong one within a wide radius, and a good start is lost there;
-    /// a bad start needs it.
-    fn refined(
-        &self,
-        views: &Views,
-        starts: &[(Fundamental, Source)],
-        schedules: &[&[f64]],
-    ) -> Vec<Solution> {
+    /// Refines in parallel, from a wide radius and from a narrow one, and keeps what has more evidence: in a crowd nearly
+    /// every tangent meets a wrong one within a wide radius, and a good start is lost there; a bad start needs it.
+    ///
+    /// On the comparing frames: on the fewer that score, starts in a crowd of sixteen end elsewhere.
+    fn refined(&self, starts: &[(Fundamental, Source)], schedules: &[&[f64]]) -> Vec<Solution> {
+        let views = &self.comparing;
         starts
             .par_iter()
             .filter_map(|(f, source)| {
@@ -265,12 +260,6 @@ impl<'a> Searcher<'a> {
                 tried.max_by(|p, q| p.evidence.total_cmp(&q.evidence))
             })
             .collect()
-    }
-
-    /// Refines on the comparing frames what was refined on the fewer that score.
-    fn refined_again(&self, rough: &[Solution]) -> Vec<Solution> {
-        let starts: Vec<_> = rough.iter().map(|s| (s.fundamental, s.source)).collect();
-        self.distinct(self.refined(&self.comparing, &starts, &[&[4.0]]), self.scale, 16)
     }
 
     /// Sorted by evidence, near copies of a better one dropped.
@@ -376,10 +365,8 @@ pub fn search(
     let mut going =
         |stage, done: f64| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) };
     going("refine", 0.0)?;
-    // Roughly on the frames that score, and what remains on those that compare.
-    let rough = searcher.refined(&searcher.scoring, &starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
-    let rough = searcher.distinct(rough, searcher.scale, ROUGH_KEPT);
-    let mut solutions = searcher.refined_again(&rough);
+    let refined = searcher.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
+    let mut solutions = searcher.distinct(refined, searcher.scale, 16);
     for round in 0..options.restarts {
         if searcher.is_clear(&solutions) {
             break;
@@ -389,8 +376,7 @@ pub fn search(
         for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
             shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
         }
-        let rough = searcher.refined(&searcher.scoring, &shaken, &[&[8.0, 4.0], &[3.0]]);
-        solutions.extend(searcher.refined_again(&rough));
+        solutions.extend(searcher.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
         solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
     let solutions = searcher.walked(&solutions, &mut going)?;
