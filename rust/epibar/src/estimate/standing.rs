@@ -21,7 +21,7 @@ const SIDE_BY_SIDE: f64 = 0.6;
 /// Least correlation of height and depth in the image that tells which end is up, in the mean over [`BLOCKS`] parts of
 /// the recording, and how many of its standard errors it must be.
 const CORRELATION: f64 = 0.4;
-const MIN_Z: f64 = 4.0;
+const MIN_Z: f64 = 3.0;
 const BLOCKS: usize = 8;
 /// Fewest silhouettes in a part.
 const FEWEST: usize = 20;
