@@ -27,8 +27,8 @@ FACTORS = (1, 2, 3)
 """Multiples of the stated expected error that the true error is held against."""
 
 SCENES: dict[str, Callable[..., Scene]] = {
-    "cubes": lambda seed, frames: synthetic.cubes(seed, cameras=4, frames=frames),
-    "thin": lambda seed, frames: synthetic.thin_cubes(seed, cameras=4, frames=frames),
+    "cubes": lambda seed, frames: synthetic.cubes(seed, frames=frames),
+    "thin": lambda seed, frames: synthetic.thin_cubes(seed, frames=frames),
     "high": lambda seed, frames: synthetic.people(seed, frames=frames),
     "low": lambda seed, frames: synthetic.people(seed, camera_height=LOW_CAMERAS, frames=frames),
     "two": lambda seed, frames: synthetic.people(seed, walkers=2, camera_height=LOW_CAMERAS, frames=frames),
@@ -63,6 +63,7 @@ class Outcome:
     true_candidates: float
     candidates: int
     frontier_points: int
+    evidence: dict[str, float]
     seconds: float
     F: list[list[float]] | None
 
@@ -150,6 +151,7 @@ def measure(
         true_candidates=rate,
         candidates=len(found),
         frontier_points=len(cal.frontier_points),
+        evidence=dict(cal.evidence),
         seconds=seconds,
         F=None if cal.F is None else cal.F.tolist(),
     )

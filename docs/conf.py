@@ -14,6 +14,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
+    "sphinx-mathjax-offline",
     "sphinx_argparse_cli",
 ]
 exclude_patterns = ["_build"]
@@ -42,4 +43,6 @@ def link_to_sources(app: Sphinx, name: str, text: list[str]) -> None:
 
 def setup(app: Sphinx) -> None:
     """Connect what is done while building."""
+    # The formulas as SVG: the default needs fonts, which not every browser loads from a file.
+    app.config.mathjax_path = "mathjax/tex-svg.js"
     app.connect("source-read", link_to_sources)

@@ -1,7 +1,7 @@
 """From masks of your own to a fundamental matrix, without a video in between.
 
-Any segmenter will do that says for every frame which pixels move: a background model, a tracker's boxes
-filled in, a neural network's person masks. Here a made-up scene stands in for it, so the answer is known.
+Any segmenter will do that says for every frame which pixels move: a background model, a neural network's
+person masks. Outlines, not boxes. Here a made-up scene stands in for it, so the answer is known.
 
 Run with ``.venv/bin/python examples/masks_to_f.py``.
 """

@@ -18,7 +18,7 @@ from epibar.evaluation import epipoles
 from epibar.report.html import ReportCamera, ReportPair, write_report
 from epibar.report.html.lines import hull_barcodes
 from epibar.report.html.moments import choose_moments
-from epibar.report.html.words import ADVICE, TITLES
+from epibar.report.html.words import ADVICE, TITLES, advice
 
 VERDICTS = Path(__file__).parent.parent / "rust/epibar/src/calibrate/verdict.rs"
 
@@ -161,6 +161,30 @@ def test_refused_pairs_say_what_to_do_next(page):
     assert ambiguous["accepted"] is nothing["accepted"] is False
     assert any("motion" in text for text in ambiguous["advice"])
     assert any("--time-offset search" in text for text in nothing["advice"])
+
+
+def test_too_little_evidence_is_told_from_none(report_input):
+    nothing = report_input[1][2].calibration
+    assert nothing.kind == "no_common_scene"
+    for z, longer in ((None, False), (0.5, False), (4.8, True)):
+        evidence = {} if z is None else {"z": z}
+        told = advice(replace(nothing, evidence=evidence))
+        assert told[0].startswith("Some evidence is there") is longer
+        assert sum("film longer" in text.lower() for text in told) == 1
+
+
+def test_a_far_point_does_not_squash_the_residuals(report_input, tmp_path):
+    cameras, pairs = report_input
+    points = pairs[0].calibration.frontier_points
+    residual = points.residual.copy()
+    residual[0] = 450.0
+    calibration = replace(pairs[0].calibration, frontier_points=replace(points, residual=residual))
+    path = write_report(tmp_path / "report.html", cameras, [replace(pairs[0], calibration=calibration)])
+    shown = Page(path).data["pairs"][0]["residuals"]
+    assert shown["furthest"] == 450
+    assert shown["edges"][-1] == pytest.approx(10 * np.median(residual), abs=1e-3)
+    assert sum(shown["counts"]) == len(residual)
+    assert shown["counts"][-1] >= 1
 
 
 @pytest.mark.skipif(not VERDICTS.exists(), reason="not a checkout")

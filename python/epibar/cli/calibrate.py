@@ -42,6 +42,8 @@ def run(args: Namespace) -> int:
         found = run_job(job, executor, console)
     files = "calibration.json" + (" and report.html" if job.report else "")
     console.note(f"written: {files} in {job.out}")
+    if not job.report and (job.out / "report.html").exists():
+        console.warning(f"{job.out / 'report.html'} is still that of an earlier run")
     if args.json:
         console.json(json_text(found.content))
     return 2 if found.errors else 0

@@ -21,7 +21,9 @@ __all__ = ["run"]
 
 CAMERAS = 3
 WALKERS = 6
-FRAMES = 350
+FRAMES = 500
+EMPTY = 25
+"""Frames of the empty scene before, for the background model to learn from."""
 SIZE = (480, 360)
 
 
@@ -40,13 +42,17 @@ def run(args: Namespace) -> int:
 
     started = time.perf_counter()
     scene = people(seed=args.seed, cameras=CAMERAS, walkers=WALKERS, frames=FRAMES, size=SIZE)
-    console.note(f"rendering {CAMERAS} noisy videos of {WALKERS} walking people, {FRAMES} frames each ...")
+    console.note(
+        f"rendering {CAMERAS} noisy videos: {EMPTY} frames without anybody, then {FRAMES} "
+        f"of {WALKERS} walking people ..."
+    )
     try:
         sources = []
         with console:
             for index in range(CAMERAS):
                 console.progress("rendering", index, CAMERAS)
-                sources.append(render_video(scene, index, videos / f"cam{index + 1}.mp4", seed=args.seed))
+                path = videos / f"cam{index + 1}.mp4"
+                sources.append(render_video(scene, index, path, seed=args.seed, empty_frames=EMPTY))
     except OSError as error:
         raise EpibarError(str(error)) from error
     known = out / "cameras.toml"

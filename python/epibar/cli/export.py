@@ -42,7 +42,7 @@ def run(args: Namespace) -> int:
             console.warning("the pairs cannot be put into one world: a file for each; [metadata] says why")
     left_out = len(found.pairs) - len(selected.pairs)
     if left_out:
-        console.note(f"{left_out} of {len(found.pairs)} pairs were not accepted and are left out (--all)")
+        console.note(f"left out: {left_out} of {len(found.pairs)} pairs, not accepted; --all takes them too")
     for path in written:
         console.result(f"written: {path}")
     return 0

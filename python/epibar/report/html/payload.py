@@ -22,6 +22,8 @@ __all__ = ["camera_entry", "pair_entries"]
 
 HEAT_COLUMNS = 96
 BINS = 40
+FAR = 10.0
+"""Medians: residuals beyond so many go into the last bar."""
 RIVALS = 5
 
 
@@ -149,8 +151,11 @@ def _packed(bits: NDArray[np.bool_]) -> str:
 def _histogram(residuals: NDArray[np.float64]) -> dict[str, Any] | None:
     if not len(residuals):
         return None
-    counts, edges = np.histogram(residuals, BINS, (0.0, float(residuals.max()) or 1.0))
-    return {"counts": counts, "edges": np.round(edges, 4), "median": float(np.median(residuals))}
+    median, furthest = float(np.median(residuals)), float(residuals.max())
+    # Near an epipole a point may be hundreds of pixels off, and would leave one bar for all others.
+    end = min(furthest, FAR * median) or 1.0
+    counts, edges = np.histogram(np.minimum(residuals, end), BINS, (0.0, end))
+    return {"counts": counts, "edges": np.round(edges, 4), "median": median, "furthest": round(furthest, 4)}
 
 
 def _error_maps(calibration: Calibration) -> list[Any] | None:

@@ -6,6 +6,9 @@ from ...calibration import Calibration
 
 __all__ = ["advice", "verdict_words"]
 
+SOME_EVIDENCE = 2.0
+"""Standard deviations above chance: by chance one pair in 44 has more."""
+
 TITLES = {
     "accepted": "Accepted",
     "too_little_motion": "Too little motion",
@@ -26,6 +29,7 @@ ADVICE = {
         "Check that both cameras see the same people at the same time; views without overlap have no answer.",
         "Look at the heat maps: trees, screens and reflections drown what matters. Mask them with "
         "`--ignore`.",
+        "Film longer: some hundred frames in which people walk, in many places of both views, are the least.",
     ],
     "undetermined": [
         "Film other motion: crossing paths, near and far, raised arms, people of different heights.",
@@ -39,9 +43,15 @@ ADVICE = {
     "inaccurate": [
         "Film longer, or give better masks: ragged outlines are the usual cause.",
         "Lens distortion bends lines: give `--intrinsics` for anything but a narrow lens.",
-        "If a coarser answer is good enough for you, raise `max_expected_error` in `epibar.calibrate`.",
+        "If a coarser answer is good enough for you, raise `max_expected_error` in `epibar.calibrate`; not "
+        "with boxes or ellipses as masks, whose true error is larger than expected.",
     ],
 }
+
+FILM_LONGER = (
+    "Some evidence is there, but too little to rely on: film longer, or with more people. "
+    "It grows with the length."
+)
 
 
 def verdict_words(calibration: Calibration) -> str:
@@ -54,4 +64,8 @@ def advice(calibration: Calibration) -> list[str]:
     """Say what to do about a refused pair; code is between backticks."""
     if calibration.accepted:
         return []
-    return ADVICE.get(calibration.kind, ["Read docs/trust.md on this verdict."])
+    known = ADVICE.get(calibration.kind, ["Read docs/trust.md on this verdict."])
+    z = calibration.evidence.get("z")
+    if calibration.kind == "no_common_scene" and z is not None and z > SOME_EVIDENCE:
+        return [FILM_LONGER, *known[:-1]]
+    return known

@@ -148,7 +148,8 @@ fn sharpened(
         Some(measured) => (measured.clock, true),
         None => (start, false),
     };
-    for last in [false, true] {
+    let mut last = false;
+    loop {
         let mut found = calibrate_at(a, b, &Aligned::new(a, b, links, clock), options, watch)?;
         let Some(measured) = better(clock, &found, sharp) else { return Ok(found) };
         let end = |clock: Clock| clock.offset + a.frames() as f64 * clock.frames_per_frame(a, b);
@@ -161,9 +162,8 @@ fn sharpened(
             found.timing.with_drift(&measured);
             return Ok(found);
         }
-        (clock, sharp) = (now, true);
+        (clock, sharp, last) = (now, true, true);
     }
-    unreachable!("the last round returns")
 }
 
 /// The clock moved by whole frames to where `f` has most evidence: barcodes find the offset to a frame or two.

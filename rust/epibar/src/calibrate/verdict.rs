@@ -1,6 +1,6 @@
 //! The verdict: accepted, or refused with a reason in plain English (DESIGN §7).
 
-use super::error_map::Uncertainty;
+use super::error_map::{ErrorMap, Uncertainty};
 use super::split::Split;
 use super::{CalibrateOptions, Method, Rival, matched};
 use crate::estimate::floor::Floor;
@@ -12,7 +12,9 @@ use crate::estimate::volume::{disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
 use crate::matching::Candidates;
 use crate::planarity::plane_residual;
-use crate::verify::{Evidence, HeldOut, ShiftCurve, covariance, expected_error, paired_z, shift_curve};
+use crate::verify::{
+    Evidence, HeldOut, ShiftCurve, covariance, cross_validated, expected_error, paired_z, shift_curve,
+};
 
 /// What a verdict says, for programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,13 +127,20 @@ pub(super) fn is_floor(floor: &Floor, candidates: usize) -> bool {
 /// Evidence below this normal deviate on frames kept aside is none. Unrelated pairs were never seen to reach 3, true ones of
 /// 400 frames stood at 7 and more.
 pub(super) const MIN_Z: f64 = 5.0;
+/// From this on there is something to be told of, if not enough.
+const SOME_Z: f64 = 2.0;
 /// Below this share of A's tangents that meet one of B, an `F` is not the geometry of the scene.
 const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
 /// baseline.
-const MIN_DEPTH: f64 = 0.3;
-/// A class of tangents below this normal deviate matches no better than chance: one in fifteen would.
-const MIN_CLASS_Z: f64 = 1.5;
+const MIN_DEPTH: f64 = 0.5;
+/// Half of an image may be known no worse than this, pixels of a 640×480 image, by the covariance alone: of scenes with
+/// depth it is 0.2 to 3.4, where all keep to one path 5 and more.
+const MAX_BEYOND: f64 = 4.0;
+/// A class of tangents below this normal deviate matches no better than chance.
+const MIN_CLASS_Z: f64 = 2.0;
+/// Below this on the frames kept aside a class is judged on all frames.
+const FAINT_CLASS_Z: f64 = 3.0;
 /// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
 const RIVAL_Z: f64 = 2.5;
 /// Where nothing tells which end of what moves is up, the mirror of the truth may have more evidence than the truth, which
@@ -187,9 +196,10 @@ fn radius_of(generous: &[FrontierPoint], scale: f64) -> f64 {
     if radius.is_nan() { 3.0 * scale } else { radius }
 }
 
-/// The curve over time shifts, on the frames kept aside, of what the others were fitted with.
-fn tested(case: &Case, fitted: &Fundamental) -> ShiftCurve {
-    let Case { busy_views, split, fitted_views, options, .. } = case;
+/// The curve over time shifts, on the frames kept aside, of what the others were fitted with, and its sum. Where one class
+/// stands out little on so few frames, its deviate is taken from all of them.
+fn tested(case: &Case, fitted: &Fundamental) -> (ShiftCurve, Evidence) {
+    let Case { busy_views, split, fitted_views, options, fundamental, .. } = case;
     let scale = pixel_scale(busy_views);
     let generous = matched(fitted_views, fitted, 6.0 * scale, options.upright);
     let held_out = HeldOut {
@@ -200,7 +210,13 @@ fn tested(case: &Case, fitted: &Fundamental) -> ShiftCurve {
         radius: radius_of(&generous, scale).max(2.0 * scale),
         upright: options.upright,
     };
-    shift_curve(&held_out, fitted, SHIFTS)
+    let curve = shift_curve(&held_out, fitted, SHIFTS);
+    let mut evidence = curve.evidence();
+    if evidence.z >= MIN_Z && evidence.z_tops.min(evidence.z_bottoms) < FAINT_CLASS_Z {
+        let of_all = cross_validated(busy_views, fundamental, &held_out, SHIFTS).evidence();
+        (evidence.z_tops, evidence.z_bottoms) = (of_all.z_tops, of_all.z_bottoms);
+    }
+    (curve, evidence)
 }
 
 pub(super) fn judge(case: &Case) -> Judged {
@@ -210,8 +226,7 @@ pub(super) fn judge(case: &Case) -> Judged {
     let radius = radius_of(&matched(views, fundamental, 6.0 * scale, upright), scale);
     let points = matched(views, fundamental, radius, upright);
 
-    let curve = found.fitted.map_or_else(ShiftCurve::default, |fitted| tested(case, &fitted));
-    let mut evidence_now = curve.evidence();
+    let (curve, mut evidence_now) = found.fitted.map_or_else(Default::default, |f| tested(case, &f));
     evidence_now.plane_residual = plane_residual(views, &points);
 
     let second = if frame_rate.is_finite() { frame_rate.round().max(1.0) as usize } else { 25 };
@@ -256,8 +271,20 @@ pub(super) fn judge(case: &Case) -> Judged {
         systematic,
     });
 
-    let verdict = decide(case, &evidence_now, &points, error, &rivals, radius);
+    let beyond = uncertainty.as_ref().map_or(f64::NAN, beyond_motion);
+    let verdict = decide(case, &evidence_now, &points, error, beyond, &rivals, radius);
     Judged { verdict, expected_error: error, evidence: evidence_now, curve, rivals, points, uncertainty }
+}
+
+/// The error that the covariance alone expects in half of either image, the larger of the two, pixels.
+fn beyond_motion(uncertainty: &Uncertainty) -> f64 {
+    let known = Uncertainty { systematic: 0.0, ..uncertainty.clone() };
+    let median = |map: ErrorMap| {
+        let mut values: Vec<f64> = map.values.into_iter().filter(|v| v.is_finite()).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    };
+    known.maps().map(median).into_iter().fold(0.0, f64::max)
 }
 
 fn decide(
@@ -265,15 +292,17 @@ fn decide(
     evidence: &Evidence,
     points: &[FrontierPoint],
     error: f64,
+    beyond: f64,
     rivals: &[Rival],
     radius: f64,
 ) -> Verdict {
     let limit = case.options.max_expected_error;
     if evidence.z < MIN_Z {
+        let found = if evidence.z < SOME_Z { "Nothing suggests" } else { "Too little suggests" };
         return Verdict::new(
             Kind::NoCommonScene,
             format!(
-                "Nothing suggests that the two cameras see the same moving things at the same time: on frames kept \
+                "{found} that the two cameras see the same moving things at the same time: on frames kept \
                  aside the geometry stands {:.1} standard deviations above its own score with the clocks shifted, and {MIN_Z:.0} \
                  are needed.",
                 evidence.z
@@ -308,6 +337,15 @@ fn decide(
                 "The motion leaves the geometry undetermined: everything keeps to one straight path or one plane, or the \
                  cameras stand at one place (most matched points lie within {:.0} % of a silhouette's width of a plane).",
                 100.0 * plane
+            ),
+        );
+    }
+    if beyond > MAX_BEYOND * pixel_scale(case.views) {
+        return Verdict::new(
+            Kind::Undetermined,
+            format!(
+                "The motion leaves the geometry undetermined: it is known where things moved, but in half of an image it \
+                 may be {beyond:.0} px off or more, because everything keeps to one path or about one plane."
             ),
         );
     }

@@ -169,6 +169,9 @@ const EXPLORED: usize = 3;
 /// Spots that tell two geometries apart.
 const SPOTS: usize = 120;
 
+/// A start, what tells it apart from others, and where it came from.
+type Kept = (Fundamental, Vec<Correspondence>, Source);
+
 struct Searcher<'a> {
     all: &'a Views,
     scoring: Views,
@@ -212,29 +215,34 @@ impl<'a> Searcher<'a> {
         limit: usize,
         apart: f64,
     ) -> Vec<(Fundamental, Source)> {
-        let mut kept: Vec<(Fundamental, Vec<Correspondence>, Source)> = Vec::new();
-        let mut take = |limit: usize, only: Option<Source>| {
-            let mut taken = 0;
-            for (hypothesis, source) in scored {
-                if taken >= limit {
-                    break;
-                }
-                let f = hypothesis.model;
-                if only.is_none_or(|s| s == *source)
-                    && kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart)
-                {
-                    kept.push((f, self.points(&f), *source));
-                    taken += 1;
-                }
-            }
-            kept.len()
-        };
+        let mut kept: Vec<Kept> = Vec::new();
         for source in Source::ALL {
-            take(own, Some(source));
+            let of_source = scored.iter().filter(|s| s.1 == source);
+            self.take(of_source, own, apart, &mut kept);
         }
-        let already = take(0, None);
-        take(limit.saturating_sub(already), None);
+        let rest = limit.saturating_sub(kept.len());
+        self.take(scored.iter(), rest, apart, &mut kept);
         kept.into_iter().map(|(f, _, source)| (f, source)).collect()
+    }
+
+    /// Adds at most `limit` hypotheses that differ from all that are kept.
+    fn take<'s>(
+        &self,
+        scored: impl Iterator<Item = &'s (Scored<Fundamental>, Source)>,
+        limit: usize,
+        apart: f64,
+        kept: &mut Vec<Kept>,
+    ) {
+        let enough = kept.len() + limit;
+        for (hypothesis, source) in scored {
+            if kept.len() >= enough {
+                break;
+            }
+            let f = hypothesis.model;
+            if kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart) {
+                kept.push((f, self.points(&f), *source));
+            }
+        }
     }
 
     /// Refines in parallel on `views`, from a wide radius and from a narrow one, and keeps what has more evidence there:

@@ -73,10 +73,10 @@ impl View {
         Self::new(recording.size, recording.visible.as_ref(), frames.map(hulls))
     }
 
-    /// One frame in `step`.
-    fn thinned(&self, step: usize) -> Self {
-        let hulls = |frame| self.hulls_of(frame).map(Cow::Borrowed).collect();
-        let frames = (0..self.frames()).step_by(step).map(hulls);
+    /// Some of the frames.
+    fn chosen(&self, frames: &[usize]) -> Self {
+        let hulls = |&frame: &usize| self.hulls_of(frame).map(Cow::Borrowed).collect();
+        let frames = frames.iter().map(hulls);
         Self { up: self.up, ..Self::new(self.size, self.visible.as_ref(), frames) }
     }
 
@@ -191,16 +191,16 @@ impl Views {
         self
     }
 
-    /// One frame in `step`.
+    /// Some of the frames, by index.
     ///
     /// # Panics
-    /// If `step` is 0.
+    /// If a frame is not there.
     #[must_use]
-    pub fn thinned(&self, step: usize) -> Self {
+    pub fn chosen(&self, frames: &[usize]) -> Self {
         Self {
-            a: self.a.thinned(step),
-            b: self.b.thinned(step),
-            frame_pairs: self.frame_pairs.iter().step_by(step).copied().collect(),
+            a: self.a.chosen(frames),
+            b: self.b.chosen(frames),
+            frame_pairs: frames.iter().map(|&frame| self.frame_pairs[frame]).collect(),
         }
     }
 

@@ -97,7 +97,9 @@ const heatChart = camera =>
   imageChart(camera, camera.heat, { unit: "% of frames", zmax: Math.max(1e-9, ...camera.heat.flat()), lines: camera.motion_lines });
 
 // Both maps of a pair have one scale; the corners, where nothing moved, do not set it.
-function errorChart(camera, maps, side) {
+function errorTop(maps) {
   const known = maps.flat(2).filter(value => value !== null).sort((p, q) => p - q);
-  return imageChart(camera, maps[side], { unit: "px", zmax: known[Math.floor(0.9 * (known.length - 1))] || 1 });
+  return known[Math.floor(0.9 * (known.length - 1))] || 1;
 }
+
+const errorChart = (camera, maps, side) => imageChart(camera, maps[side], { unit: "px", zmax: errorTop(maps) });

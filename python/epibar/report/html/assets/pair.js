@@ -6,7 +6,7 @@ const EVIDENCE = {
   z_bottoms: ["lower edges alone", "standard deviations", 1],
   explained: ["outlines of A explained", "of its tangents", 0],
   explained_by_chance: ["by chance", "of its tangents", 0],
-  plane_residual: ["distance from one plane", "px; near nought means undetermined", 1],
+  plane_residual: ["distance from one plane", "widths of a silhouette; near nought means undetermined", 2],
 };
 
 const COUNTS = {
@@ -100,13 +100,17 @@ function details(pair, a, b) {
       el("figcaption", {}, el("b", {}, "AB"[side]), ` ${camera.name}`)));
   const cards = [];
   if (pair.shift_curve.shift.length > 1) cards.push(card("Time shift",
-    "How well F explains frames kept aside when B's clock is shifted, cyclically. A true geometry stands out at 0 and nowhere else.",
+    "How well F explains frames kept aside when B's clock is shifted, cyclically. Standing out at 0 and nowhere else shows that both see the same scene at the same time, not how accurate F is.",
     chart(() => shiftChart(pair))));
   if (pair.residuals) cards.push(card("Residuals of the frontier points",
-    "Places where an epipolar plane touches an outline, seen by both: how far each lies from its line.",
+    "Places where an epipolar plane touches an outline, seen by both: how far each lies from its line." +
+      (pair.residuals.furthest > pair.residuals.edges.at(-1)
+        ? ` The last bar holds all that lie further off, up to ${number(pair.residuals.furthest, 0)} px.` : ""),
     chart(() => residualChart(pair))));
   if (pair.error_maps) cards.push(card("Expected error over the image",
-    "How far the line of a point here is expected to be off in the other view. F is known best where things moved.",
+    "How far the line of a point here is expected to be off in the other view. F is known best where things moved. " +
+      `Yellow: ${number(errorTop(pair.error_maps), 1)} px and more. Empty: its line misses the other view.` +
+      (pair.accepted ? "" : " Of a refused pair this holds only if the geometry is the right one at all."),
     ...twin((camera, side) => errorChart(camera, pair.error_maps, side))));
   cards.push(card("Where things moved",
     "In how many frames something moved. Dashed: motion lines, straight paths that much of the traffic follows.",

@@ -70,8 +70,9 @@ pub fn measure(
     let (alike, error) = fitter.settle(start, f, false)?;
     let (free, free_error) = fitter.settle(alike.clock, &alike.fundamental, true)?;
     let frames = a.frames() as f64 * (free.clock.rate - 1.0).abs();
-    let significant =
-        frames > NOTICEABLE_FRAMES && (free.clock.rate - 1.0).abs() > SIGNIFICANT * free_error.rate;
+    let significant = frames > NOTICEABLE_FRAMES
+        && (free.clock.rate - 1.0).abs() > SIGNIFICANT * free_error.rate
+        && 1e6 * free_error.rate <= MEASURABLE_PPM;
     let (chosen, offset_error) = if significant { (free, free_error.offset) } else { (alike, error.offset) };
     Some(Measured {
         clock: chosen.clock,

@@ -11,6 +11,8 @@
 //! cameras a point in front of both lies on one half of its epipolar line. The map of rays is `± F`; the map of
 //! sides is fixed by `F` alone: it is the orientation of the 1-D homography.
 
+use std::ops::AddAssign;
+
 mod comparer;
 mod elementary;
 mod passes;
@@ -71,6 +73,22 @@ pub struct FrontierScore {
     pub tops: ClassScore,
     /// Tangents with the object above.
     pub bottoms: ClassScore,
+}
+
+impl AddAssign for ClassScore {
+    fn add_assign(&mut self, other: Self) {
+        self.tangents += other.tangents;
+        self.matches += other.matches;
+        self.expected += other.expected;
+        self.excess += other.excess;
+    }
+}
+
+impl AddAssign for FrontierScore {
+    fn add_assign(&mut self, other: Self) {
+        self.tops += other.tops;
+        self.bottoms += other.bottoms;
+    }
 }
 
 impl FrontierScore {

@@ -17,7 +17,8 @@ pub struct Scorer<'a> {
 impl<'a> Scorer<'a> {
     /// Scores on all frames of `views`.
     pub fn new(views: &'a Views, options: FrontierOptions) -> Self {
-        Self { views, few: views.thinned(GLANCE_STEP), options }
+        let few: Vec<usize> = (0..views.frames()).step_by(GLANCE_STEP).collect();
+        Self { views, few: views.chosen(&few), options }
     }
 
     /// The frames.
