@@ -197,7 +197,9 @@ def calibrate(
         ``"search"`` finds it, to a fraction of a frame.
     upright : bool
         Both cameras are the right way up, rolled by less than a quarter turn. Upright walkers look nearly the
-        same upside down, and without this the mirrored geometry may have as much evidence as the true one.
+        same upside down, and a mirrored geometry may have as much evidence as the true one. With False, up
+        comes from how silhouettes stand, for cameras above the waist of those who walk; where they do not
+        tell, the mirror is searched too.
     candidates : int
         How many of the best pairs of lines are candidates (paper, section 2: 1,000).
     draws : int

@@ -100,7 +100,7 @@ fn tracks_of_walkers_lead_near_the_truth_without_a_single_line() {
     let (cameras, views) = walkers();
     let options = FrontierOptions { radius: 3.0, upright: true, shift: 0 };
     let scorer = Scorer::new(&views, options);
-    let model = TrackModel::new(&views, &scorer, 0.5);
+    let model = TrackModel::new(&views, &scorer, 0.5, true);
     assert!(model.pairs() >= 8, "{}", model.pairs());
     let best = ransac(&model, 4000, 20, 1, "test", &mut Unwatched).unwrap();
     // Near enough for refinement to find the rest of the way.

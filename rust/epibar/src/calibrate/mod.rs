@@ -22,6 +22,7 @@ use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
 use crate::estimate::line_model::LineModel;
 use crate::estimate::ransac::{Watch, ransac};
 use crate::estimate::search::{Found, SearchOptions, Solution, Source, search};
+use crate::estimate::standing::{Standing, standing};
 use crate::estimate::views::{Views, busy_frames};
 use crate::geometry::Fundamental;
 use crate::matching::candidates::find_candidates_among;
@@ -208,11 +209,15 @@ fn calibrate_at(
         return refuse(Verdict::too_few_silhouettes(busy.len(), MIN_FRAMES), candidates);
     }
 
-    let views = aligned.views(&pairs);
-    let fitted_views = aligned.views(&split.fitted_busy);
+    let standing = [a, b].map(|r| if options.upright { Standing::UPRIGHT } else { standing(r) });
+    let options = &CalibrateOptions { upright: standing.iter().all(|s| s.sure), ..options.clone() };
+    let up = standing.map(|s| s.up);
+    let views_of = |pairs: &[(u32, u32)]| aligned.views(pairs).with_up(up);
+    let views = views_of(&pairs);
+    let fitted_views = views_of(&split.fitted_busy);
     let found = match options.method {
         Method::Frontier => {
-            let subset = |limit| aligned.views(&busy_frames(a, b, &split.fitted_busy, limit));
+            let subset = |limit| views_of(&busy_frames(a, b, &split.fitted_busy, limit));
             let search_options =
                 SearchOptions { upright: options.upright, draws: options.draws, ..SearchOptions::default() };
             search(&views, &fitted_views, subset, &candidates, &search_options, options.seed, watch)?
@@ -227,7 +232,7 @@ fn calibrate_at(
         return refuse(Verdict::no_hypothesis(), candidates);
     };
     let fundamental = winner.fundamental;
-    let busy_views = aligned.views(&busy);
+    let busy_views = views_of(&busy);
     let judged = verdict::judge(&verdict::Case {
         views: &views,
         busy_views: &busy_views,

@@ -150,6 +150,9 @@ const MIN_CLASS_Z: f64 = 2.0;
 const FAINT_CLASS_Z: f64 = 3.0;
 /// A different geometry whose evidence differs by less than this many standard deviations may be the truth as well.
 const RIVAL_Z: f64 = 2.5;
+/// Where nothing tells which end of what moves is up, the mirror of the truth may have more evidence than the truth, which
+/// was seen with this share of it.
+const MIRROR_SHARE: f64 = 0.65;
 /// Share of the radius at which outlines agree that counts as a systematic error.
 const COARSE_SHARE: f64 = 1.0;
 /// Residuals of a fraction of a pixel are noise and average out; residuals of several pixels are outlines of different
@@ -368,7 +371,9 @@ fn decide(
             ),
         );
     }
-    if let Some(rival) = rivals.iter().find(|r| r.z < RIVAL_Z && r.distance > limit) {
+    let upright = case.options.upright || case.options.method == Method::Lines;
+    let as_likely = |r: &&Rival| r.z < RIVAL_Z || (!upright && r.share > MIRROR_SHARE);
+    if let Some(rival) = rivals.iter().filter(as_likely).find(|r| r.distance > limit) {
         return Verdict::new(
             Kind::Ambiguous,
             format!(

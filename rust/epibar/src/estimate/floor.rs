@@ -196,27 +196,14 @@ pub struct FloorEpipoles<'a> {
 }
 
 impl<'a> FloorEpipoles<'a> {
-    /// Associates silhouettes by their feet.
-    pub fn new(floor: &Floor, association: &Views, scorer: &'a Scorer<'a>) -> Self {
+    /// Associates silhouettes by their feet. Without `upright` these may be either end of a silhouette, in A and in B:
+    /// those that associate most are.
+    pub fn new(floor: &Floor, association: &Views, scorer: &'a Scorer<'a>, upright: bool) -> Self {
         let h = floor.homography;
-        let near = 0.02 * association.b.size.diagonal();
-        let mut standing = Vec::new();
-        for frame in 0..association.frames() {
-            let standing_in = |view: &View| -> Vec<Extremes> {
-                view.hulls_of(frame).filter_map(|hull| extremes(view, hull)).collect()
-            };
-            let (in_a, in_b) = (standing_in(&association.a), standing_in(&association.b));
-            for [top_a, bottom_a] in &in_a {
-                let foot = h * Vector3::new(bottom_a[0], bottom_a[1], 1.0);
-                let distance = |b: &[f64; 2]| (foot.x / foot.z - b[0]).hypot(foot.y / foot.z - b[1]);
-                let nearest = in_b.iter().min_by(|p, q| distance(&p[1]).total_cmp(&distance(&q[1])));
-                if let Some([top_b, bottom_b]) = nearest
-                    && distance(bottom_b) < near
-                {
-                    standing.push(Standing { top_a: *top_a, top_b: *top_b });
-                }
-            }
-        }
+        let ends: &[[usize; 2]] = if upright { &[[1, 1]] } else { &[[1, 1], [0, 0], [0, 1], [1, 0]] };
+        // Of equally many the first.
+        let standing = ends.iter().rev().map(|feet| associated(&h, association, *feet));
+        let standing = standing.max_by_key(Vec::len).unwrap_or_default();
         Self { homography: h, standing, scorer }
     }
 
@@ -224,6 +211,31 @@ impl<'a> FloorEpipoles<'a> {
     pub fn associated(&self) -> usize {
         self.standing.len()
     }
+}
+
+/// Silhouettes whose feet `h` sends near each other; `feet` tells which of the extremes these are, in A and in B.
+fn associated(h: &Matrix3<f64>, association: &Views, feet: [usize; 2]) -> Vec<Standing> {
+    let near = 0.02 * association.b.size.diagonal();
+    let mut standing = Vec::new();
+    for frame in 0..association.frames() {
+        let standing_in = |view: &View| -> Vec<Extremes> {
+            view.hulls_of(frame).filter_map(|hull| extremes(view, hull)).collect()
+        };
+        let (in_a, in_b) = (standing_in(&association.a), standing_in(&association.b));
+        for ends_a in &in_a {
+            let foot_a = ends_a[feet[0]];
+            let foot = h * Vector3::new(foot_a[0], foot_a[1], 1.0);
+            let distance = |b: &[f64; 2]| (foot.x / foot.z - b[0]).hypot(foot.y / foot.z - b[1]);
+            let to_foot = |ends_b: &Extremes| distance(&ends_b[feet[1]]);
+            let nearest = in_b.iter().min_by(|p, q| to_foot(p).total_cmp(&to_foot(q)));
+            if let Some(ends_b) = nearest
+                && to_foot(ends_b) < near
+            {
+                standing.push(Standing { top_a: ends_a[1 - feet[0]], top_b: ends_b[1 - feet[1]] });
+            }
+        }
+    }
+    standing
 }
 
 impl Estimator for FloorEpipoles<'_> {

@@ -13,6 +13,7 @@ pub mod ransac;
 pub mod refine;
 pub mod search;
 pub mod sources;
+pub mod standing;
 pub mod track_model;
 pub mod tracks;
 pub mod views;

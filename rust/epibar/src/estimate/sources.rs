@@ -122,11 +122,11 @@ pub(super) fn hypotheses(
     scored.extend(fitted);
     let floors = find_floors(candidates.best(), sizes, seed, 3, watch)?;
     for floor in &floors {
-        let estimator = FloorEpipoles::new(floor, frames.comparing, frames.scoring);
+        let estimator = FloorEpipoles::new(floor, frames.comparing, frames.scoring, options.upright);
         let best = ransac(&estimator, options.floor_draws, 100, seed, "floor epipoles", watch)?;
         scored.extend(best.into_iter().map(|s| (s, Source::Floor)));
     }
-    let tracks = TrackModel::new(frames.train, frames.scoring, scale);
+    let tracks = TrackModel::new(frames.train, frames.scoring, scale, options.upright);
     if tracks.pairs() > 0 {
         let best = ransac(&tracks, options.track_draws, 300, seed, Source::Tracks.name(), watch)?;
         scored.extend(best.into_iter().map(|s| (s, Source::Tracks)));

@@ -33,13 +33,15 @@ pub struct TrackModel<'a> {
     /// Running sum of the pairs' lengths.
     cumulative: Vec<usize>,
     tolerance: f64,
+    /// Tops of A may be bottoms of B.
+    mirrored: bool,
     scorer: &'a Scorer<'a>,
 }
 
 impl<'a> TrackModel<'a> {
     /// Follows the silhouettes of `followed`, whose frames must be consecutive for the most part; hypotheses are
-    /// scored by `scorer`. `scale`: pixels of a 640×480 image in these.
-    pub fn new(followed: &Views, scorer: &'a Scorer<'a>, scale: f64) -> Self {
+    /// scored by `scorer`. `scale`: pixels of a 640×480 image in these. `upright`: a top of A is a top of B.
+    pub fn new(followed: &Views, scorer: &'a Scorer<'a>, scale: f64, upright: bool) -> Self {
         let frames = &followed.frame_pairs;
         let in_a = tracks(&followed.a, |t| frames[t + 1].0 <= frames[t].0 + 2, SHORTEST);
         let in_b = tracks(&followed.b, |t| frames[t + 1].1 <= frames[t].1 + 2, SHORTEST);
@@ -63,7 +65,7 @@ impl<'a> TrackModel<'a> {
                 sum
             })
             .collect();
-        Self { pairs, cumulative, tolerance: TOLERANCE * scale, scorer }
+        Self { pairs, cumulative, tolerance: TOLERANCE * scale, mirrored: !upright, scorer }
     }
 
     /// How many pairs of tracks there are to draw from.
@@ -83,11 +85,13 @@ impl Estimator for TrackModel<'_> {
 
     fn generate(&self, index: usize, random: &mut Pcg64Mcg) -> Option<Fundamental> {
         let count = 2 + index % 2;
+        let mirror = self.mirrored && index / 2 % 2 == 1;
         let mut matches = Vec::with_capacity(2 * SAMPLED * count);
         for _ in 0..count {
             let moments = &self.pairs[self.draw(random)?].moments;
             for k in 0..SAMPLED.min(moments.len()) {
                 let (a, b) = moments[k * moments.len() / SAMPLED.min(moments.len())];
+                let b = if mirror { [b[1], b[0]] } else { b };
                 matches.extend([(a[0], b[0]), (a[1], b[1])]);
             }
         }

@@ -31,41 +31,54 @@ impl Track {
     }
 }
 
+/// How far up a point lies.
+fn along(up: [f64; 2], p: &[f64; 2]) -> f64 {
+    up[0] * p[0] + up[1] * p[1]
+}
+
+/// Pixels of a box, none where it is empty.
+fn area(low: [f64; 2], high: [f64; 2]) -> f64 {
+    (0..2).map(|k| (high[k] - low[k] + 1.0).max(0.0)).product()
+}
+
 #[derive(Clone, Copy)]
 struct Bounds {
     low: [f64; 2],
     high: [f64; 2],
+    /// From top to bottom.
+    height: f64,
 }
 
 impl Bounds {
-    fn of(hull: &[[f64; 2]]) -> Self {
+    fn of(hull: &[[f64; 2]], up: [f64; 2]) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let (mut bottom, mut top) = (f64::INFINITY, f64::NEG_INFINITY);
         for p in hull {
+            let height = along(up, p);
+            (bottom, top) = (bottom.min(height), top.max(height));
             for k in 0..2 {
                 low[k] = low[k].min(p[k]);
                 high[k] = high[k].max(p[k]);
             }
         }
-        Self { low, high }
+        Self { low, high, height: top - bottom + 1.0 }
     }
 
     fn area(&self) -> f64 {
-        (0..2).map(|k| (self.high[k] - self.low[k] + 1.0).max(0.0)).product()
+        area(self.low, self.high)
     }
 
     fn overlap(&self, other: &Self) -> f64 {
-        let shared = Self {
-            low: [self.low[0].max(other.low[0]), self.low[1].max(other.low[1])],
-            high: [self.high[0].min(other.high[0]), self.high[1].min(other.high[1])],
-        };
-        let area = shared.area();
-        area / (self.area() + other.area() - area)
+        let shared = area(
+            [self.low[0].max(other.low[0]), self.low[1].max(other.low[1])],
+            [self.high[0].min(other.high[0]), self.high[1].min(other.high[1])],
+        );
+        shared / (self.area() + other.area() - shared)
     }
 
     fn as_large(&self, other: &Self) -> bool {
-        let height = |b: &Self| b.high[1] - b.low[1] + 1.0;
         let within = |p: f64, q: f64, ratio: f64| p.max(q) <= ratio * p.min(q);
-        within(height(self), height(other), HEIGHT_RATIO) && within(self.area(), other.area(), AREA_RATIO)
+        within(self.height, other.height, HEIGHT_RATIO) && within(self.area(), other.area(), AREA_RATIO)
     }
 }
 
@@ -73,10 +86,11 @@ impl Bounds {
 /// one of them.
 pub fn extremes(view: &View, hull: &[[f64; 2]]) -> Option<Extremes> {
     let extreme = |sign: f64| {
-        let y = hull.iter().map(|p| sign * p[1]).fold(f64::INFINITY, f64::min);
-        let level = || hull.iter().filter(|p| sign * p[1] == y);
-        let (sum, count) = level().fold((0.0, 0.0), |(s, n), p| (s + p[0], n + 1.0));
-        level().all(|&p| !view.on_border(p)).then_some([sum / count, sign * y])
+        let height = |p: &[f64; 2]| sign * along(view.up, p);
+        let most = hull.iter().map(height).fold(f64::NEG_INFINITY, f64::max);
+        let level = || hull.iter().filter(|p| height(p) == most);
+        let (sum, count) = level().fold(([0.0; 2], 0.0), |(s, n), p| ([s[0] + p[0], s[1] + p[1]], n + 1.0));
+        level().all(|&p| !view.on_border(p)).then_some(sum.map(|s| s / count))
     };
     Some([extreme(1.0)?, extreme(-1.0)?])
 }
@@ -92,7 +106,7 @@ pub fn tracks(view: &View, continues: impl Fn(usize) -> bool, shortest: usize) -
             before.clear();
         }
         let hulls: Vec<_> = view.hulls_of(frame).collect();
-        let bounds: Vec<Bounds> = hulls.iter().map(|h| Bounds::of(h)).collect();
+        let bounds: Vec<Bounds> = hulls.iter().map(|h| Bounds::of(h, view.up)).collect();
         let nearest = |of: &Bounds, among: &mut dyn Iterator<Item = Bounds>| {
             among
                 .map(|b| of.overlap(&b))

@@ -9,11 +9,16 @@ use crate::geometry::{TangentPoint, epipolar_tangents};
 use crate::line::{Homogeneous, ImageSize};
 use crate::recording::{Recording, visible};
 
+/// Up in the image of a camera that is the right way up.
+pub const IMAGE_UP: [f64; 2] = [0.0, -1.0];
+
 /// Hulls of one camera, frame by frame, vertices as floating point.
 #[derive(Debug, Clone)]
 pub struct View {
     /// Size of the image.
     pub size: ImageSize,
+    /// Where up is in the image, unit length: what tops and bottoms refer to.
+    pub up: [f64; 2],
     /// For each frame its first hull, and the number of hulls as the last entry.
     frame_start: Vec<u32>,
     /// For each hull its first vertex, and the number of vertices as the last entry.
@@ -36,6 +41,7 @@ impl View {
     ) -> Self {
         let mut view = Self {
             size,
+            up: IMAGE_UP,
             frame_start: vec![0],
             hull_start: vec![0],
             vertices: Vec::new(),
@@ -70,7 +76,8 @@ impl View {
     /// Some of the frames.
     fn chosen(&self, frames: &[usize]) -> Self {
         let hulls = |&frame: &usize| self.hulls_of(frame).map(Cow::Borrowed).collect();
-        Self::new(self.size, self.visible.as_ref(), frames.iter().map(hulls))
+        let frames = frames.iter().map(hulls);
+        Self { up: self.up, ..Self::new(self.size, self.visible.as_ref(), frames) }
     }
 
     /// Hulls made up by a test.
@@ -175,6 +182,13 @@ impl Views {
             ),
             frame_pairs: frame_pairs.to_vec(),
         }
+    }
+
+    /// The same with another up in A and in B.
+    #[must_use]
+    pub fn with_up(mut self, [a, b]: [[f64; 2]; 2]) -> Self {
+        (self.a.up, self.b.up) = (a, b);
+        self
     }
 
     /// Some of the frames, by index.

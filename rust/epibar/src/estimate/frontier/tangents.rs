@@ -3,7 +3,7 @@
 use super::super::views::View;
 use crate::line::Homogeneous;
 
-/// Below this share of the vertical in a tangent's normal, top and bottom mean nothing (12°).
+/// Below this share of up in a tangent's normal, top and bottom mean nothing (12°).
 const STEEP: f64 = 0.2;
 
 /// The tangent may be of a top, of a bottom; a steep one may be of either.
@@ -53,7 +53,7 @@ impl Tangents {
     }
 
     #[inline(always)]
-    fn classify(&mut self, epipole: &Homogeneous, positive: bool) {
+    fn classify(&mut self, epipole: &Homogeneous, positive: bool, up: [f64; 2]) {
         let n = self.len() + LANES;
         for part in [&mut self.x, &mut self.y].into_iter().chain(&mut self.line).chain(&mut self.refused) {
             part.resize(n, 0.0);
@@ -69,8 +69,9 @@ impl Tangents {
         for i in 0..n {
             let (lx, ly) = (ey - ew * y[i], ew * x[i] - ex);
             (line_x[i], line_y[i], line_z[i]) = (lx, ly, ex * y[i] - ey * x[i]);
-            let top = ly * towards > 0.0;
-            let steep = ly * ly < STEEP * STEEP * (lx * lx + ly * ly);
+            let level = -(lx * up[0] + ly * up[1]);
+            let top = level * towards > 0.0;
+            let steep = level * level < STEEP * STEEP * (lx * lx + ly * ly);
             let may = if top { MAY_BE_TOP } else { MAY_BE_BOTTOM };
             class[i] = if steep { EITHER } else { may } | if top { 0 } else { BOTTOM };
             refuses_top[i] = if steep || top { 0.0 } else { f64::INFINITY };
@@ -102,6 +103,6 @@ pub(super) fn fill(tangents: &mut [Tangents; 2], view: &View, epipole: &Homogene
         negative.frame_start.push(negative.x.len() as u32);
         positive.frame_start.push(positive.x.len() as u32);
     }
-    negative.classify(epipole, false);
-    positive.classify(epipole, true);
+    negative.classify(epipole, false, view.up);
+    positive.classify(epipole, true, view.up);
 }
