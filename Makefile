@@ -70,7 +70,7 @@ $(VENV)/.docs: pyproject.toml $(VENV)/.created
 	touch $@
 
 docs: build $(VENV)/.docs
-	$(BIN)/python -m sphinx -W --keep-going --fresh-env --quiet --jobs auto docs build/docs
+	$(BIN)/python -m sphinx -W --keep-going --fresh-env --quiet docs build/docs
 	@echo "to read: build/docs/index.html"
 
 # What cannot be installed here is left out of the comparison.
