@@ -51,7 +51,7 @@ impl<'a> LineModel<'a> {
         // Distances d(l, e) + d(l', e'); epipoles at infinity are compared by direction instead.
         let scale = |p: &Homogeneous, size: ImageSize| {
             let w = p.z.abs();
-            let far = p.x.hypot(p.y) / (1e4 * size.diagonal());
+            let far = (p.x * p.x + p.y * p.y).sqrt() / (1e4 * size.diagonal());
             1.0 / w.max(far).max(f64::MIN_POSITIVE)
         };
         let (se, sf) = (scale(e, self.sizes[0]), scale(f, self.sizes[1]));
@@ -163,7 +163,9 @@ impl LineProblem<'_> {
         let [bx, by] = c.segment_b.midpoint();
         let in_b = f * Vector3::new(ax, ay, 1.0);
         let in_a = f.tr_mul(&Vector3::new(bx, by, 1.0));
-        let at = |l: &Vector3<f64>, x: f64, y: f64| (l.x * x + l.y * y + l.z) / l.x.hypot(l.y).max(1e-300);
+        let at = |l: &Vector3<f64>, x: f64, y: f64| {
+            (l.x * x + l.y * y + l.z) / (l.x * l.x + l.y * l.y).sqrt().max(1e-300)
+        };
         [
             at(&in_b, c.segment_b.x0, c.segment_b.y0),
             at(&in_b, c.segment_b.x1, c.segment_b.y1),
