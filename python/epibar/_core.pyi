@@ -10,9 +10,13 @@ __all__ = [
     "Recording",
     "barcodes",
     "calibrate",
+    "clock_rate",
+    "common_frames",
     "examine",
+    "frame_interval",
     "match_barcodes",
     "motion_lines",
+    "positions",
     "score_lines",
     "score_tangents",
 ]
@@ -124,6 +128,14 @@ def barcodes(masks: NDArray[np.uint8], segments: NDArray[np.float64]) -> NDArray
 def match_barcodes(
     bits_a: NDArray[np.uint64], bits_b: NDArray[np.uint64], frames: int, mutual: int, limit: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]: ...
+def clock_rate(a: Recording, b: Recording, frames_per_frame: float) -> float: ...
+def common_frames(
+    a: Recording, b: Recording, time_offset: float, frames_per_frame: float
+) -> NDArray[np.int64]: ...
+def frame_interval(recording: Recording) -> float: ...
+def positions(
+    a: Recording, b: Recording, time_offset: float, frames_per_frame: float
+) -> NDArray[np.float64]: ...
 def examine(
     a: Recording,
     b: Recording,

@@ -2,8 +2,8 @@
 
 A pair of clocks is a line: A's first frame falls at ``time_offset`` in B, in frames of B, and each frame of A
 takes ``frames_per_frame`` frames of B (:func:`position_in_b`). Where frames are missing, or the rates differ,
-the frame times say more, as they do in the compiled module (``calibrate/alignment/mod.rs``, whose rules these
-are): :func:`positions_in_b`, :func:`common_frames`.
+the frame times say more: :func:`positions_in_b` and :func:`common_frames` ask the compiled module, for what
+the estimation goes by.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from . import _core
 
 if TYPE_CHECKING:
     from .calibration import Calibration
@@ -30,13 +32,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-SAME_RATE = 1e-4
-"""Ratios of frame intervals nearer to one than this are one."""
-LONG_STEP = 1.6
-"""Frames further apart than so many frame intervals have others missing between them."""
-NEAR = 0.6
-"""Two frames are of one moment within this share of the shorter frame interval."""
 
 
 @dataclass(frozen=True)
@@ -90,17 +85,12 @@ def frame_interval(recording: Recording) -> float:
 
     Neither a dropped frame nor time stamps in whole milliseconds move it, as they would a mean or a median.
     """
-    if recording.frames < 2:
-        return 1.0
-    times = recording.times
-    steps = np.diff(times)
-    count = np.maximum(nearest_frame(steps / np.median(steps)), 1).sum()
-    return float((times[-1] - times[0]) / count)
+    return _core.frame_interval(recording._core)
 
 
 def clock_rate(rec_a: Recording, rec_b: Recording, frames_per_frame: float) -> float:
     """Seconds by B's clock for each second by A's: 1 + 1e-6 drift."""
-    return frames_per_frame / _interval_ratio(rec_a, rec_b)
+    return _core.clock_rate(rec_a._core, rec_b._core, frames_per_frame)
 
 
 def positions_in_b(rec_a: Recording, rec_b: Recording, calibration: Calibration) -> Array:
@@ -121,28 +111,7 @@ def positions_in_b(rec_a: Recording, rec_b: Recording, calibration: Calibration)
     ndarray, shape (frames of A,)
         Not whole numbers as a rule; NaN where B saw nothing of that moment.
     """
-    if not rec_a.frames or not rec_b.frames:
-        return np.full(rec_a.frames, np.nan)
-    per_frame = calibration.timing.frames_per_frame
-    step_a, step_b = frame_interval(rec_a), frame_interval(rec_b)
-    last = rec_b.frames - 1
-    if abs(step_a / step_b - 1) < SAME_RATE and _is_regular(rec_a, step_a) and _is_regular(rec_b, step_b):
-        position = position_in_b(np.arange(rec_a.frames), calibration.time_offset, per_frame)
-        inside = (position >= -0.5) & (position < last + 0.5)
-        return np.where(inside, position.clip(0, last), np.nan)
-    times_a, times_b = rec_a.times, rec_b.times
-    rate = clock_rate(rec_a, rec_b, per_frame)
-    target = (times_a - times_a[0]) * rate + calibration.time_offset * step_b + times_b[0]
-    before = (np.searchsorted(times_b, target, side="right") - 1).clip(0)
-    after = np.minimum(before + 1, last)
-    outside = (target < times_b[before]) | (before == last)
-    gap = np.where(outside, step_b, times_b[after] - times_b[before])
-    share = (target - times_b[before]) / gap
-    missing = gap > LONG_STEP * step_b
-    one = np.where(outside | (share < 0.5), before, after)
-    tolerance = np.where(outside, 0.5 * step_b, NEAR * min(step_a, step_b))
-    alone = np.where(np.abs(times_b[one] - target) <= tolerance, one, np.nan)
-    return np.where(outside | missing, alone, before + share)
+    return _core.positions(rec_a._core, rec_b._core, *_clock(calibration))
 
 
 def common_frames(rec_a: Recording, rec_b: Recording, calibration: Calibration) -> Index:
@@ -153,19 +122,8 @@ def common_frames(rec_a: Recording, rec_b: Recording, calibration: Calibration) 
     ndarray, shape (n, 2), int64
         Frame of A, and the frame of B nearest to it in time.
     """
-    position = positions_in_b(rec_a, rec_b, calibration)
-    frames = np.flatnonzero(np.isfinite(position))
-    nearest = nearest_frame(position[frames])
-    within = NEAR * min(1.0, frame_interval(rec_a) / frame_interval(rec_b))
-    near = np.abs(position[frames] - nearest) <= within
-    return np.column_stack([frames, nearest])[near]
+    return _core.common_frames(rec_a._core, rec_b._core, *_clock(calibration))
 
 
-def _interval_ratio(rec_a: Recording, rec_b: Recording) -> float:
-    ratio = frame_interval(rec_a) / frame_interval(rec_b)
-    return 1.0 if abs(ratio - 1) < SAME_RATE else ratio
-
-
-def _is_regular(recording: Recording, step: float) -> bool:
-    """Whether no frame is missing: every step is within half of the usual one."""
-    return bool(np.all(np.abs(np.diff(recording.times) / step - 1) < 0.5))
+def _clock(calibration: Calibration) -> tuple[float, float]:
+    return calibration.time_offset, calibration.timing.frames_per_frame

@@ -2,8 +2,9 @@
 
 use epibar::Fundamental;
 use epibar::calibrate::common_frames;
+use epibar::estimate::evidence::evidence;
 use epibar::estimate::frontier::{FrontierOptions, compare};
-use epibar::estimate::search::{evidence, polish};
+use epibar::estimate::search::polish;
 use epibar::estimate::views::Views;
 use nalgebra::Matrix3;
 use numpy::{IntoPyArray, PyReadonlyArrayDyn, PyUntypedArrayMethods};

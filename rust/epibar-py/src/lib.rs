@@ -3,6 +3,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arrays and objects over by value")]
 
 mod calibration;
+mod clocks;
 mod convert;
 mod examine;
 mod lines;
@@ -18,6 +19,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<recording::Recording>()?;
     module.add_class::<calibration::Calibration>()?;
     module.add_function(wrap_pyfunction!(calibration::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(clocks::clock_rate, module)?)?;
+    module.add_function(wrap_pyfunction!(clocks::common_frames, module)?)?;
+    module.add_function(wrap_pyfunction!(clocks::frame_interval, module)?)?;
+    module.add_function(wrap_pyfunction!(clocks::positions, module)?)?;
     module.add_function(wrap_pyfunction!(examine::examine, module)?)?;
     module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;

@@ -4,6 +4,7 @@
 
 mod alignment;
 mod error_map;
+mod judge;
 mod split;
 mod timing;
 mod verdict;
@@ -233,7 +234,7 @@ fn calibrate_at(
     };
     let fundamental = winner.fundamental;
     let busy_views = views_of(&busy);
-    let judged = verdict::judge(&verdict::Case {
+    let judged = judge::judge(&judge::Case {
         views: &views,
         busy_views: &busy_views,
         fitted_views: &fitted_views,
@@ -260,7 +261,7 @@ fn calibrate_at(
         floor: found
             .floor
             .as_ref()
-            .filter(|f| verdict::is_floor(f, candidates.best().len()))
+            .filter(|f| judge::is_floor(f, candidates.best().len()))
             .map(|f| f.homography),
         rivals: judged.rivals,
         evidence: judged.evidence,

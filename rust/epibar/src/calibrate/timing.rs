@@ -3,11 +3,12 @@
 use super::alignment::{
     Aligned, Clock, Links, MEASURABLE_PPM, Measured, RunnerUp, TimeOffset, measure, search_offset,
 };
-use super::verdict::{Kind, MIN_Z, Verdict};
+use super::judge::MIN_Z;
+use super::verdict::{Kind, Verdict};
 use super::{CalibrateOptions, Calibration, MIN_FRAMES, calibrate_at};
 use crate::Result;
+use crate::estimate::evidence::evidence;
 use crate::estimate::ransac::Watch;
-use crate::estimate::search::evidence;
 use crate::estimate::views::busy_frames;
 use crate::geometry::Fundamental;
 use crate::recording::Recording;

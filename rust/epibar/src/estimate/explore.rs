@@ -7,10 +7,11 @@
 
 use rayon::prelude::*;
 
+use super::evidence::evidence;
 use super::frontier::{FrontierOptions, compare};
 use super::optimise::{SevenParameters, Step};
 use super::refine::{refine, residual_row};
-use super::search::{Solution, evidence};
+use super::search::Solution;
 use super::views::Views;
 use crate::geometry::Fundamental;
 

@@ -5,7 +5,7 @@
 //! but only along the tangent itself, so to first order the residual does not notice (envelope theorem) and the
 //! Jacobian of fixed points is the right one.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::frontier::{FrontierOptions, FrontierPoint, compare, logarithm};
@@ -49,48 +49,40 @@ impl SampsonProblem {
     }
 }
 
-/// Sampson distance of a pair under a matrix, with what its derivative needs.
-struct Residual {
-    value: f64,
-    algebraic: f64,
-    norm2: f64,
-    xa: Vector3<f64>,
-    xb: Vector3<f64>,
-    in_b: Vector3<f64>,
-    in_a: Vector3<f64>,
-}
-
-impl Residual {
-    fn new(f: &Matrix3<f64>, p: &FrontierPoint) -> Self {
-        let (xa, xb) = (Vector3::new(p.a[0], p.a[1], 1.0), Vector3::new(p.b[0], p.b[1], 1.0));
-        let (in_b, in_a) = (f * xa, f.tr_mul(&xb));
-        let algebraic = xb.dot(&in_b);
-        let norm2 = (in_b.x.powi(2) + in_b.y.powi(2) + in_a.x.powi(2) + in_a.y.powi(2)).max(1e-300);
-        Self { value: algebraic / norm2.sqrt(), algebraic, norm2, xa, xb, in_b, in_a }
-    }
-
-    /// Derivative of the distance to the entries of the matrix, column by column.
-    fn entries(&self) -> [f64; 9] {
-        let scale = 1.0 / self.norm2.sqrt();
-        let share = self.algebraic / self.norm2;
-        let (xa, xb) = (&self.xa, &self.xb);
-        // ∂algebraic = xb xaᵀ; ½ ∂norm² = in_b xaᵀ (first two rows) + xb in_aᵀ (first two columns).
-        let b = [scale * (xb.x - share * self.in_b.x), scale * (xb.y - share * self.in_b.y), scale * xb.z];
-        let a = [scale * share * self.in_a.x, scale * share * self.in_a.y, 0.0];
-        std::array::from_fn(|k| {
-            let (row, column) = (k % 3, k / 3);
-            b[row] * xa[column] - xb[row] * a[column]
-        })
-    }
+/// Sampson distance of a pair `[x_a, y_a, x_b, y_b]` under a matrix, and its derivative to the entries of the matrix,
+/// column by column.
+#[inline(always)]
+fn sampson(m: &Matrix3<f64>, [xa, ya, xb, yb]: [f64; 4]) -> (f64, [f64; 9]) {
+    let in_b =
+        [m.m11 * xa + m.m12 * ya + m.m13, m.m21 * xa + m.m22 * ya + m.m23, m.m31 * xa + m.m32 * ya + m.m33];
+    let in_a = [m.m11 * xb + m.m21 * yb + m.m31, m.m12 * xb + m.m22 * yb + m.m32];
+    let algebraic = xb * in_b[0] + yb * in_b[1] + in_b[2];
+    let norm2 = in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1];
+    let norm2 = norm2.max(1e-300);
+    let (scale, share) = (1.0 / norm2.sqrt(), algebraic / norm2);
+    // ∂algebraic = xb xaᵀ; ½ ∂norm² = in_b xaᵀ (first two rows) + xb in_aᵀ (first two columns).
+    let b = [scale * (xb - share * in_b[0]), scale * (yb - share * in_b[1]), scale];
+    let a = [scale * share * in_a[0], scale * share * in_a[1]];
+    let entries = [
+        b[0] * xa - xb * a[0],
+        b[1] * xa - yb * a[0],
+        b[2] * xa - a[0],
+        b[0] * ya - xb * a[1],
+        b[1] * ya - yb * a[1],
+        b[2] * ya - a[1],
+        b[0],
+        b[1],
+        b[2],
+    ];
+    (algebraic * scale, entries)
 }
 
 /// One row of the Jacobian with its residual, pixels.
 pub fn residual_row(at: &SevenParameters, p: &FrontierPoint) -> (f64, Step) {
-    let residual = Residual::new(&at.unscaled(), p);
-    let entries = residual.entries();
+    let (residual, entries) = sampson(&at.unscaled(), [p.a[0], p.a[1], p.b[0], p.b[1]]);
     let derivatives = at.derivatives();
     let along = |k: usize| derivatives[k].as_slice().iter().zip(&entries).map(|(d, e)| d * e).sum();
-    (residual.value, Step::from_fn(|k, _| along(k)))
+    (residual, Step::from_fn(|k, _| along(k)))
 }
 
 /// Cost, `JᵀWJ` (lower triangle) and `JᵀWr` over the nine entries of the matrix.
@@ -136,34 +128,14 @@ impl WithSimd for Linearisation<'_> {
             let [xa, ya, xb, yb, surprise] = columns.map(|c| &c[chunk]);
             let mut weight = [0.0; CHUNK];
             for i in 0..CHUNK {
-                let (xa, ya, xb, yb) = (xa[i], ya[i], xb[i], yb[i]);
-                let in_b = [
-                    m.m11 * xa + m.m12 * ya + m.m13,
-                    m.m21 * xa + m.m22 * ya + m.m23,
-                    m.m31 * xa + m.m32 * ya + m.m33,
-                ];
-                let in_a = [m.m11 * xb + m.m21 * yb + m.m31, m.m12 * xb + m.m22 * yb + m.m32];
-                let algebraic = xb * in_b[0] + yb * in_b[1] + in_b[2];
-                let norm2 = in_b[0] * in_b[0] + in_b[1] * in_b[1] + in_a[0] * in_a[0] + in_a[1] * in_a[1];
-                let norm2 = norm2.max(1e-300);
-                let scale = 1.0 / norm2.sqrt();
-                let share = algebraic / norm2;
-                value[i] = algebraic * scale;
-                let q = 1.0 + value[i] * value[i] / scale2;
+                let (residual, of_point) = sampson(m, [xa[i], ya[i], xb[i], yb[i]]);
+                let q = 1.0 + residual * residual / scale2;
+                value[i] = residual;
                 loss[i] = 0.5 * scale2 * logarithm(q);
                 weight[i] = surprise[i] / q;
-                // As `Residual::entries`.
-                let b = [scale * (xb - share * in_b[0]), scale * (yb - share * in_b[1]), scale];
-                let a = [scale * share * in_a[0], scale * share * in_a[1]];
-                entries[0][i] = b[0] * xa - xb * a[0];
-                entries[1][i] = b[1] * xa - yb * a[0];
-                entries[2][i] = b[2] * xa - a[0];
-                entries[3][i] = b[0] * ya - xb * a[1];
-                entries[4][i] = b[1] * ya - yb * a[1];
-                entries[5][i] = b[2] * ya - a[1];
-                entries[6][i] = b[0];
-                entries[7][i] = b[1];
-                entries[8][i] = b[2];
+                for (entries, entry) in entries.iter_mut().zip(of_point) {
+                    entries[i] = entry;
+                }
             }
             add_products(simd, &mut sums.cost, &loss, surprise);
             for j in 0..9 {
@@ -238,8 +210,8 @@ mod tests {
             for k in 0..7 {
                 let mut step = Step::zeros();
                 step[k] = 1e-6;
-                let plus = Residual::new(&at.stepped(&step).unscaled(), &p).value;
-                let minus = Residual::new(&at.stepped(&-step).unscaled(), &p).value;
+                let plus = residual_row(&at.stepped(&step), &p).0;
+                let minus = residual_row(&at.stepped(&-step), &p).0;
                 let difference = (plus - minus) / 2e-6;
                 assert!(
                     (row[k] - difference).abs() < 1e-5 * (1.0 + difference.abs()),

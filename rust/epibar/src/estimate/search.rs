@@ -7,9 +7,10 @@
 use rand::RngExt;
 use rayon::prelude::*;
 
+use super::evidence::{chance_level, evidence, pixel_scale, weigh};
 use super::explore::explore;
 use super::floor::Floor;
-use super::frontier::{Comparer, FrontierOptions, Scorer, frontier_score};
+use super::frontier::{FrontierOptions, Scorer, frontier_score};
 use super::optimise::{SevenParameters, Step};
 use super::ransac::{Scored, Watch, generator};
 use super::refine::refine;
@@ -83,73 +84,10 @@ pub struct Found {
     pub floor: Option<Floor>,
 }
 
-/// Pixels of an 800-pixel diagonal (640×480) in these images.
-pub fn pixel_scale(views: &Views) -> f64 {
-    let [a, b] = views.sizes();
-    (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
-}
-
 pub use super::sources::Source;
-
-/// Radii, in pixels of a 640×480 image, at which evidence is weighed.
-const RADII: [f64; 4] = [1.5, 3.0, 6.0, 10.0];
-
-/// Evidence for an `F` at one radius, both cameras' tangents taken in turn.
-#[derive(Debug, Clone, Default)]
-pub struct Weighed {
-    /// Mean of the evidence from A to B and from B to A.
-    pub total: f64,
-    /// The radius, pixels.
-    pub radius: f64,
-    /// Evidence of each frame; it sums to the total.
-    pub per_frame: Vec<f64>,
-}
-
-/// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
-pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
-    weigh(views, f, upright).0
-}
-
-/// The evidence, and the comparison from A to B that it was found with.
-fn weigh(views: &Views, f: &Fundamental, upright: bool) -> (Weighed, Comparer) {
-    let radii = RADII.map(|r| r * pixel_scale(views));
-    let of = |comparer: &mut Comparer| {
-        let mut met = comparer.meet(0, radii[2]);
-        radii.map(|radius| {
-            let found = met.at(radius);
-            (found.score().total(), found.per_frame())
-        })
-    };
-    let mut comparer = Comparer::new(&views.a, &views.b, f, upright);
-    let there = of(&mut comparer);
-    let back = of(&mut Comparer::new(&views.b, &views.a, &f.transposed(), upright));
-    let mut best = Weighed { total: f64::NEG_INFINITY, ..Weighed::default() };
-    for ((radius, there), back) in radii.into_iter().zip(there).zip(back) {
-        let total = 0.5 * (there.0 + back.0);
-        if total > best.total {
-            let per_frame = there.1.iter().zip(&back.1).map(|(p, q)| 0.5 * (p + q)).collect();
-            best = Weighed { total, radius, per_frame };
-        }
-    }
-    (best, comparer)
-}
 
 /// A solution is not walked from with less than this share of the best one's evidence.
 const WORTH_EXPLORING: f64 = 0.7;
-/// Shifts of the clocks that tell what evidence is by chance.
-const CHANCE_SHIFTS: usize = 5;
-
-/// Mean evidence at `radius` with the clocks shifted, not below nought.
-///
-/// The score's own model of chance takes moments as independent; where the same places are busy all the time
-/// a wrong geometry may beat it, and does so at every shift.
-fn chance_level(comparer: &mut Comparer, frames: usize, radius: f64) -> f64 {
-    let sum: f64 = (1..=CHANCE_SHIFTS)
-        .map(|k| comparer.meet(k * frames / (CHANCE_SHIFTS + 1), radius).at(radius).score().total())
-        .sum();
-    (sum / CHANCE_SHIFTS as f64).max(0.0)
-}
-
 /// The evidence for `f` less that of chance; `None` where it is not finite.
 fn weighed_solution(views: &Views, f: Fundamental, source: Source, upright: bool) -> Option<Solution> {
     let (weighed, mut comparer) = weigh(views, &f, upright);

@@ -9,10 +9,10 @@ use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::between::{self, Hull};
 use super::{Aligned, Clock, Links, frame_interval};
+use crate::estimate::evidence::pixel_scale;
 use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
 use crate::estimate::optimise::{SevenParameters, Step, cauchy};
 use crate::estimate::refine::residual_row;
-use crate::estimate::search::pixel_scale;
 use crate::estimate::views::{Views, busy_frames};
 use crate::geometry::Fundamental;
 use crate::recording::{Recording, Silhouettes};

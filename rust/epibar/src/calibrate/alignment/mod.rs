@@ -61,10 +61,19 @@ impl Clock {
         Self { offset, rate: 1.0 }
     }
 
+    /// Of which `frames_per_frame` is [`Clock::frames_per_frame`].
+    pub fn of_frames(offset: f64, frames_per_frame: f64, a: &Recording, b: &Recording) -> Self {
+        Self { offset, rate: frames_per_frame / interval_ratio(a, b) }
+    }
+
     /// Frames of B for each frame of A, dropped frames apart.
     pub fn frames_per_frame(&self, a: &Recording, b: &Recording) -> f64 {
-        let ratio = frame_interval(a) / frame_interval(b);
-        self.rate * if is_one(ratio) { 1.0 } else { ratio }
+        self.rate * interval_ratio(a, b)
+    }
+
+    /// Pairs (frame of A, nearest frame of B) that show the same moment.
+    pub fn common_frames(&self, a: &Recording, b: &Recording) -> Vec<(u32, u32)> {
+        nearest(&self.positions(a, b), a, b)
     }
 
     /// For each frame of A its position in B, in frames; NaN where B saw nothing of that moment.
@@ -72,8 +81,8 @@ impl Clock {
     /// Equal frame rates go by index, so that rounded time stamps cannot slip a frame; others, and recordings with
     /// frames missing, go by the frame times.
     pub fn positions(&self, a: &Recording, b: &Recording) -> Vec<f64> {
-        if a.times.is_empty() || b.times.is_empty() {
-            return Vec::new();
+        if b.times.is_empty() {
+            return vec![f64::NAN; a.frames()];
         }
         let (step_a, step_b) = (frame_interval(a), frame_interval(b));
         let last = (b.frames() - 1) as f64;
@@ -118,6 +127,12 @@ const LONG_STEP: f64 = 1.6;
 /// Two frames are of one moment within this share of the shorter frame interval.
 const NEAR: f64 = 0.6;
 
+/// Frames of B in one of A, exactly one where the rates are as good as equal.
+fn interval_ratio(a: &Recording, b: &Recording) -> f64 {
+    let ratio = frame_interval(a) / frame_interval(b);
+    if is_one(ratio) { 1.0 } else { ratio }
+}
+
 fn is_one(ratio: f64) -> bool {
     (ratio - 1.0).abs() < 1e-4
 }
@@ -149,7 +164,7 @@ fn is_regular(recording: &Recording, step: f64) -> bool {
 /// Both recordings count time from their own first frame; `offset`, in frames of B, is where A's first frame
 /// falls in B.
 pub fn common_frames(a: &Recording, b: &Recording, offset: f64) -> Vec<(u32, u32)> {
-    nearest(&Clock::at(offset).positions(a, b), a, b)
+    Clock::at(offset).common_frames(a, b)
 }
 
 /// Each frame of A with the frame of B nearest to its position, if it is near.

@@ -13,6 +13,7 @@
 
 use std::ops::AddAssign;
 
+mod arrays;
 mod comparer;
 mod elementary;
 mod passes;

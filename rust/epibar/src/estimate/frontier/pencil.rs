@@ -35,22 +35,16 @@ impl Pencil {
 }
 
 /// How often tangents lie at each angle, over all frames.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct AngleHistogram {
     low: f64,
     scale: f64,
     wraps: bool,
-    /// Running sums, one more than bins.
-    sums: Box<[f64; BINS + 1]>,
+    /// Running sums, one more than bins; none before the first filling.
+    sums: Vec<f64>,
 }
 
 const BINS: usize = 768;
-
-impl Default for AngleHistogram {
-    fn default() -> Self {
-        Self { low: 0.0, scale: 1.0, wraps: false, sums: Box::new([0.0; BINS + 1]) }
-    }
-}
 
 impl AngleHistogram {
     #[inline(always)]
@@ -66,39 +60,42 @@ impl AngleHistogram {
         }
         self.low = low;
         self.scale = BINS as f64 / (high - low).max(1e-12);
-        self.sums.fill(0.0);
+        self.sums.clear();
+        self.sums.resize(BINS + 1, 0.0);
         for &angle in angles {
             let bin = (((angle - low) * self.scale) as usize).min(BINS - 1);
             self.sums[bin + 1] += 1.0;
         }
         let mut sum = 0.0;
-        for count in self.sums.iter_mut() {
+        for count in &mut self.sums {
             sum += *count;
             *count = sum;
         }
     }
 
     #[inline(always)]
-    fn below(&self, position: f64) -> f64 {
+    fn below(sums: &[f64; BINS + 1], position: f64) -> f64 {
         let position = position.clamp(0.0, BINS as f64);
         let bin = (position as usize).min(BINS - 1);
-        let (p, q) = (self.sums[bin], self.sums[bin + 1]);
+        let (p, q) = (sums[bin], sums[bin + 1]);
         p + (q - p) * (position - bin as f64)
     }
 
     /// Tangents within `half` of `angle`.
     #[inline(always)]
     pub(super) fn count(&self, angle: f64, half: f64) -> f64 {
+        let Some(sums) = self.sums.first_chunk() else { return 0.0 };
         if half >= PI {
-            return self.sums[BINS];
+            return sums[BINS];
         }
+        let below = |position| Self::below(sums, position);
         let from = (angle - half - self.low) * self.scale;
         let to = (angle + half - self.low) * self.scale;
-        let mut count = self.below(to) - self.below(from);
+        let mut count = below(to) - below(from);
         if self.wraps {
             let turn = TAU * self.scale;
-            count += self.below(to - turn) - self.below(from - turn);
-            count += self.below(to + turn) - self.below(from + turn);
+            count += below(to - turn) - below(from - turn);
+            count += below(to + turn) - below(from + turn);
         }
         count.max(0.0)
     }

@@ -1,0 +1,83 @@
+//! Evidence for a geometry, both cameras' tangents taken in turn, at the radius that suits the masks.
+
+use super::frontier::Comparer;
+use super::views::Views;
+use crate::geometry::Fundamental;
+
+/// Pixels of an 800-pixel diagonal (640×480) in these images.
+pub fn pixel_scale(views: &Views) -> f64 {
+    let [a, b] = views.sizes();
+    (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
+}
+
+/// Radii, in pixels of a 640×480 image, at which evidence is weighed.
+const RADII: [f64; 4] = [1.5, 3.0, 6.0, 10.0];
+/// The one within which matches tell the sign of the map of rays.
+const SIGN_RADIUS: f64 = RADII[2];
+
+/// Evidence for an `F` at one radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Weighed {
+    /// Mean of the evidence from A to B and from B to A.
+    pub total: f64,
+    /// The radius, pixels.
+    pub radius: f64,
+}
+
+/// Comparisons from A to B and from B to A, one after the other, so that they share their buffers; the first is the last one
+/// made.
+fn both_ways<T>(
+    views: &Views,
+    f: &Fundamental,
+    upright: bool,
+    of: impl Fn(&mut Comparer) -> T,
+) -> (T, T, Comparer) {
+    let back = of(&mut Comparer::new(&views.b, &views.a, &f.transposed(), upright));
+    let mut comparer = Comparer::new(&views.a, &views.b, f, upright);
+    (of(&mut comparer), back, comparer)
+}
+
+/// Evidence at the radius that gives most: masks are clean or coarse, and the radius that tells is theirs.
+pub fn evidence(views: &Views, f: &Fundamental, upright: bool) -> Weighed {
+    weigh(views, f, upright).0
+}
+
+/// The evidence, and the comparison from A to B that it was found with.
+pub(super) fn weigh(views: &Views, f: &Fundamental, upright: bool) -> (Weighed, Comparer) {
+    let scale = pixel_scale(views);
+    let radii = RADII.map(|r| r * scale);
+    let (there, back, comparer) = both_ways(views, f, upright, |comparer| {
+        let mut met = comparer.meet(0, SIGN_RADIUS * scale);
+        radii.map(|radius| met.at(radius).score().total())
+    });
+    let mut best = Weighed { total: f64::NEG_INFINITY, radius: radii[0] };
+    for ((radius, there), back) in radii.into_iter().zip(there).zip(back) {
+        let total = 0.5 * (there + back);
+        if total > best.total {
+            best = Weighed { total, radius };
+        }
+    }
+    (best, comparer)
+}
+
+/// Evidence of each frame at a radius, pixels; at that of [`evidence`] it sums to its total.
+pub fn evidence_by_frame(views: &Views, f: &Fundamental, radius: f64, upright: bool) -> Vec<f64> {
+    let sign_radius = SIGN_RADIUS * pixel_scale(views);
+    let of = |comparer: &mut Comparer| comparer.meet(0, sign_radius).at(radius).per_frame();
+    let (there, back, _) = both_ways(views, f, upright, of);
+    there.iter().zip(&back).map(|(p, q)| 0.5 * (p + q)).collect()
+}
+
+/// Shifts of the clocks that tell what evidence is by chance.
+const CHANCE_SHIFTS: usize = 5;
+
+/// Mean evidence at `radius` with the clocks shifted, not below nought.
+///
+/// The score's own model of chance takes moments as independent; where the same places are busy all the time
+/// a wrong geometry may beat it, and does so at every shift.
+pub(super) fn chance_level(comparer: &mut Comparer, frames: usize, radius: f64) -> f64 {
+    let sum: f64 = (1..=CHANCE_SHIFTS)
+        .map(|k| comparer.meet(k * frames / (CHANCE_SHIFTS + 1), radius).at(radius).score().total())
+        .sum();
+    (sum / CHANCE_SHIFTS as f64).max(0.0)
+}
