@@ -165,12 +165,22 @@ def measure_scene(
     methods: Sequence[Method],
     pairs: int | None = None,
     watch: Callable[[Outcome], None] | None = None,
+    focal_error: float | None = None,
 ) -> list[Outcome]:
-    """Record a scene and measure its pairs, all or the first so many, by each method."""
+    """Record a scene and measure its pairs, all or the first so many, by each method.
+
+    With ``focal_error`` the recordings know their camera matrices, with focal lengths that are too long and
+    too short by this share in turn.
+    """
     chosen = list(combinations(range(len(scene.cameras)), 2))[:pairs]
     # Only what a pair needs is recorded.
     needed = {camera for pair in chosen for camera in pair}
     recordings = {camera: record_camera(scene, camera, lines, seed) for camera in sorted(needed)}
+    if focal_error is not None:
+        for camera, recording in recordings.items():
+            factor = 1.0 + (focal_error if camera % 2 else -focal_error)
+            recording.matrix = scene.cameras[camera].K * np.array([[factor], [factor], [1.0]])
+            recording.matrix[:2, 2] = scene.cameras[camera].K[:2, 2]
     outcomes = []
     for method in methods:
         for a, b in chosen:

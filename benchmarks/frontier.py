@@ -101,6 +101,12 @@ def main() -> None:
     add_method(parser)
     add_frames(parser, 800)
     add_first_pairs(parser)
+    parser.add_argument(
+        "--focal-error",
+        type=float,
+        metavar="SHARE",
+        help="tell the camera matrices, with focal lengths wrong by this share (0: the true ones)",
+    )
     args = parser.parse_args()
 
     outcomes: list[Outcome] = []
@@ -115,6 +121,7 @@ def main() -> None:
                 METHODS[args.method],
                 args.pairs,
                 (lambda outcome: print(outcome.line(), flush=True)) if args.verbose else None,
+                args.focal_error,
             )
             write_json(args.json, args, outcomes, summaries(outcomes))
     print(f"\n{args.lines} lines per camera, {args.frames} frames, seeds {args.seeds}\n")

@@ -207,6 +207,7 @@ def test_a_changed_video_is_recorded_again(masks, again, tmp_path):
 def test_other_options_are_other_results(masks, again):
     pairs = ["cam1-cam2", "cam1-cam3", "cam2-cam3"]
     assert run(masks[:3], again, upright=False)[1] == pairs
+    assert run(masks[:3], again, essential=False)[1] == pairs
     assert run(masks[:3], again, lines=1000)[1] == sorted([*pairs, "cam1", "cam2", "cam3"])
 
 

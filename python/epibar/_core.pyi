@@ -119,6 +119,7 @@ def calibrate(
     time_offset: float | None,
     search_seconds: float,
     upright: bool,
+    cameras: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
     candidates: int,
     draws: int,
     max_expected_error: float,
@@ -144,6 +145,7 @@ def examine(
     time_offset: float,
     upright: bool,
     refined: bool,
+    cameras: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
 ) -> dict[str, Any]: ...
 def motion_lines(rec: Recording) -> NDArray[np.float64]: ...
 def score_lines(

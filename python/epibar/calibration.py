@@ -60,7 +60,8 @@ class Calibration:
     rivals : list of dict
         Other geometries with about the same evidence.
     evidence : dict of str to float
-        The statistics behind the verdict.
+        The statistics behind the verdict. ``essential_deviation``, the difference of the singular values of
+        ``K_b^T F K_a`` over their sum, is there where both camera matrices were used.
     source : str
         What kind of hypothesis F grew from.
     shift_curve : tuple of two ndarray
@@ -174,6 +175,7 @@ def calibrate(
     time_offset: float | Literal["search"] = 0.0,
     upright: bool = True,
     *,
+    essential: bool = True,
     candidates: int = 1000,
     draws: int = 10_000,
     max_expected_error: float = 3.0,
@@ -200,6 +202,10 @@ def calibrate(
         same upside down, and a mirrored geometry may have as much evidence as the true one. With False, up
         comes from how silhouettes stand, for cameras above the waist of those who walk; where they do not
         tell, the mirror is searched too.
+    essential : bool
+        Where both recordings know their camera matrix, expect F to be an essential matrix under them: its
+        singular values equal to about a percent. That leaves five parameters of seven. False leaves all seven
+        to the motion.
     candidates : int
         How many of the best pairs of lines are candidates (paper, section 2: 1,000).
     draws : int
@@ -257,6 +263,7 @@ def calibrate(
             _checked_offset(time_offset, rec_a, rec_b),
             float(search_seconds),
             bool(upright),
+            _matrices(rec_a, rec_b) if essential else None,
             as_whole_number("candidates", candidates, 3),
             as_whole_number("draws", draws, 1),
             float(max_expected_error),
@@ -286,6 +293,13 @@ def calibrate(
         timing=Timing(**result.timing),
         error_maps=result.error_maps,
     )
+
+
+def _matrices(rec_a: Recording, rec_b: Recording) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Camera matrices, where both are known."""
+    if rec_a.matrix is None or rec_b.matrix is None:
+        return None
+    return rec_a.matrix, rec_b.matrix
 
 
 def _is_number(value: Any) -> bool:

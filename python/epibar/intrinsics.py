@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from .archive import write_atomically
 from .errors import EpibarError
 from .undistortion import MaskUndistorter
+from .validation import as_camera_matrix
 
 __all__ = ["Intrinsics", "MaskUndistorter", "Pose", "find_camera", "load_cameras", "write_cameras"]
 
@@ -78,11 +79,10 @@ class Intrinsics:
             raise EpibarError(
                 f"{self.name}: size is {list(self.size)}, expected [width, height] in whole pixels"
             )
-        matrix = _numbers(self.name, "matrix", self.matrix, (3, 3))
-        if matrix[0, 0] <= 0 or matrix[1, 1] <= 0 or not np.allclose(matrix[2], (0, 0, 1), atol=1e-9):
-            raise EpibarError(
-                f"{self.name}: matrix is {matrix.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"
-            )
+        try:
+            matrix = as_camera_matrix(self.matrix)
+        except EpibarError as error:
+            raise EpibarError(f"{self.name}: {error}") from None
         if abs(matrix[0, 1]) > 1e-3 or abs(matrix[1, 0]) > 1e-3:
             raise EpibarError(f"{self.name}: matrix has skew, which OpenCV's lens model does not know")
         distortions = _numbers(self.name, "distortions", self.distortions, None).ravel()

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from .archive import read_archive, write_archive
 from .errors import EpibarError
-from .validation import MAX_SEED, as_masks, as_whole_number, core_errors
+from .validation import MAX_SEED, as_camera_matrix, as_masks, as_whole_number, core_errors
 
 __all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "new_recorder"]
 
@@ -69,7 +69,7 @@ class Recording:
         self._core = core
         self.name = name
         self.warnings = list(warnings)
-        self.matrix = None if matrix is None else np.array(matrix, dtype=np.float64)
+        self.matrix = None if matrix is None else as_camera_matrix(matrix)
         self.health = dict(health or {})
         self.first_frame = first_frame
 
@@ -83,6 +83,7 @@ class Recording:
         *,
         name: str = "",
         min_component_area: int = MIN_COMPONENT_AREA,
+        matrix: ArrayLike | None = None,
     ) -> Recording:
         """Make a recording of ready masks.
 
@@ -100,6 +101,8 @@ class Recording:
             Of the camera, for messages.
         min_component_area : int
             Connected components of fewer pixels give no silhouette; with 1 all do.
+        matrix : array_like, shape (3, 3), optional
+            Camera matrix, if it is known. The masks must be free of lens distortion.
 
         Raises
         ------
@@ -126,7 +129,7 @@ class Recording:
         with core_errors():
             for index, mask in enumerate(stack):
                 recorder.push(mask, index / fps)
-            return cls(recorder.finish(), name=name)
+            return cls(recorder.finish(), name=name, matrix=matrix)
 
     @property
     def width(self) -> int:
@@ -260,8 +263,6 @@ class Recording:
                     f"{where}: format {version}, but this epibar reads format {FORMAT}; update epibar"
                 )
             matrix = arrays.get("matrix")
-            if matrix is not None and (matrix.shape != (3, 3) or not np.isfinite(matrix).all()):
-                raise EpibarError("the camera matrix is not a finite 3x3 array")
             core = {
                 key.removeprefix(PREFIX): value for key, value in arrays.items() if key.startswith(PREFIX)
             }

@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 
 from .errors import EpibarError
 
-__all__ = ["MAX_SEED", "as_masks", "as_whole_number", "camera_names", "check_pairs", "core_errors"]
+__all__ = [
+    "MAX_SEED",
+    "as_camera_matrix",
+    "as_masks",
+    "as_whole_number",
+    "camera_names",
+    "check_pairs",
+    "core_errors",
+]
 
 MAX_SEED = 2**64 - 1
 
@@ -56,6 +64,21 @@ def as_masks(masks: Any) -> NDArray[np.uint8]:
         raise EpibarError(f"masks have shape {array.shape}: no frames or no pixels")
     array = np.ascontiguousarray(array)
     return array.view(np.uint8)
+
+
+def as_camera_matrix(matrix: Any) -> NDArray[np.float64]:
+    """Return a camera matrix as a (3, 3) array, or say what is wrong with it."""
+    try:
+        array = np.array(matrix, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise EpibarError(f"matrix = {matrix!r}: expected numbers, 3 x 3") from None
+    if array.shape != (3, 3):
+        raise EpibarError(f"matrix has shape {array.shape}, expected 3 x 3 numbers")
+    if not np.isfinite(array).all():
+        raise EpibarError(f"matrix is {array.tolist()}, which is not finite")
+    if array[0, 0] <= 0 or array[1, 1] <= 0 or not np.allclose(array[2], (0, 0, 1), atol=1e-9):
+        raise EpibarError(f"matrix is {array.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
+    return array
 
 
 def camera_names(names: Iterable[str]) -> list[str]:

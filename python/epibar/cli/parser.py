@@ -73,6 +73,13 @@ def _add_calibrate(commands: argparse._SubParsersAction[argparse.ArgumentParser]
         "--any-way-up", action="store_true", help="do not assume that all cameras are the right way up"
     )
     command.add_argument(
+        "--no-essential",
+        dest="essential",
+        action="store_false",
+        help="use the camera matrices of --intrinsics for the lens alone: F need not be an essential matrix "
+        "under them",
+    )
+    command.add_argument(
         "--scheduler",
         type=_scheduler,
         metavar="ADDRESS",

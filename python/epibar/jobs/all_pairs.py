@@ -60,6 +60,7 @@ def calibrate_all(
     seed: int = 0,
     time_offset: float | Literal["search"] = 0.0,
     upright: bool = True,
+    essential: bool = True,
     search_seconds: float = SEARCH_SECONDS,
     lines: int = DEFAULT_LINES,
     masks: bool = False,
@@ -86,7 +87,7 @@ def calibrate_all(
         are called like their files.
     out : path
         Folder for calibration.json, frontier points, pictures, the report and what is kept. Made if missing.
-    method, seed, time_offset, upright, search_seconds
+    method, seed, time_offset, upright, essential, search_seconds
         Of every pair, see :func:`epibar.calibrate`.
     lines, seed, masks, foreground, frames
         Of every camera, see :func:`epibar.record`.
@@ -126,7 +127,7 @@ def calibrate_all(
         ),
         out=Path(out),
         record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames)),
-        pair=PairOptions(method, seed, time_offset, upright, search_seconds),
+        pair=PairOptions(method, seed, time_offset, upright, essential, search_seconds),
         intrinsics=None if intrinsics is None else os.fspath(intrinsics),
         fresh=fresh,
         report=report,

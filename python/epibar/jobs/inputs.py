@@ -58,6 +58,7 @@ class PairOptions:
     seed: int = 0
     time_offset: float | Literal["search"] = 0.0
     upright: bool = True
+    essential: bool = True
     search_seconds: float = SEARCH_SECONDS
 
     def __post_init__(self) -> None:

@@ -94,6 +94,7 @@ def calibrate_pair(
         seed=options.seed,
         time_offset=options.time_offset,
         upright=options.upright,
+        essential=options.essential,
         search_seconds=options.search_seconds,
         progress=progress,
     )

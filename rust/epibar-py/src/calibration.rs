@@ -8,7 +8,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{matrix, rows, to_python_error};
+use crate::convert::{PythonMatrices, camera_matrices, matrix, rows, to_python_error};
 use crate::recording::Recording;
 use crate::watch::PythonWatch;
 
@@ -32,6 +32,7 @@ pub fn calibrate(
     time_offset: Option<f64>,
     search_seconds: f64,
     upright: bool,
+    cameras: Option<PythonMatrices<'_>>,
     candidates: usize,
     draws: usize,
     max_expected_error: f64,
@@ -46,11 +47,13 @@ pub fn calibrate(
             )));
         }
     };
+    let cameras = camera_matrices(cameras)?;
     let mut options = CalibrateOptions {
         method,
         seed,
         time_offset: time_offset.map_or(TimeOffset::Search { seconds: search_seconds }, TimeOffset::Known),
         upright,
+        cameras,
         draws,
         max_expected_error,
         ..CalibrateOptions::default()
@@ -243,6 +246,9 @@ impl Calibration {
             ("plane_residual", e.plane_residual),
         ] {
             evidence.set_item(name, value)?;
+        }
+        if e.essential_deviation.is_finite() {
+            evidence.set_item("essential_deviation", e.essential_deviation)?;
         }
         Ok(evidence)
     }

@@ -1,5 +1,6 @@
 //! Between numpy (row-major) and the crate's types, each direction in one place.
 
+use epibar::estimate::essential::CameraMatrices;
 use nalgebra::Matrix3;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -22,6 +23,29 @@ pub fn enter<T: Send>(py: Python<'_>, work: impl FnOnce() -> epibar::Result<T> +
 /// A 3×3 matrix, rows first (nalgebra stores columns first).
 pub fn matrix(m: &Matrix3<f64>) -> Array2<f64> {
     Array2::from_shape_fn((3, 3), |(i, j)| m[(i, j)])
+}
+
+/// A 3×3 matrix of Python's.
+pub fn matrix_of(name: &str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Matrix3<f64>> {
+    let entries = slice(name, array, 2)?;
+    if array.shape() != [3, 3] {
+        return Err(PyValueError::new_err(format!("{name} must be 3x3")));
+    }
+    Ok(Matrix3::from_row_slice(entries))
+}
+
+/// Camera matrices of A and of B.
+pub type PythonMatrices<'py> = (PyReadonlyArrayDyn<'py, f64>, PyReadonlyArrayDyn<'py, f64>);
+
+/// Both camera matrices, where they are known.
+pub fn camera_matrices(cameras: Option<PythonMatrices<'_>>) -> PyResult<Option<CameraMatrices>> {
+    let both = |(a, b): PythonMatrices<'_>| {
+        Ok(CameraMatrices {
+            a: matrix_of("the camera matrix of A", &a)?,
+            b: matrix_of("the camera matrix of B", &b)?,
+        })
+    };
+    cameras.map(both).transpose()
 }
 
 /// Rows of `N` numbers as an `(n, N)` array.

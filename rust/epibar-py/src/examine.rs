@@ -6,13 +6,12 @@ use epibar::estimate::evidence::evidence;
 use epibar::estimate::frontier::{FrontierOptions, compare};
 use epibar::estimate::search::polish;
 use epibar::estimate::views::Views;
-use nalgebra::Matrix3;
-use numpy::{IntoPyArray, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{enter, matrix, rows, slice};
+use crate::convert::{PythonMatrices, camera_matrices, enter, matrix, matrix_of, rows};
 use crate::recording::Recording;
 
 /// Frontier points and evidence of a given F, after refining it on the tangents where asked.
@@ -27,16 +26,14 @@ pub fn examine<'py>(
     time_offset: f64,
     upright: bool,
     refined: bool,
+    cameras: Option<PythonMatrices<'_>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let entries = slice("F", &f, 2)?;
-    if f.shape() != [3, 3] {
-        return Err(PyValueError::new_err("F must be 3x3"));
-    }
+    let cameras = camera_matrices(cameras)?;
     let (a, b) = (&a.inner, &b.inner);
-    let given = Fundamental::from_matrix(&Matrix3::from_row_slice(entries), a.size, b.size)
+    let given = Fundamental::from_matrix(&matrix_of("F", &f)?, a.size, b.size)
         .ok_or_else(|| PyValueError::new_err("F must be finite and of rank 2"))?;
     let (f, comparison, total) = enter(py, || {
-        let views = Views::new(a, b, &common_frames(a, b, time_offset));
+        let views = Views::new(a, b, &common_frames(a, b, time_offset)).with_cameras(cameras);
         let f = if refined { polish(&views, &given, upright) } else { given };
         let comparison = compare(&views, &f, &FrontierOptions { radius, upright, shift: 0 });
         let total = evidence(&views, &f, upright).total;

@@ -43,6 +43,9 @@ pub struct Evidence {
     /// How far four fifths of the matched points lie from the best plane, in widths of a silhouette
     /// ([`crate::planarity`]).
     pub plane_residual: f64,
+    /// `(s₁ − s₂) / (s₁ + s₂)` of the singular values of `K_bᵀ F K_a`, 0 for an essential matrix; NaN where the camera
+    /// matrices are not known.
+    pub essential_deviation: f64,
 }
 
 /// What a geometry is tested on.
@@ -185,6 +188,7 @@ impl ShiftCurve {
             explained: share(&first.score),
             explained_by_chance: rest.iter().map(|s| share(&s.score)).sum::<f64>() / rest.len().max(1) as f64,
             plane_residual: f64::NAN,
+            essential_deviation: f64::NAN,
         }
     }
 }
@@ -215,6 +219,15 @@ pub fn covariance(at: &SevenParameters, points: &[FrontierPoint], block: usize) 
     let correction = count / (count - 7.0).max(1.0);
     let result = inverse * meat * inverse * correction;
     result.iter().all(|v| v.is_finite()).then_some(result)
+}
+
+/// A covariance once a prior of known information is taken into account.
+///
+/// `(C⁻¹ + P)⁻¹ = C (I + P C)⁻¹`, which asks for no inverse of `C`; `None` where it is not finite.
+pub fn with_prior(covariance: &Information, prior: &Information) -> Option<Information> {
+    let inverse = (Information::identity() + prior * covariance).try_inverse()?;
+    let result = covariance * inverse;
+    result.iter().all(|v| v.is_finite()).then_some(0.5 * (result + result.transpose()))
 }
 
 /// Expected symmetric epipolar distance over correspondences, pixels: mean over points of the mean of a folded normal.

@@ -17,6 +17,7 @@ use crate::geometry::Fundamental;
 use crate::planarity::plane_residual;
 use crate::verify::{
     Evidence, HeldOut, ShiftCurve, covariance, cross_validated, expected_error, paired_z, shift_curve,
+    with_prior,
 };
 
 /// A floor worth reporting: many candidates fit it, and not because they all pass through one point.
@@ -33,7 +34,7 @@ const SOME_Z: f64 = 2.0;
 const MIN_EXPLAINED: f64 = 0.15;
 /// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
 /// baseline.
-const MIN_DEPTH: f64 = 0.5;
+const MIN_DEPTH: f64 = 0.9;
 /// Matched points at fewer different places say nothing: lamps that blink where they stand meet at the right moments under any
 /// of many geometries. Such lamps were seen at 5 to 10 places, two walkers in 400 frames at 950.
 const MIN_PLACES: usize = 50;
@@ -55,7 +56,7 @@ const MIRROR_SHARE: f64 = 0.65;
 const COARSE_SHARE: f64 = 1.0;
 /// Residuals of a fraction of a pixel are noise and average out; residuals of several pixels are outlines of different
 /// shape, and do not. Their square over this many pixels of a 640×480 image counts as systematic.
-const ROUGH_SPREAD: f64 = 1.5;
+const ROUGH_SPREAD: f64 = 1.2;
 /// Shifts of the clocks that tell what is chance.
 const SHIFTS: usize = 60;
 /// Error that rasterisation leaves even in exact masks, pixels of a 640×480 image.
@@ -133,12 +134,19 @@ pub(super) fn judge(case: &Case) -> Judged {
 
     let (curve, mut evidence_now) = found.fitted.map_or_else(Default::default, |f| tested(case, &f));
     evidence_now.plane_residual = plane_residual(views, &points);
+    evidence_now.essential_deviation = options.cameras.map_or(f64::NAN, |k| k.deviation(fundamental));
 
     let second = if frame_rate.is_finite() { frame_rate.round().max(1.0) as usize } else { 25 };
     let parameters = SevenParameters::new(fundamental, views.sizes());
     let volume = moving_correspondences(views, fundamental, 400);
     let block = second.min((views.frames() / 12).max(1));
-    let covariance = parameters.as_ref().and_then(|at| covariance(at, &points, block));
+    let covariance = parameters.as_ref().and_then(|at| {
+        let of_points = covariance(at, &points, block)?;
+        match views.cameras {
+            Some(cameras) => with_prior(&of_points, &cameras.information(at)),
+            None => Some(of_points),
+        }
+    });
     let fit_error = match (&parameters, &covariance) {
         (Some(at), Some(covariance)) => expected_error(at, covariance, &volume),
         _ => f64::NAN,
@@ -247,7 +255,8 @@ fn decide(
         return Verdict::new(
             Kind::Undetermined,
             format!(
-                "The motion leaves the geometry undetermined: whatever moves does so at the same {places} places, and many                  geometries fit so few."
+                "The motion leaves the geometry undetermined: whatever moves does so at the same {places} places, and many \
+                 geometries fit so few."
             ),
         );
     }

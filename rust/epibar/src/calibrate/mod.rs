@@ -19,6 +19,7 @@ pub use error_map::{ErrorMap, Uncertainty};
 pub use timing::Timing;
 pub use verdict::{Kind, Verdict};
 
+use crate::estimate::essential::CameraMatrices;
 use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
 use crate::estimate::line_model::LineModel;
 use crate::estimate::ransac::{Watch, ransac};
@@ -54,6 +55,8 @@ pub struct CalibrateOptions {
     pub time_offset: TimeOffset,
     /// Both cameras are the right way up (DESIGN §6, the mirror).
     pub upright: bool,
+    /// The camera matrices of A and B, where both are known: `F` is expected to be an essential matrix under them.
+    pub cameras: Option<CameraMatrices>,
     /// How candidates are chosen.
     pub candidates: CandidateOptions,
     /// RANSAC draws of `Method::Lines`, and of each line source of `Method::Frontier` (paper §4.3: 10,000).
@@ -69,6 +72,7 @@ impl Default for CalibrateOptions {
             seed: 0,
             time_offset: TimeOffset::Known(0.0),
             upright: true,
+            cameras: None,
             candidates: CandidateOptions::default(),
             draws: 10_000,
             max_expected_error: 3.0,
@@ -213,7 +217,9 @@ fn calibrate_at(
     let standing = [a, b].map(|r| if options.upright { Standing::UPRIGHT } else { standing(r) });
     let options = &CalibrateOptions { upright: standing.iter().all(|s| s.sure), ..options.clone() };
     let up = standing.map(|s| s.up);
-    let views_of = |pairs: &[(u32, u32)]| aligned.views(pairs).with_up(up);
+    // The paper's method knows nothing of them.
+    let cameras = options.cameras.filter(|_| options.method == Method::Frontier);
+    let views_of = |pairs: &[(u32, u32)]| aligned.views(pairs).with_up(up).with_cameras(cameras);
     let views = views_of(&pairs);
     let fitted_views = views_of(&split.fitted_busy);
     let found = match options.method {
@@ -284,6 +290,13 @@ fn check(options: &CalibrateOptions) -> Result<()> {
     }
     if options.draws == 0 {
         return Err(Error::Argument { name: "draws", value: "0".into(), expected: "at least 1" });
+    }
+    if options.cameras.is_some_and(|cameras| !cameras.usable()) {
+        return Err(Error::Argument {
+            name: "cameras",
+            value: format!("{:?}", options.cameras),
+            expected: "two finite camera matrices with positive focal lengths",
+        });
     }
     options.time_offset.check()
 }

@@ -4,6 +4,7 @@
 //! method scores with [`frontier`], draws from [`sources`], refines in [`refine`] and puts it together in [`search`].
 
 mod edges;
+pub mod essential;
 pub mod evidence;
 pub mod explore;
 pub mod floor;

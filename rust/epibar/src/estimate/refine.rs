@@ -8,6 +8,7 @@
 use nalgebra::{Matrix3, SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
 
+use super::essential::Weighted;
 use super::frontier::{FrontierOptions, FrontierPoint, compare, logarithm};
 use super::optimise::{Information, Problem, SevenParameters, Step, minimise};
 use super::views::Views;
@@ -167,6 +168,20 @@ impl Problem for SampsonProblem {
     }
 }
 
+/// Points of neighbouring frames and of one outline say the same: so many count as one independent measurement.
+const DEPENDENT: f64 = 100.0;
+/// Spread that is not believed to be smaller, pixels.
+const LEAST_SPREAD: f64 = 0.25;
+
+/// What a standard deviation of a prior is worth, in the unit of the cost of the points.
+fn prior_weight(points: &[FrontierPoint]) -> f64 {
+    let surprise = points.iter().map(|p| p.surprise).sum::<f64>() / points.len() as f64;
+    let mut distances: Vec<f64> = points.iter().map(|p| p.distance).collect();
+    let middle = distances.len() / 2;
+    let median = *distances.select_nth_unstable_by(middle, f64::total_cmp).1;
+    DEPENDENT * surprise * (1.4826 * median).max(LEAST_SPREAD).powi(2)
+}
+
 /// Refines `f` while the radius shrinks; each radius, in pixels, is used `repeats` times. `None` where too few
 /// tangents meet.
 pub fn refine(
@@ -185,7 +200,9 @@ pub fn refine(
                 return None;
             }
             let start = SevenParameters::new(&current, views.sizes())?;
-            let problem = SampsonProblem::new(&points, 0.35 * radius);
+            let points_problem = SampsonProblem::new(&points, 0.35 * radius);
+            let prior = views.cameras.as_ref().map(|cameras| (cameras, prior_weight(&points)));
+            let problem = Weighted { points: &points_problem, prior };
             current = minimise(&problem, start, ITERATIONS).0.fundamental()?;
         }
     }

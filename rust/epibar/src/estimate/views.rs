@@ -5,6 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::edges::Edges;
+use super::essential::CameraMatrices;
 use crate::geometry::{TangentPoint, epipolar_tangents};
 use crate::line::{Homogeneous, ImageSize};
 use crate::recording::{Recording, visible};
@@ -151,6 +152,8 @@ pub struct Views {
     pub b: View,
     /// Frame of recording A and of recording B of each common frame.
     pub frame_pairs: Vec<(u32, u32)>,
+    /// The camera matrices, where both are known.
+    pub cameras: Option<CameraMatrices>,
 }
 
 impl Views {
@@ -163,6 +166,7 @@ impl Views {
             a: View::of_frames(a, frame_pairs.iter().map(|p| p.0)),
             b: View::of_frames(b, frame_pairs.iter().map(|p| p.1)),
             frame_pairs: frame_pairs.to_vec(),
+            cameras: None,
         }
     }
 
@@ -181,6 +185,7 @@ impl Views {
                 frame_pairs.iter().map(|p| hulls_of_b(p.0).into_iter().map(Cow::Owned).collect()),
             ),
             frame_pairs: frame_pairs.to_vec(),
+            cameras: None,
         }
     }
 
@@ -189,6 +194,12 @@ impl Views {
     pub fn with_up(mut self, [a, b]: [[f64; 2]; 2]) -> Self {
         (self.a.up, self.b.up) = (a, b);
         self
+    }
+
+    /// The same with known camera matrices.
+    #[must_use]
+    pub fn with_cameras(self, cameras: Option<CameraMatrices>) -> Self {
+        Self { cameras, ..self }
     }
 
     /// Some of the frames, by index.
@@ -201,6 +212,7 @@ impl Views {
             a: self.a.chosen(frames),
             b: self.b.chosen(frames),
             frame_pairs: frames.iter().map(|&frame| self.frame_pairs[frame]).collect(),
+            cameras: self.cameras,
         }
     }
 

@@ -1,0 +1,100 @@
+"""What known camera matrices are worth, and that wrong ones do little harm."""
+
+import numpy as np
+import pytest
+
+import epibar
+from epibar import synthetic
+from epibar.synthetic import LOW_CAMERAS
+
+SIZE = (480, 360)
+
+
+def three_walkers(seed, frames):
+    """Before two low cameras: heads near the horizon tell little of where the other camera stands."""
+    return synthetic.people(seed, cameras=2, walkers=3, frames=frames, size=SIZE, camera_height=LOW_CAMERAS)
+
+
+def recordings(scene, factors):
+    """Both cameras, which know their matrix, with focal lengths times a factor."""
+    made = []
+    for index, (camera, factor) in enumerate(zip(scene.cameras, factors, strict=True)):
+        matrix = camera.K.copy()
+        matrix[0, 0] *= factor
+        matrix[1, 1] *= factor
+        made.append(epibar.Recording.from_masks(scene.masks(index), lines=10_000, seed=index, matrix=matrix))
+    return made
+
+
+def error(scene, calibration):
+    """Mean distance over the volume where things moved, pixels."""
+    points = scene.volume_correspondences(0, 1)
+    return float(epibar.symmetric_epipolar_distance(calibration.F, *points).mean())
+
+
+@pytest.mark.parametrize("seed", [2, 6])
+def test_camera_matrices_settle_what_little_motion_leaves_open(seed):
+    scene = three_walkers(seed, frames=200)
+    pair = recordings(scene, (1.0, 1.0))
+    without = epibar.calibrate(*pair, essential=False)
+    assert not without.accepted
+    assert error(scene, without) > 10.0
+    assert "essential_deviation" not in without.evidence
+    calibration = epibar.calibrate(*pair)
+    assert calibration.accepted, calibration.reason
+    assert error(scene, calibration) < 0.5
+    assert calibration.evidence["essential_deviation"] < 0.01
+
+
+def test_focal_lengths_that_are_off_give_way_to_good_outlines():
+    scene = three_walkers(4, frames=400)
+    calibration = epibar.calibrate(*recordings(scene, (1.05, 0.95)))
+    assert calibration.accepted, calibration.reason
+    assert error(scene, calibration) < 0.5
+
+
+def test_without_both_matrices_nothing_is_known():
+    scene = three_walkers(4, frames=200)
+    knowing = recordings(scene, (1.0, 1.0))
+    half = [knowing[0], recordings(scene, (1.0, 1.0))[1]]
+    half[1].matrix = None
+    free = epibar.calibrate(*knowing, essential=False)
+    np.testing.assert_array_equal(epibar.calibrate(*half).F, free.F)
+    np.testing.assert_array_equal(
+        epibar.calibrate(*knowing, method="lines").F, epibar.calibrate(*half, method="lines").F
+    )
+
+
+@pytest.mark.parametrize(
+    ("matrix", "said"),
+    [
+        ([[500.0, 0.0], [0.0, 500.0]], "3 x 3"),
+        (np.full((3, 3), np.nan), "finite"),
+        (np.diag([500.0, 500.0, 2.0]), "fx, 0, cx"),
+        (np.diag([-500.0, 500.0, 1.0]), "fx, 0, cx"),
+        ("500", "3 x 3"),
+        ("wide", "numbers"),
+    ],
+)
+def test_a_matrix_that_is_none_is_refused(matrix, said):
+    with pytest.raises(epibar.EpibarError, match=said):
+        epibar.Recording.from_masks(np.zeros((20, 30, 40), bool), lines=10, matrix=matrix)
+
+
+def test_a_matrix_that_is_spoilt_later_is_refused_by_calibrate():
+    masks = np.zeros((40, 60, 80), bool)
+    for t in range(40):
+        masks[t, 20:40, t : t + 10] = True
+    pair = [
+        epibar.Recording.from_masks(masks, lines=500, seed=i, matrix=np.diag([80.0, 80, 1])) for i in (0, 1)
+    ]
+    pair[1].matrix = np.full((3, 3), np.nan)
+    with pytest.raises(epibar.EpibarError, match="camera matrices"):
+        epibar.calibrate(*pair)
+
+
+def test_it_survives_saving(tmp_path):
+    matrix = np.array([[400.0, 0.0, 240.0], [0.0, 410.0, 180.0], [0.0, 0.0, 1.0]])
+    recording = epibar.Recording.from_masks(np.zeros((20, 30, 40), bool), lines=10, matrix=matrix)
+    recording.save(tmp_path / "a.npz")
+    np.testing.assert_array_equal(epibar.Recording.load(tmp_path / "a.npz").matrix, matrix)
