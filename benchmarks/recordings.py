@@ -12,6 +12,7 @@ from argparse import ArgumentParser, Namespace
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from common import Array
@@ -19,7 +20,7 @@ from options import METHODS, Method, add_common, add_method, add_names
 from tables import mean, progress, px, table, write_json
 
 import epibar
-from epibar import EpibarError, Recording
+from epibar import EpibarError, Recording, _core
 from epibar.evaluation import (
     GOOD_PAIR_PX,
     PosedCamera,
@@ -84,6 +85,8 @@ HEADER = [
     "points of our F",
     "our F at those, px",
     "known F at those, px",
+    "known F refined, px",
+    "its evidence over ours",
     "s",
 ]
 
@@ -108,6 +111,8 @@ class Result:
     points_ours: int
     ours_on_ours: float
     known_on_ours: float
+    refined_known: float
+    refined_known_share: float
     evidence: dict[str, float]
     counts: dict[str, int]
     seconds: float
@@ -141,6 +146,8 @@ class Result:
             str(self.points_ours),
             px(self.ours_on_ours),
             px(self.known_on_ours),
+            px(self.refined_known),
+            px(self.refined_known_share),
             f"{self.seconds:.1f}",
         ]
 
@@ -155,21 +162,28 @@ class View:
     hulls: list[list[Array]]
 
 
-def _cache_name(path: Path, camera: Intrinsics, lines: int, seed: int, foreground: str) -> str:
+def _cache_name(path: Path, camera: Intrinsics, *options: object) -> str:
     """Name the cached recording after everything in Python that it depends on."""
     package = Path(epibar.__file__).parent
     digest = hashlib.sha256()
     for part in (path, path.parent / "cameras.toml", *(package / f"{module}.py" for module in MADE_BY)):
         digest.update(part.read_bytes())
-    digest.update(repr((camera.name, lines, seed, foreground)).encode())
+    digest.update(repr((camera.name, *options)).encode())
     return f"{path.parent.name}_{path.stem}_{digest.hexdigest()[:16]}.npz"
 
 
 def record(
-    path: Path, masks: bool, camera: Intrinsics, lines: int, seed: int, foreground: str, cache: Path | None
+    path: Path,
+    masks: bool,
+    camera: Intrinsics,
+    lines: int,
+    seed: int,
+    foreground: str,
+    cache: Path | None,
+    first: int = 0,
 ) -> Recording:
-    """Record a camera in undistorted pixels, or load it from the cache."""
-    cached = None if cache is None else cache / _cache_name(path, camera, lines, seed, foreground)
+    """Record a camera in undistorted pixels from a frame on, or load it from the cache."""
+    cached = None if cache is None else cache / _cache_name(path, camera, lines, seed, foreground, first)
     if cached is not None and cached.exists():
         try:
             return Recording.load(cached)
@@ -183,6 +197,7 @@ def record(
         masks=masks,
         foreground=foreground,
         intrinsics=camera,
+        frames=(first, None),
         progress=False,
     )
     for warning in recording.warnings:
@@ -193,10 +208,13 @@ def record(
     return recording
 
 
-def _view(path: Path, name: str, index: int, known: list[Intrinsics], data: Data, args: Namespace) -> View:
+def view(
+    path: Path, name: str, index: int, known: list[Intrinsics], data: Data, args: Namespace, first: int = 0
+) -> View:
+    """Record a camera from a frame on."""
     camera = find_camera(known, name, index)
     started = time.perf_counter()
-    recording = record(path, data.masks, camera, args.lines, index, args.foreground, args.cache)
+    recording = record(path, data.masks, camera, args.lines, index, args.foreground, args.cache, first)
     progress(
         f"{path.parent.name}/{path.name}: {recording.frames} frames, {time.perf_counter() - started:.1f} s"
     )
@@ -204,7 +222,7 @@ def _view(path: Path, name: str, index: int, known: list[Intrinsics], data: Data
     return View(name, recording, camera.posed(), hulls)
 
 
-def _matched(a: View, b: View, F: Array, radius: float) -> tuple[Array, Array]:
+def matched(a: View, b: View, F: Array, radius: float) -> tuple[Array, Array]:
     """Match the tangents of two views under an F: (n, 2) pixels in each."""
     frames = min(len(a.hulls), len(b.hulls))
     points_a, points_b, _ = matched_tangent_points(
@@ -213,7 +231,7 @@ def _matched(a: View, b: View, F: Array, radius: float) -> tuple[Array, Array]:
     return points_a, points_b
 
 
-def _volume(a: View, b: View, points: tuple[Array, Array]) -> tuple[Array, Array] | None:
+def volume_of(a: View, b: View, points: tuple[Array, Array]) -> tuple[Array, Array] | None:
     """Correspondences over the box in which the matched tangents of known cameras lie."""
     if len(points[0]) < LEAST_POINTS:
         return None
@@ -232,19 +250,34 @@ def _median(F: Array | None, points: tuple[Array, Array]) -> float:
     return float(np.median(symmetric_epipolar_distance(F, *points)))
 
 
+def from_the_known(a: View, b: View, truth: Array, F: Array | None) -> tuple[Array, float]:
+    """Refine the known F where it stands; also returns its evidence as a share of that of another F."""
+
+    def examine(F: Array, refined: bool) -> dict[str, Any]:
+        known = a.recording.matrix, b.recording.matrix
+        cores = a.recording._core, b.recording._core
+        return _core.examine(*cores, np.ascontiguousarray(F), 3.0, 0.0, True, refined, known)
+
+    refined = examine(truth, refined=True)
+    ours = math.nan if F is None else examine(F, refined=False)["evidence"]
+    return refined["F"], refined["evidence"] / ours
+
+
 def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int) -> Result:
     """Calibrate a pair and hold it against the known cameras."""
     started = time.perf_counter()
     cal = epibar.calibrate(a.recording, b.recording, method=method, seed=seed)
     seconds = time.perf_counter() - started
     truth = fundamental_from_cameras(a.posed, b.posed)
-    known = _matched(a, b, truth, data.radius)
+    known = matched(a, b, truth, data.radius)
     nothing = np.empty((0, 2)), np.empty((0, 2))
-    ours = nothing if cal.F is None else _matched(a, b, cal.F, data.radius)
+    ours = nothing if cal.F is None else matched(a, b, cal.F, data.radius)
     error = image_error = math.nan
+    sizes, volume = (a.recording.size, b.recording.size), volume_of(a, b, known)
     if cal.F is not None:
-        figures = compare(cal.F, truth, a.recording.size, b.recording.size, _volume(a, b, known))
+        figures = compare(cal.F, truth, *sizes, volume)
         error, image_error = figures.volume_error, figures.image_error
+    refined, share = from_the_known(a, b, truth, cal.F)
     return Result(
         recording=name,
         pair=f"{a.name}-{b.name}",
@@ -262,6 +295,8 @@ def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int) 
         points_ours=len(ours[0]),
         ours_on_ours=_median(cal.F, ours),
         known_on_ours=_median(truth, ours),
+        refined_known=compare(refined, truth, *sizes, volume).volume_error,
+        refined_known_share=share,
         evidence=dict(cal.evidence),
         counts=dict(cal.counts),
         seconds=seconds,
@@ -320,7 +355,7 @@ def main() -> None:
         pairs = [pair for pair in pairs if args.pairs is None or pair in args.pairs.split(",")]
         known = load_cameras(folder / "cameras.toml")
         views = {
-            camera: _view(folder / file, camera, index, known, data, args)
+            camera: view(folder / file, camera, index, known, data, args)
             for index, (camera, file) in enumerate(data.files.items())
             if any(camera in pair.split("-") for pair in pairs)
         }

@@ -4,7 +4,7 @@ use epibar::Fundamental;
 use epibar::calibrate::common_frames;
 use epibar::estimate::evidence::evidence;
 use epibar::estimate::frontier::{FrontierOptions, compare};
-use epibar::estimate::search::polish;
+use epibar::estimate::refine::polish;
 use epibar::estimate::views::Views;
 use numpy::{IntoPyArray, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 
 use crate::estimate::frontier::{Comparer, FrontierPoint, FrontierScore};
 use crate::estimate::optimise::{Information, SevenParameters, Step};
+use crate::estimate::refine::polish;
 use crate::estimate::refine::residual_row;
-use crate::estimate::search::polish;
 use crate::estimate::views::Views;
 use crate::estimate::volume::Correspondence;
 use crate::geometry::Fundamental;

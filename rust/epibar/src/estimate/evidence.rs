@@ -71,13 +71,30 @@ pub fn evidence_by_frame(views: &Views, f: &Fundamental, radius: f64, upright: b
 /// Shifts of the clocks that tell what evidence is by chance.
 const CHANCE_SHIFTS: usize = 5;
 
+/// Shifts that are even parts of the recording.
+fn chance_shifts(frames: usize) -> [usize; CHANCE_SHIFTS] {
+    std::array::from_fn(|k| (k + 1) * frames / (CHANCE_SHIFTS + 1))
+}
+
 /// Mean evidence at `radius` with the clocks shifted, not below nought.
 ///
 /// The score's own model of chance takes moments as independent; where the same places are busy all the time
 /// a wrong geometry may beat it, and does so at every shift.
 pub(super) fn chance_level(comparer: &mut Comparer, frames: usize, radius: f64) -> f64 {
-    let sum: f64 = (1..=CHANCE_SHIFTS)
-        .map(|k| comparer.meet(k * frames / (CHANCE_SHIFTS + 1), radius).at(radius).score().total())
-        .sum();
+    let shifts = chance_shifts(frames).into_iter();
+    let sum: f64 = shifts.map(|shift| comparer.meet(shift, radius).at(radius).score().total()).sum();
     (sum / CHANCE_SHIFTS as f64).max(0.0)
+}
+
+/// Evidence of tops and of bottoms from A to B, less that of chance, at the radius that suits the masks.
+pub(super) fn class_evidence(views: &Views, f: &Fundamental, upright: bool) -> [f64; 2] {
+    let (weighed, mut comparer) = weigh(views, f, upright);
+    let mut at = |shift: usize, radius: f64| {
+        let score = comparer.meet(shift, radius).at(weighed.radius).score();
+        [score.tops.excess, score.bottoms.excess]
+    };
+    let own = at(0, SIGN_RADIUS * pixel_scale(views));
+    let chance = chance_shifts(views.frames()).map(|shift| at(shift, weighed.radius));
+    let mean = |class: usize| chance.iter().map(|c| c[class]).sum::<f64>() / CHANCE_SHIFTS as f64;
+    [own[0] - mean(0), own[1] - mean(1)]
 }

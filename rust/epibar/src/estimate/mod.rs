@@ -14,6 +14,7 @@ pub mod optimise;
 pub mod ransac;
 pub mod refine;
 pub mod search;
+mod searcher;
 pub mod sources;
 pub mod standing;
 pub mod track_model;

@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, SMatrix, SVector};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::essential::Weighted;
+use super::evidence::evidence;
 use super::frontier::{FrontierOptions, FrontierPoint, compare, logarithm};
 use super::optimise::{Information, Problem, SevenParameters, Step, minimise};
 use super::views::Views;
@@ -207,6 +208,16 @@ pub fn refine(
         }
     }
     Some(current)
+}
+
+/// Refines down to the radius that suits the masks.
+pub fn polish(views: &Views, f: &Fundamental, upright: bool) -> Fundamental {
+    let radius = evidence(views, f, upright).radius;
+    let halved = |k: i32| radius * 2f64.powi(k);
+    let first = refine(views, f, &[halved(1), radius], 2, upright).unwrap_or(*f);
+    // Closer in where that is where the evidence now is.
+    let radius = evidence(views, &first, upright).radius;
+    refine(views, &first, &[radius], 5, upright).unwrap_or(first)
 }
 
 #[cfg(test)]

@@ -4,22 +4,16 @@
 //! compared on more frames; the best are shaken and refined again. What remains is a list of different geometries with
 //! their evidence: a winner and its rivals.
 
-use rand::RngExt;
-use rayon::prelude::*;
-
-use super::evidence::{chance_level, evidence, pixel_scale, weigh};
-use super::explore::explore;
 use super::floor::Floor;
-use super::frontier::{FrontierOptions, Scorer, frontier_score};
-use super::optimise::{SevenParameters, Step};
-use super::ransac::{Scored, Watch, generator};
-use super::refine::refine;
-use super::sources::{Frames, Hypotheses, hypotheses};
+use super::frontier::Scorer;
+use super::ransac::Watch;
+use super::refine::polish;
+use super::searcher::{Searcher, stages};
+use super::sources::{Frames, hypotheses};
 use super::views::Views;
-use super::volume::{Correspondence, disagreement, moving_correspondences};
+use crate::Result;
 use crate::geometry::Fundamental;
 use crate::matching::Candidates;
-use crate::{Error, Result};
 
 /// Options of the search.
 #[derive(Debug, Clone)]
@@ -40,6 +34,9 @@ pub struct SearchOptions {
     pub own_starts: usize,
     /// Rounds of shaking the best.
     pub restarts: usize,
+    /// Most times that all is done with new hypotheses, while the best explains one class of tangents
+    /// alone.
+    pub passes: usize,
     /// Both cameras are the right way up.
     pub upright: bool,
 }
@@ -55,6 +52,7 @@ impl Default for SearchOptions {
             starts: 60,
             own_starts: 12,
             restarts: 2,
+            passes: 3,
             upright: true,
         }
     }
@@ -86,199 +84,8 @@ pub struct Found {
 
 pub use super::sources::Source;
 
-/// A solution is not walked from with less than this share of the best one's evidence.
-const WORTH_EXPLORING: f64 = 0.7;
-/// The evidence for `f` less that of chance; `None` where it is not finite.
-fn weighed_solution(views: &Views, f: Fundamental, source: Source, upright: bool) -> Option<Solution> {
-    let (weighed, mut comparer) = weigh(views, &f, upright);
-    let chance = chance_level(&mut comparer, views.frames(), weighed.radius);
-    let evidence = weighed.total - chance;
-    evidence.is_finite().then_some(Solution { fundamental: f, evidence, chance, source })
-}
-
-/// How many of the best solutions are shaken in a round.
-const SHAKEN: usize = 6;
-/// A solution with less than this share of the best one's evidence is no rival to settle.
-const WORTH_SETTLING: f64 = 0.5;
-/// How many of the best solutions are walked from.
-const EXPLORED: usize = 3;
-/// Spots that tell two geometries apart.
-const SPOTS: usize = 120;
-
-/// A start, what tells it apart from others, and where it came from.
-type Kept = (Fundamental, Vec<Correspondence>, Source);
-
-struct Searcher<'a> {
-    all: &'a Views,
-    scoring: Views,
-    comparing: Views,
-    scale: f64,
-    options: &'a SearchOptions,
-}
-
-impl<'a> Searcher<'a> {
-    fn new(
-        all: &'a Views,
-        train: &Views,
-        subset: impl Fn(usize) -> Views,
-        options: &'a SearchOptions,
-    ) -> Self {
-        let per_frame = 0.5 * (train.a.hulls() + train.b.hulls()) as f64 / train.frames().max(1) as f64;
-        let frames = |hulls: usize| (hulls as f64 / per_frame.max(0.1)) as usize;
-        Self {
-            all,
-            scoring: subset(frames(options.scoring_hulls).clamp(60, 300)),
-            comparing: subset(frames(options.comparing_hulls).clamp(150, 600)),
-            scale: pixel_scale(all),
-            options,
-        }
-    }
-
-    fn coarse(&self) -> FrontierOptions {
-        FrontierOptions { radius: 5.0 * self.scale, upright: self.options.upright, shift: 0 }
-    }
-
-    fn points(&self, f: &Fundamental) -> Vec<Correspondence> {
-        moving_correspondences(&self.scoring, f, SPOTS)
-    }
-
-    /// The best hypotheses that differ from one another by at least `apart` pixels: first some of each source, then
-    /// the best of all.
-    fn different(
-        &self,
-        scored: &[(Scored<Fundamental>, Source)],
-        own: usize,
-        limit: usize,
-        apart: f64,
-    ) -> Vec<(Fundamental, Source)> {
-        let mut kept: Vec<Kept> = Vec::new();
-        for source in Source::ALL {
-            let of_source = scored.iter().filter(|s| s.1 == source);
-            self.take(of_source, own, apart, &mut kept);
-        }
-        let rest = limit.saturating_sub(kept.len());
-        self.take(scored.iter(), rest, apart, &mut kept);
-        kept.into_iter().map(|(f, _, source)| (f, source)).collect()
-    }
-
-    /// Adds at most `limit` hypotheses that differ from all that are kept.
-    fn take<'s>(
-        &self,
-        scored: impl Iterator<Item = &'s (Scored<Fundamental>, Source)>,
-        limit: usize,
-        apart: f64,
-        kept: &mut Vec<Kept>,
-    ) {
-        let enough = kept.len() + limit;
-        for (hypothesis, source) in scored {
-            if kept.len() >= enough {
-                break;
-            }
-            let f = hypothesis.model;
-            if kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart) {
-                kept.push((f, self.points(&f), *source));
-            }
-        }
-    }
-
-    /// Refines in parallel, from a wide radius and from a narrow one, and keeps what has more evidence: in a crowd nearly
-    /// every tangent meets a wrong one within a wide radius, and a good start is lost there; a bad start needs it.
-    ///
-    /// On the comparing frames: on the fewer that score, starts in a crowd of sixteen end elsewhere.
-    fn refined(&self, starts: &[(Fundamental, Source)], schedules: &[&[f64]]) -> Vec<Solution> {
-        let views = &self.comparing;
-        starts
-            .par_iter()
-            .filter_map(|(f, source)| {
-                let tried = schedules.iter().filter_map(|radii| {
-                    let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
-                    let refined = refine(views, f, &radii, 2, self.options.upright)?;
-                    weighed_solution(views, refined, *source, self.options.upright)
-                });
-                tried.max_by(|p, q| p.evidence.total_cmp(&q.evidence))
-            })
-            .collect()
-    }
-
-    /// Sorted by evidence, near copies of a better one dropped.
-    fn distinct(&self, mut solutions: Vec<Solution>, apart: f64, limit: usize) -> Vec<Solution> {
-        solutions.retain(|s| s.evidence.is_finite());
-        solutions.sort_by(|p, q| q.evidence.total_cmp(&p.evidence));
-        let mut kept: Vec<(Solution, Vec<Correspondence>)> = Vec::new();
-        for solution in solutions {
-            if kept.len() >= limit {
-                break;
-            }
-            if kept.iter().all(|(_, points)| disagreement(points, &solution.fundamental) > apart) {
-                let points = self.points(&solution.fundamental);
-                kept.push((solution, points));
-            }
-        }
-        kept.into_iter().map(|(s, _)| s).collect()
-    }
-
-    /// Whether no other geometry has half of the best one's evidence: the truth announces itself.
-    fn is_clear(&self, solutions: &[Solution]) -> bool {
-        const APART: f64 = 5.0;
-        let Some(best) = solutions.first() else { return false };
-        let points = self.points(&best.fundamental);
-        let rival = solutions.iter().find(|s| disagreement(&points, &s.fundamental) > APART * self.scale);
-        best.evidence > 0.0 && rival.is_none_or(|r| r.evidence < 0.5 * best.evidence)
-    }
-
-    /// Walks on from those that could win, on the frames that compare.
-    fn walked(
-        &self,
-        solutions: &[Solution],
-        going: &mut dyn FnMut(&'static str, f64) -> Result<()>,
-    ) -> Result<Vec<Solution>> {
-        let mut walked = solutions.to_vec();
-        for (k, start) in solutions.iter().take(EXPLORED).enumerate() {
-            going("explore", k as f64 / EXPLORED as f64)?;
-            if start.evidence < WORTH_EXPLORING * solutions[0].evidence {
-                break;
-            }
-            walked.extend(explore(&self.comparing, start, self.scale, self.options.upright));
-        }
-        Ok(self.distinct(walked, self.scale, 12))
-    }
-
-    /// Polishes the best on `views`.
-    fn settled(&self, views: &Views, solutions: &[Solution]) -> Vec<Solution> {
-        let upright = self.options.upright;
-        let best = solutions.first().map_or(0.0, |s| s.evidence);
-        let finalists: Vec<Solution> = solutions
-            .par_iter()
-            .filter(|s| s.evidence >= WORTH_SETTLING * best)
-            .filter_map(|s| {
-                weighed_solution(views, polish(views, &s.fundamental, upright), s.source, upright)
-            })
-            .collect();
-        self.distinct(finalists, 0.5 * self.scale, 12)
-    }
-
-    /// Copies of a solution moved at random, several sizes of move, the best few by tangents.
-    fn shaken(&self, solution: &Solution, seed: u64) -> Vec<(Fundamental, Source)> {
-        const COPIES: usize = 160;
-        const KEPT: usize = 5;
-        let Some(parameters) = SevenParameters::new(&solution.fundamental, self.all.sizes()) else {
-            return Vec::new();
-        };
-        let options = self.coarse();
-        let mut copies: Vec<(f64, usize, Fundamental)> = (0..COPIES)
-            .into_par_iter()
-            .filter_map(|k| {
-                let mut random = generator(seed, k as u64);
-                let size = 0.2 * 0.5f64.powi((k % 6) as i32);
-                let step = Step::from_fn(|_, _| size * (2.0 * random.random::<f64>() - 1.0));
-                let f = parameters.stepped(&step).fundamental()?;
-                Some((frontier_score(&self.scoring, &f, &options).total(), k, f))
-            })
-            .collect();
-        copies.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
-        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, solution.source)).collect()
-    }
-}
+/// Apart from one another, so that no pass repeats the draws of another: 2⁶⁴ over the golden ratio.
+const PASS_SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Searches with all sources.
 ///
@@ -294,30 +101,21 @@ pub fn search(
     watch: &mut dyn Watch,
 ) -> Result<Found> {
     let searcher = Searcher::new(all, train, subset, options);
-    let Hypotheses { scored, floors } = {
-        let scoring = Scorer::new(&searcher.scoring, searcher.coarse());
-        let frames = Frames { train, comparing: &searcher.comparing, scoring: &scoring };
-        hypotheses(&frames, candidates, options, searcher.scale, seed, watch)?
-    };
-    let starts = searcher.different(&scored, options.own_starts, options.starts, 4.0 * searcher.scale);
-    let mut going =
-        |stage, done: f64| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) };
-    going("refine", 0.0)?;
-    let refined = searcher.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
-    let mut solutions = searcher.distinct(refined, searcher.scale, 16);
-    for round in 0..options.restarts {
-        if searcher.is_clear(&solutions) {
+    let (mut solutions, mut floor) = (Vec::new(), None);
+    for pass in 0..options.passes {
+        let seed = seed.wrapping_add((pass as u64).wrapping_mul(PASS_SEED));
+        let found = {
+            let scoring = Scorer::new(&searcher.scoring, searcher.coarse());
+            let frames = Frames { train, comparing: &searcher.comparing, scoring: &scoring };
+            hypotheses(&frames, candidates, options, searcher.scale, seed, watch)?
+        };
+        floor = floor.or_else(|| found.floors.into_iter().next());
+        solutions = searcher.pass(solutions, &found.scored, seed, watch)?;
+        if !searcher.is_one_sided(&solutions) {
             break;
         }
-        going("restart", round as f64 / options.restarts as f64)?;
-        let mut shaken = Vec::new();
-        for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
-            shaken.extend(searcher.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
-        }
-        solutions.extend(searcher.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
-        solutions = searcher.distinct(solutions, searcher.scale, 16);
     }
-    let solutions = searcher.walked(&solutions, &mut going)?;
+    let mut going = stages(watch);
     going("settle", 0.0)?;
     // The few that remain, once on the fitted frames alone, for the test, and once on all frames, for the answer.
     let fitted = searcher.settled(train, &solutions);
@@ -327,15 +125,5 @@ pub fn search(
         winner.fundamental = polish(all, &winner.fundamental, options.upright);
     }
     let fitted = fitted.first().map(|s| polish(train, &s.fundamental, options.upright));
-    Ok(Found { solutions, fitted, floor: floors.into_iter().next() })
-}
-
-/// Refines down to the radius that suits the masks.
-pub fn polish(views: &Views, f: &Fundamental, upright: bool) -> Fundamental {
-    let radius = evidence(views, f, upright).radius;
-    let halved = |k: i32| radius * 2f64.powi(k);
-    let first = refine(views, f, &[halved(1), radius], 2, upright).unwrap_or(*f);
-    // Closer in where that is where the evidence now is.
-    let radius = evidence(views, &first, upright).radius;
-    refine(views, &first, &[radius], 5, upright).unwrap_or(first)
+    Ok(Found { solutions, fitted, floor })
 }

@@ -1,0 +1,256 @@
+//! Stages of the search: different starts, refinement, restarts, walks, and the last polish.
+
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::evidence::{chance_level, class_evidence, pixel_scale, weigh};
+use super::explore::explore;
+use super::frontier::{FrontierOptions, frontier_score};
+use super::optimise::{SevenParameters, Step};
+use super::ransac::{Scored, Watch, generator};
+use super::refine::{polish, refine};
+use super::search::{SearchOptions, Solution};
+use super::sources::Source;
+use super::views::Views;
+use super::volume::{Correspondence, disagreement, moving_correspondences};
+use crate::geometry::Fundamental;
+use crate::{Error, Result};
+
+/// A solution is not walked from with less than this share of the best one's evidence.
+const WORTH_EXPLORING: f64 = 0.7;
+/// How many of the best solutions are shaken in a round.
+const SHAKEN: usize = 6;
+/// A solution with less than this share of the best one's evidence is no rival to settle.
+const WORTH_SETTLING: f64 = 0.5;
+/// How many of the best solutions are walked from.
+const EXPLORED: usize = 3;
+/// Pixels, of a 640×480 image, that make another geometry of one.
+const APART: f64 = 5.0;
+/// Spots that tell two geometries apart.
+const SPOTS: usize = 120;
+
+/// A start, what tells it apart from others, and where it came from.
+type Kept = (Fundamental, Vec<Correspondence>, Source);
+
+/// The frames that the stages look at.
+pub(super) struct Searcher<'a> {
+    all: &'a Views,
+    pub(super) scoring: Views,
+    pub(super) comparing: Views,
+    pub(super) scale: f64,
+    options: &'a SearchOptions,
+}
+
+impl<'a> Searcher<'a> {
+    pub(super) fn new(
+        all: &'a Views,
+        train: &Views,
+        subset: impl Fn(usize) -> Views,
+        options: &'a SearchOptions,
+    ) -> Self {
+        let per_frame = 0.5 * (train.a.hulls() + train.b.hulls()) as f64 / train.frames().max(1) as f64;
+        let frames = |hulls: usize| (hulls as f64 / per_frame.max(0.1)) as usize;
+        Self {
+            all,
+            scoring: subset(frames(options.scoring_hulls).clamp(60, 300)),
+            comparing: subset(frames(options.comparing_hulls).clamp(150, 600)),
+            scale: pixel_scale(all),
+            options,
+        }
+    }
+
+    pub(super) fn coarse(&self) -> FrontierOptions {
+        FrontierOptions { radius: 5.0 * self.scale, upright: self.options.upright, shift: 0 }
+    }
+
+    fn points(&self, f: &Fundamental) -> Vec<Correspondence> {
+        moving_correspondences(&self.scoring, f, SPOTS)
+    }
+
+    /// The best hypotheses that differ from one another by at least `apart` pixels: first some of each source, then
+    /// the best of all.
+    fn different(
+        &self,
+        scored: &[(Scored<Fundamental>, Source)],
+        own: usize,
+        limit: usize,
+        apart: f64,
+    ) -> Vec<(Fundamental, Source)> {
+        let mut kept: Vec<Kept> = Vec::new();
+        for source in Source::ALL {
+            let of_source = scored.iter().filter(|s| s.1 == source);
+            self.take(of_source, own, apart, &mut kept);
+        }
+        let rest = limit.saturating_sub(kept.len());
+        self.take(scored.iter(), rest, apart, &mut kept);
+        kept.into_iter().map(|(f, _, source)| (f, source)).collect()
+    }
+
+    /// Adds at most `limit` hypotheses that differ from all that are kept.
+    fn take<'s>(
+        &self,
+        scored: impl Iterator<Item = &'s (Scored<Fundamental>, Source)>,
+        limit: usize,
+        apart: f64,
+        kept: &mut Vec<Kept>,
+    ) {
+        let enough = kept.len() + limit;
+        for (hypothesis, source) in scored {
+            if kept.len() >= enough {
+                break;
+            }
+            let f = hypothesis.model;
+            if kept.iter().all(|(_, points, _)| disagreement(points, &f) > apart) {
+                kept.push((f, self.points(&f), *source));
+            }
+        }
+    }
+
+    /// Refines in parallel, from a wide radius and from a narrow one, and keeps what has more evidence: in a crowd nearly
+    /// every tangent meets a wrong one within a wide radius, and a good start is lost there; a bad start needs it.
+    ///
+    /// On the comparing frames: on the fewer that score, starts in a crowd of sixteen end elsewhere.
+    fn refined(&self, starts: &[(Fundamental, Source)], schedules: &[&[f64]]) -> Vec<Solution> {
+        let views = &self.comparing;
+        starts
+            .par_iter()
+            .filter_map(|(f, source)| {
+                let tried = schedules.iter().filter_map(|radii| {
+                    let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
+                    let refined = refine(views, f, &radii, 2, self.options.upright)?;
+                    weighed_solution(views, refined, *source, self.options.upright)
+                });
+                tried.max_by(|p, q| p.evidence.total_cmp(&q.evidence))
+            })
+            .collect()
+    }
+
+    /// Sorted by evidence, near copies of a better one dropped.
+    fn distinct(&self, mut solutions: Vec<Solution>, apart: f64, limit: usize) -> Vec<Solution> {
+        solutions.retain(|s| s.evidence.is_finite());
+        solutions.sort_by(|p, q| q.evidence.total_cmp(&p.evidence));
+        let mut kept: Vec<(Solution, Vec<Correspondence>)> = Vec::new();
+        for solution in solutions {
+            if kept.len() >= limit {
+                break;
+            }
+            if kept.iter().all(|(_, points)| disagreement(points, &solution.fundamental) > apart) {
+                let points = self.points(&solution.fundamental);
+                kept.push((solution, points));
+            }
+        }
+        kept.into_iter().map(|(s, _)| s).collect()
+    }
+
+    /// Whether no other geometry has half of the best one's evidence: the truth announces itself.
+    fn is_clear(&self, solutions: &[Solution]) -> bool {
+        let Some(best) = solutions.first() else { return false };
+        let points = self.points(&best.fundamental);
+        let rival = solutions.iter().find(|s| disagreement(&points, &s.fundamental) > APART * self.scale);
+        best.evidence > 0.0 && rival.is_none_or(|r| r.evidence < 0.5 * best.evidence)
+    }
+
+    /// Whether the best solution explains one class of tangents and hardly the other: the floor, with an epipole that
+    /// is wrong. Then the truth may not have been met yet.
+    pub(super) fn is_one_sided(&self, solutions: &[Solution]) -> bool {
+        const WEAK: f64 = 0.1;
+        let Some(best) = solutions.first() else { return true };
+        let [tops, bottoms] = class_evidence(&self.comparing, &best.fundamental, self.options.upright);
+        tops.min(bottoms) < WEAK * tops.max(bottoms)
+    }
+
+    /// From hypotheses to solutions, those known before among them.
+    pub(super) fn pass(
+        &self,
+        known: Vec<Solution>,
+        scored: &[(Scored<Fundamental>, Source)],
+        seed: u64,
+        watch: &mut dyn Watch,
+    ) -> Result<Vec<Solution>> {
+        let options = self.options;
+        let starts = self.different(scored, options.own_starts, options.starts, 4.0 * self.scale);
+        let mut going = stages(watch);
+        going("refine", 0.0)?;
+        let refined = self.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
+        let mut solutions = self.distinct([known, refined].concat(), self.scale, 16);
+        for round in 0..options.restarts {
+            if self.is_clear(&solutions) {
+                break;
+            }
+            going("restart", round as f64 / options.restarts as f64)?;
+            let mut shaken = Vec::new();
+            for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
+                shaken.extend(self.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
+            }
+            solutions.extend(self.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
+            solutions = self.distinct(solutions, self.scale, 16);
+        }
+        self.walked(&solutions, &mut going)
+    }
+
+    /// Walks on from those that could win, on the frames that compare.
+    fn walked(
+        &self,
+        solutions: &[Solution],
+        going: &mut impl FnMut(&'static str, f64) -> Result<()>,
+    ) -> Result<Vec<Solution>> {
+        let mut walked = solutions.to_vec();
+        for (k, start) in solutions.iter().take(EXPLORED).enumerate() {
+            going("explore", k as f64 / EXPLORED as f64)?;
+            if start.evidence < WORTH_EXPLORING * solutions[0].evidence {
+                break;
+            }
+            walked.extend(explore(&self.comparing, start, self.scale, self.options.upright));
+        }
+        Ok(self.distinct(walked, self.scale, 12))
+    }
+
+    /// Polishes the best on `views`.
+    pub(super) fn settled(&self, views: &Views, solutions: &[Solution]) -> Vec<Solution> {
+        let upright = self.options.upright;
+        let best = solutions.first().map_or(0.0, |s| s.evidence);
+        let finalists: Vec<Solution> = solutions
+            .par_iter()
+            .filter(|s| s.evidence >= WORTH_SETTLING * best)
+            .filter_map(|s| {
+                weighed_solution(views, polish(views, &s.fundamental, upright), s.source, upright)
+            })
+            .collect();
+        self.distinct(finalists, 0.5 * self.scale, 12)
+    }
+
+    /// Copies of a solution moved at random, several sizes of move, the best few by tangents.
+    fn shaken(&self, solution: &Solution, seed: u64) -> Vec<(Fundamental, Source)> {
+        const COPIES: usize = 160;
+        const KEPT: usize = 5;
+        let Some(parameters) = SevenParameters::new(&solution.fundamental, self.all.sizes()) else {
+            return Vec::new();
+        };
+        let options = self.coarse();
+        let mut copies: Vec<(f64, usize, Fundamental)> = (0..COPIES)
+            .into_par_iter()
+            .filter_map(|k| {
+                let mut random = generator(seed, k as u64);
+                let size = 0.2 * 0.5f64.powi((k % 6) as i32);
+                let step = Step::from_fn(|_, _| size * (2.0 * random.random::<f64>() - 1.0));
+                let f = parameters.stepped(&step).fundamental()?;
+                Some((frontier_score(&self.scoring, &f, &options).total(), k, f))
+            })
+            .collect();
+        copies.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
+        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, solution.source)).collect()
+    }
+}
+
+/// The evidence for `f` less that of chance; `None` where it is not finite.
+fn weighed_solution(views: &Views, f: Fundamental, source: Source, upright: bool) -> Option<Solution> {
+    let (weighed, mut comparer) = weigh(views, &f, upright);
+    let chance = chance_level(&mut comparer, views.frames(), weighed.radius);
+    let evidence = weighed.total - chance;
+    evidence.is_finite().then_some(Solution { fundamental: f, evidence, chance, source })
+}
+
+/// Tells of a stage, and whether to go on.
+pub(super) fn stages(watch: &mut dyn Watch) -> impl FnMut(&'static str, f64) -> Result<()> {
+    |stage, done| if watch.keep_going(stage, done) { Ok(()) } else { Err(Error::Interrupted) }
+}
