@@ -98,3 +98,63 @@ pub(super) fn class_evidence(views: &Views, f: &Fundamental, upright: bool) -> [
     let mean = |class: usize| chance.iter().map(|c| c[class]).sum::<f64>() / CHANCE_SHIFTS as f64;
     [own[0] - mean(0), own[1] - mean(1)]
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Rotation3, Vector3};
+    use rand::RngExt;
+
+    use super::*;
+    use crate::estimate::ransac::generator;
+    use crate::estimate::views::View;
+    use crate::line::ImageSize;
+
+    /// Walkers 1.7 m tall on a floor 3 m below two cameras; returns the views, the rotation and the translation from A to B.
+    fn walkers(camera: &Matrix3<f64>, size: ImageSize) -> (Views, Rotation3<f64>, Vector3<f64>) {
+        let rotation = Rotation3::from_euler_angles(0.0, -1.2, 0.0);
+        let translation = Vector3::new(6.0, 0.0, 5.0);
+        let mut random = generator(5, 0);
+        let mut frames: [Vec<Vec<Vec<[f64; 2]>>>; 2] = [Vec::new(), Vec::new()];
+        for _ in 0..200 {
+            let mut seen: [Vec<Vec<[f64; 2]>>; 2] = [Vec::new(), Vec::new()];
+            for _ in 0..3 {
+                let foot = Vector3::new(random.random_range(-2.5..2.5), 3.0, random.random_range(5.0..10.0));
+                for (view, hulls) in seen.iter_mut().enumerate() {
+                    let pixel = |up: f64| {
+                        let world = foot - Vector3::new(0.0, up, 0.0);
+                        let p = camera * if view == 0 { world } else { rotation * world + translation };
+                        [p.x / p.z, p.y / p.z]
+                    };
+                    let ([x, low], [_, middle], [_, high]) = (pixel(0.0), pixel(0.9), pixel(1.7));
+                    let half = 0.15 * (low - high);
+                    hulls.push(vec![[x, high], [x + half, middle], [x, low], [x - half, middle]]);
+                }
+            }
+            for (all, seen) in frames.iter_mut().zip(seen) {
+                all.push(seen);
+            }
+        }
+        let [a, b] = frames.map(|frames| View::made_up(size, &frames));
+        let views = Views { a, b, frame_pairs: (0..200).map(|k| (k, k)).collect(), cameras: None };
+        (views, rotation, translation)
+    }
+
+    #[test]
+    fn the_floor_with_a_wrong_epipole_has_one_class_alone() {
+        let size = ImageSize::new(640, 480).unwrap();
+        let camera = Matrix3::new(400.0, 0.0, 320.0, 0.0, 400.0, 240.0, 0.0, 0.0, 1.0);
+        let (views, rotation, translation) = walkers(&camera, size);
+        let inverse = camera.try_inverse().unwrap();
+        let of = |m: Matrix3<f64>| Fundamental::from_matrix(&m, size, size).unwrap();
+        let truth = of(inverse.transpose() * translation.cross_matrix() * rotation.matrix() * inverse);
+        // The floor is y = 3: X ↦ R X + t nᵀX / 3 with n = (0, 1, 0).
+        let floor = camera * (rotation.matrix() + translation * Vector3::y().transpose() / 3.0) * inverse;
+        let wrong = of(Vector3::new(900.0, -700.0, 1.0).cross_matrix() * floor);
+
+        let [tops, bottoms] = class_evidence(&views, &truth, true);
+        assert!(tops > 0.5 * bottoms && bottoms > 0.5 * tops, "{tops} {bottoms}");
+        let [tops, bottoms] = class_evidence(&views, &wrong, true);
+        assert!(bottoms > 100.0 && tops < 0.1 * bottoms, "{tops} {bottoms}");
+        assert!(evidence(&views, &truth, true).total > evidence(&views, &wrong, true).total);
+    }
+}

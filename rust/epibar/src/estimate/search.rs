@@ -90,7 +90,7 @@ const PASS_SEED: u64 = 0x9E37_79B9_7F4A_7C15;
 /// Searches with all sources.
 ///
 /// # Errors
-/// [`Error::Interrupted`].
+/// [`crate::Error::Interrupted`].
 pub fn search(
     all: &Views,
     train: &Views,
