@@ -163,6 +163,30 @@ def test_a_recording_stands_for_its_video(masks, calibrated, cameras, tmp_path):
     assert read(tmp_path / "out")["pairs"][0]["F"] == read(calibrated)["pairs"][0]["F"]
 
 
+def test_intrinsics_of_what_is_recorded_already(masks, cameras, tmp_path, capsys):
+    saved = [str(tmp_path / f"cam{index + 1}.npz") for index in range(2)]
+    for path, out in zip(masks, saved, strict=False):
+        assert main(["record", path, "--masks", "--out", out, *FAST]) == 0
+    words = ["calibrate", *saved, "--out", str(tmp_path / "out"), "--intrinsics", str(cameras), *FAST]
+    # Without distortion the matrix is all that was missing.
+    assert main(words) == 0
+    assert "essential_deviation" in read(tmp_path / "out")["pairs"][0]["evidence"]
+    bent = tmp_path / "bent.toml"
+    bent.write_text(cameras.read_text().replace("distortions = [0.0,", "distortions = [-0.3,"))
+    words[words.index(str(cameras))] = str(bent)
+    assert main(words) == 2
+    assert "cam1.npz: recorded without intrinsics, so its lens still bends lines" in capsys.readouterr().err
+
+
+def test_an_ignore_mask_for_what_is_recorded_already(masks, tmp_path, capsys):
+    saved = str(tmp_path / "cam1.npz")
+    assert main(["record", masks[0], "--masks", "--out", saved, *FAST]) == 0
+    mask = tmp_path / "ignore.png"
+    cv2.imwrite(str(mask), np.zeros((10, 10), np.uint8))
+    assert main(["inspect", saved, "--ignore", str(mask)]) == 0
+    assert "recorded already, so its ignore mask cannot be applied" in capsys.readouterr().out
+
+
 # --- what a user can get wrong ---
 
 

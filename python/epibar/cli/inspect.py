@@ -11,7 +11,7 @@ from ..diagnosis import inspect
 from ..errors import EpibarError
 from ..intrinsics import find_camera, load_cameras
 from ..jobs.inputs import Camera, one_each, source_name
-from ..jobs.tasks import is_saved, load_recorded, record_camera
+from ..jobs.tasks import record_camera
 from .calibrate import record_options
 from .console import Console
 
@@ -31,11 +31,8 @@ def run(args: Namespace) -> int:
     for index, video in enumerate(args.videos):
         camera = Camera(source_name(video), video, index, backgrounds[index], ignored[index])
         try:
-            if is_saved(camera, options):
-                recording = load_recorded(video, options.frames)
-            else:
-                lens = find_camera(known, camera.name, index) if known is not None else None
-                recording, _ = record_camera(replace(camera, intrinsics=lens), options, console.interactive)
+            lens = find_camera(known, camera.name, index) if known is not None else None
+            recording, _ = record_camera(replace(camera, intrinsics=lens), options, console.interactive)
         except EpibarError as error:
             console.error(str(error))
             failed = True

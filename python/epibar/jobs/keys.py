@@ -19,7 +19,7 @@ from typing import Any
 
 from ..images import IMAGE_SUFFIXES
 from .inputs import Camera, PairOptions, RecordOptions
-from .tasks import is_saved
+from .saved import is_saved
 
 __all__ = ["fingerprint", "pair_key", "recording_key"]
 
@@ -70,10 +70,10 @@ def recording_key(
     if not is_saved(camera, options):
         content["opencv"] = _version("opencv-python-headless")
         content["options"] = asdict(options)
-        known = camera.intrinsics
-        if known is not None:
-            numbers = known.matrix.tolist(), known.distortions.tolist()
-            content["intrinsics"] = [known.size, *numbers, known.fisheye]
+    known = camera.intrinsics
+    if known is not None:
+        numbers = known.matrix.tolist(), known.distortions.tolist()
+        content["intrinsics"] = [known.size, *numbers, known.fisheye]
     return _digest(content)
 
 

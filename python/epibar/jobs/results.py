@@ -13,7 +13,7 @@ from ..recording import Recording
 from ..report.files import camera_entry, pair_entry, run_entry, write_frontier_points, write_json
 from ..report.picture import write_pair_picture
 from .inputs import Camera, Job, Pair
-from .tasks import is_saved
+from .saved import is_saved
 
 __all__ = ["Results", "summary"]
 

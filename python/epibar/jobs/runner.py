@@ -18,8 +18,9 @@ from ..recording import Recording
 from .inputs import Camera, Job, Pair, pair_stems
 from .keys import fingerprint, pair_key, recording_key
 from .results import Results, summary
+from .saved import is_saved
 from .store import Store
-from .tasks import calibrate_pair, is_saved, record_camera
+from .tasks import calibrate_pair, record_camera
 from .watch import Watch
 
 __all__ = ["Runner"]

@@ -9,20 +9,14 @@ import time
 from collections.abc import Callable
 
 from ..calibration import Calibration, calibrate
-from ..errors import EpibarError
-from ..frame_range import FrameRange
 from ..recorder import record
 from ..recording import Recording
 from .inputs import Camera, PairOptions, RecordOptions
+from .saved import is_saved, load_saved
 
-__all__ = ["calibrate_pair", "is_saved", "load_recorded", "record_camera"]
+__all__ = ["calibrate_pair", "record_camera"]
 
 Progress = Callable[[str, float], None]
-
-
-def is_saved(camera: Camera, options: RecordOptions) -> bool:
-    """Whether the camera's source is a recording, not a video."""
-    return camera.source.lower().endswith(".npz") and not options.masks
 
 
 def record_camera(
@@ -38,7 +32,7 @@ def record_camera(
     """
     started = time.perf_counter()
     if is_saved(camera, options):
-        recording = load_recorded(camera.source, options.frames)
+        recording = load_saved(camera, options)
         recording.name = camera.name
     else:
         recording = record(
@@ -55,25 +49,6 @@ def record_camera(
             progress=progress,
         )
     return recording, time.perf_counter() - started
-
-
-def load_recorded(source: str, frames: FrameRange) -> Recording:
-    """Load a saved recording.
-
-    Raises
-    ------
-    EpibarError
-        It cannot be read, or is of other frames than are asked for: it cannot be cut.
-    """
-    recording = Recording.load(source)
-    first, last = recording.first_frame, recording.first_frame + recording.frames
-    fits = frames.first == first and (frames.last is None or last <= frames.last)
-    if frames != FrameRange() and not fits:
-        raise EpibarError(
-            f"{source}: frames {frames} asked for, but this is recorded already, from the frames "
-            f"{first}:{last} of its video; record that again"
-        )
-    return recording
 
 
 def calibrate_pair(

@@ -1,0 +1,71 @@
+"""Recordings that were saved, given in place of videos."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import EpibarError
+from ..intrinsics import Intrinsics
+from ..recording import Recording
+from .inputs import Camera, RecordOptions
+
+__all__ = ["is_saved", "load_saved"]
+
+
+def is_saved(camera: Camera, options: RecordOptions) -> bool:
+    """Whether the camera's source is a recording, not a video."""
+    return camera.source.lower().endswith(".npz") and not options.masks
+
+
+def load_saved(camera: Camera, options: RecordOptions) -> Recording:
+    """Load a saved recording.
+
+    What can no longer be done to it, a background or an ignore mask, is told in its warnings.
+
+    Raises
+    ------
+    EpibarError
+        It cannot be read, is of other frames than are asked for, or its lens was not taken out as the
+        intrinsics say.
+    """
+    recording = Recording.load(camera.source)
+    _check_frames(recording, camera.source, options)
+    if camera.intrinsics is not None:
+        _check_lens(recording, camera.source, camera.intrinsics)
+        recording.matrix = camera.intrinsics.matrix
+    given = {"background": camera.background, "ignore mask": camera.ignore}
+    vain = [what for what, path in given.items() if path is not None]
+    if vain:
+        what = " and ".join(vain)
+        recording.warnings.append(
+            f"{camera.source}: recorded already, so its {what} cannot be applied; record the video again"
+        )
+    return recording
+
+
+def _check_frames(recording: Recording, source: str, options: RecordOptions) -> None:
+    frames = options.frames
+    first, last = recording.first_frame, recording.first_frame + recording.frames
+    everything = frames.first == 0 and frames.last is None
+    if not everything and (frames.first != first or (frames.last is not None and last > frames.last)):
+        raise EpibarError(
+            f"{source}: frames {frames} asked for, but this is recorded already, from the frames "
+            f"{first}:{last} of its video; record that again"
+        )
+
+
+def _check_lens(recording: Recording, source: str, lens: Intrinsics) -> None:
+    again = "record the video again with these intrinsics"
+    if recording.size != lens.size:
+        width, height = lens.size
+        raise EpibarError(
+            f"{source}: {recording.width}x{recording.height} frames, but its intrinsics are for "
+            f"{width}x{height}"
+        )
+    if recording.matrix is None:
+        if lens.distorted:
+            raise EpibarError(
+                f"{source}: recorded without intrinsics, so its lens still bends lines; {again}"
+            )
+    elif not np.allclose(recording.matrix, lens.matrix, rtol=1e-9, atol=1e-9):
+        raise EpibarError(f"{source}: recorded with another camera matrix; {again}")
