@@ -100,7 +100,7 @@ def cells(s: dict) -> list[str]:
 
 def main() -> None:
     parser = ArgumentParser(description=__doc__.splitlines()[0])
-    add_common(parser, lines=100_000)
+    add_common(parser, lines=200_000)
     add_names(parser, "--scenes", ROWS)
     add_seeds(parser, 1)
     add_frames(parser, 800)

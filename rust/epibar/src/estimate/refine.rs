@@ -34,19 +34,25 @@ pub struct SampsonProblem {
 impl SampsonProblem {
     /// `scale`: of the Cauchy loss, pixels.
     pub fn new(points: &[FrontierPoint], scale: f64) -> Self {
-        let padded = points.len().next_multiple_of(CHUNK);
-        let column = |of: fn(&FrontierPoint) -> f64| {
-            let mut values: Vec<f64> = points.iter().map(of).collect();
-            values.resize(padded, 0.0);
-            values
-        };
-        let columns = [
-            column(|p| p.a[0]),
-            column(|p| p.a[1]),
-            column(|p| p.b[0]),
-            column(|p| p.b[1]),
-            column(|p| p.surprise),
-        ];
+        Self::of_rows(points.iter().map(|p| [p.a[0], p.a[1], p.b[0], p.b[1], p.surprise]), scale)
+    }
+
+    /// The same of matches `(a, b)` that weigh alike.
+    pub fn of_matches(matches: &[([f64; 2], [f64; 2])], scale: f64) -> Self {
+        Self::of_rows(matches.iter().map(|(a, b)| [a[0], a[1], b[0], b[1], 1.0]), scale)
+    }
+
+    fn of_rows(rows: impl ExactSizeIterator<Item = [f64; 5]>, scale: f64) -> Self {
+        let padded = rows.len().next_multiple_of(CHUNK);
+        let mut columns: [Vec<f64>; 5] = std::array::from_fn(|_| Vec::with_capacity(padded));
+        for row in rows {
+            for (column, value) in columns.iter_mut().zip(row) {
+                column.push(value);
+            }
+        }
+        for column in &mut columns {
+            column.resize(padded, 0.0);
+        }
         Self { columns, scale, arch: Arch::new() }
     }
 }

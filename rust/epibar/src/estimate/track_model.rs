@@ -9,11 +9,15 @@
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
+use super::essential::{CameraMatrices, Weighted};
 use super::frontier::Scorer;
+use super::optimise::{SevenParameters, minimise};
 use super::ransac::Estimator;
+use super::refine::SampsonProblem;
 use super::tracks::{Extremes, tracks};
 use super::views::Views;
 use crate::geometry::{Fundamental, eight_point, symmetric_epipolar_distance};
+use crate::line::ImageSize;
 
 /// Frames for which two tracks must live together.
 const SHORTEST: usize = 12;
@@ -80,6 +84,20 @@ impl<'a> TrackModel<'a> {
     }
 }
 
+/// The geometry near `f` that fits the matches about as well and the camera matrices too; `tolerance` in pixels.
+fn fit_essential(
+    matches: &[([f64; 2], [f64; 2])],
+    f: &Fundamental,
+    cameras: &CameraMatrices,
+    tolerance: f64,
+    sizes: [ImageSize; 2],
+) -> Option<Fundamental> {
+    const ITERATIONS: usize = 8;
+    let points = SampsonProblem::of_matches(matches, tolerance);
+    let problem = Weighted { points: &points, prior: Some((cameras, tolerance * tolerance)) };
+    minimise(&problem, SevenParameters::new(f, sizes)?, ITERATIONS).0.fundamental()
+}
+
 impl Estimator for TrackModel<'_> {
     type Model = Fundamental;
 
@@ -96,8 +114,17 @@ impl Estimator for TrackModel<'_> {
             }
         }
         let f = eight_point(&matches, self.scorer.views().sizes())?;
-        let sum: f64 = matches.iter().map(|(a, b)| symmetric_epipolar_distance(&f, *a, *b)).sum();
-        (sum <= self.tolerance * matches.len() as f64).then_some(f)
+        let fits = |f: &Fundamental| {
+            let sum: f64 = matches.iter().map(|(a, b)| symmetric_epipolar_distance(f, *a, *b)).sum();
+            sum <= self.tolerance * matches.len() as f64
+        };
+        if !fits(&f) {
+            return None;
+        }
+        let Some(cameras) = &self.scorer.views().cameras else { return Some(f) };
+        // Of the samples that fit some geometry few fit one that the cameras allow.
+        let f = fit_essential(&matches, &f, cameras, self.tolerance, self.scorer.views().sizes())?;
+        fits(&f).then_some(f)
     }
 
     fn score(&self, model: &Fundamental) -> f64 {
