@@ -32,8 +32,8 @@ def error(scene, calibration):
     return float(epibar.symmetric_epipolar_distance(calibration.F, *points).mean())
 
 
-@pytest.mark.parametrize("seed", [2, 6])
-def test_camera_matrices_settle_what_little_motion_leaves_open(seed):
+@pytest.mark.parametrize(("seed", "enough"), [(2, True), (18, False)])
+def test_camera_matrices_settle_what_little_motion_leaves_open(seed, enough):
     scene = three_walkers(seed, frames=200)
     pair = recordings(scene, (1.0, 1.0))
     without = epibar.calibrate(*pair, essential=False)
@@ -41,7 +41,8 @@ def test_camera_matrices_settle_what_little_motion_leaves_open(seed):
     assert error(scene, without) > 10.0
     assert "essential_deviation" not in without.evidence
     calibration = epibar.calibrate(*pair)
-    assert calibration.accepted, calibration.reason
+    # What eight seconds show may be right and still too little to be believed.
+    assert calibration.accepted == enough, calibration.reason
     assert error(scene, calibration) < 0.5
     assert calibration.evidence["essential_deviation"] < 0.01
 

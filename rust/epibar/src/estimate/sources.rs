@@ -87,6 +87,9 @@ pub(super) struct Frames<'a> {
 /// Line models that are fitted to their inliers before they are scored with tangents.
 const LINE_FITS: usize = 60;
 
+/// Times as many draws from tracks where the camera matrices are known, which refuse most of them before they are scored.
+const WITH_CAMERAS: usize = 3;
+
 /// Draws from every source.
 ///
 /// # Errors
@@ -128,7 +131,9 @@ pub(super) fn hypotheses(
     }
     let tracks = TrackModel::new(frames.train, frames.scoring, scale, options.upright);
     if tracks.pairs() > 0 {
-        let best = ransac(&tracks, options.track_draws, 300, seed, Source::Tracks.name(), watch)?;
+        let times = if frames.train.cameras.is_some() { WITH_CAMERAS } else { 1 };
+        let draws = options.track_draws * times;
+        let best = ransac(&tracks, draws, 300, seed, Source::Tracks.name(), watch)?;
         scored.extend(best.into_iter().map(|s| (s, Source::Tracks)));
     }
     scored.retain(|s| s.0.score.is_finite());
