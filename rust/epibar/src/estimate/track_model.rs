@@ -123,7 +123,8 @@ impl Estimator for TrackModel<'_> {
         }
         // Extremes are only about frontier points, so that the true sample may miss the geometry that the cameras allow:
         // half of the draws go on without them.
-        let Some(cameras) = self.scorer.views().cameras.as_ref().filter(|_| index / 4 % 2 == 0) else {
+        let Some(cameras) = self.scorer.views().cameras.as_ref().filter(|_| (index / 4).is_multiple_of(2))
+        else {
             return Some(f);
         };
         let f = fit_essential(&matches, &f, cameras, self.tolerance, self.scorer.views().sizes())?;
