@@ -34,6 +34,7 @@ from epibar.evaluation import (
     triangulate,
     volume_correspondences,
 )
+from epibar.foreground import ForegroundOptions
 from epibar.intrinsics import Intrinsics, find_camera, load_cameras
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -178,7 +179,7 @@ def record(
     camera: Intrinsics,
     lines: int,
     seed: int,
-    foreground: str,
+    foreground: ForegroundOptions,
     cache: Path | None,
     first: int = 0,
 ) -> Recording:
@@ -208,13 +209,18 @@ def record(
     return recording
 
 
+def foreground_of(args: Namespace) -> ForegroundOptions:
+    """Return the foreground that was asked for."""
+    return ForegroundOptions(method=args.foreground, threshold=args.threshold)
+
+
 def view(
     path: Path, name: str, index: int, known: list[Intrinsics], data: Data, args: Namespace, first: int = 0
 ) -> View:
     """Record a camera from a frame on."""
     camera = find_camera(known, name, index)
     started = time.perf_counter()
-    recording = record(path, data.masks, camera, args.lines, index, args.foreground, args.cache, first)
+    recording = record(path, data.masks, camera, args.lines, index, foreground_of(args), args.cache, first)
     progress(
         f"{path.parent.name}/{path.name}: {recording.frames} frames, {time.perf_counter() - started:.1f} s"
     )
@@ -340,6 +346,7 @@ def main() -> None:
     parser.add_argument("--pairs", help="only these pairs of cameras, such as cam1-cam2,cam1-cam3")
     add_method(parser)
     parser.add_argument("--foreground", choices=("mog2", "knn", "median"), default="mog2")
+    parser.add_argument("--threshold", type=float, default=0.0, help="of the foreground (default: its own)")
     parser.add_argument("--seed", type=int, default=0, help="of the calibration (default %(default)s)")
     parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")
     args = parser.parse_args()

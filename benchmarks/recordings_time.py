@@ -147,6 +147,7 @@ def main() -> None:
     parser.add_argument("--shifts", type=float, nargs="+", default=SHIFTS, metavar="SECONDS")
     parser.add_argument("--search-seconds", type=float, default=8.0)
     parser.add_argument("--foreground", choices=("mog2", "knn", "median"), default="mog2")
+    parser.add_argument("--threshold", type=float, default=0.0, help="of the foreground (default: its own)")
     parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")
     args = parser.parse_args()
     present = [name for name in args.only if (args.data_dir / DATA[name].folder / "cameras.toml").exists()]
