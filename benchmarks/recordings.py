@@ -266,7 +266,7 @@ def from_the_known(a: View, b: View, truth: Array, F: Array | None) -> tuple[Arr
 
     refined = examine(truth, refined=True)
     ours = math.nan if F is None else examine(F, refined=False)["evidence"]
-    return refined["F"], refined["evidence"] / ours
+    return refined["F"], refined["evidence"] / ours if ours > 0 else math.nan
 
 
 def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int) -> Result:

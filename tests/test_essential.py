@@ -61,9 +61,9 @@ def test_without_both_matrices_nothing_is_known():
     half[1].matrix = None
     free = epibar.calibrate(*knowing, essential=False)
     np.testing.assert_array_equal(epibar.calibrate(*half).F, free.F)
-    np.testing.assert_array_equal(
-        epibar.calibrate(*knowing, method="lines").F, epibar.calibrate(*half, method="lines").F
-    )
+    lines = epibar.calibrate(*knowing, method="lines")
+    np.testing.assert_array_equal(lines.F, epibar.calibrate(*half, method="lines").F)
+    assert "essential_deviation" not in lines.evidence
 
 
 @pytest.mark.parametrize(
@@ -82,16 +82,52 @@ def test_a_matrix_that_is_none_is_refused(matrix, said):
         epibar.Recording.from_masks(np.zeros((20, 30, 40), bool), lines=10, matrix=matrix)
 
 
-def test_a_matrix_that_is_spoilt_later_is_refused_by_calibrate():
+def bars(matrix=None):
+    """Two recordings of a bar that walks to and fro."""
     masks = np.zeros((40, 60, 80), bool)
     for t in range(40):
         masks[t, 20:40, t : t + 10] = True
-    pair = [
-        epibar.Recording.from_masks(masks, lines=500, seed=i, matrix=np.diag([80.0, 80, 1])) for i in (0, 1)
-    ]
-    pair[1].matrix = np.full((3, 3), np.nan)
-    with pytest.raises(epibar.EpibarError, match="camera matrices"):
+    return [epibar.Recording.from_masks(masks, lines=500, seed=i, matrix=matrix) for i in (0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("matrix", "said"),
+    [
+        (np.full((3, 3), np.nan), "not finite"),
+        (np.diag([80.0, 80.0, 2.0]), "fx, 0, cx"),
+        ([[1, 2], [3, 4]], "3 x 3"),
+    ],
+)
+def test_a_matrix_that_is_spoilt_later_is_refused_by_calibrate(matrix, said):
+    pair = bars(np.diag([80.0, 80.0, 1.0]))
+    pair[1].matrix = matrix
+    with pytest.raises(epibar.EpibarError, match=said):
         epibar.calibrate(*pair)
+
+
+def test_the_order_of_a_matrix_in_memory_does_not_matter():
+    matrix = np.array([[80.0, 0.0, 40.0], [0.0, 82.0, 30.0], [0.0, 0.0, 1.0]])
+    evidence = []
+    for given in (matrix, np.asfortranarray(matrix), matrix.tolist()):
+        pair = bars(given)
+        pair[1].matrix = given
+        evidence.append(epibar.calibrate(*pair).evidence)
+    assert evidence[0] == evidence[1] == evidence[2]
+
+
+def test_arrays_of_another_order_are_not_read_transposed():
+    F = np.asfortranarray(np.arange(9.0).reshape(3, 3))
+    with pytest.raises(ValueError, match="C-contiguous"):
+        epibar._core.score_lines(
+            np.ones((2, 3)), np.asfortranarray(np.ones((2, 3))), [(80, 60), (80, 60)], F[None]
+        )
+
+
+def test_a_refusal_without_matrices_says_nothing_of_them():
+    empty = [epibar.Recording.from_masks(np.zeros((40, 60, 80), bool), lines=50) for _ in range(2)]
+    evidence = epibar.calibrate(*empty).evidence
+    assert "essential_deviation" not in evidence
+    assert "plane_residual" not in evidence
 
 
 def test_it_survives_saving(tmp_path):

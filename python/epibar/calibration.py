@@ -19,7 +19,7 @@ from .diagnosis import cause_of_refusal
 from .errors import EpibarError
 from .recording import Recording
 from .timing import Timing, frame_interval, position_in_b
-from .validation import MAX_SEED, as_whole_number, core_errors
+from .validation import MAX_SEED, as_camera_matrix, as_whole_number, core_errors
 
 __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "calibrate"]
 
@@ -205,7 +205,7 @@ def calibrate(
     essential : bool
         Where both recordings know their camera matrix, expect F to be an essential matrix under them: its
         singular values equal to about a percent. That leaves five parameters of seven. False leaves all seven
-        to the motion.
+        to the motion, and ``method="lines"`` always does.
     candidates : int
         How many of the best pairs of lines are candidates (paper, section 2: 1,000).
     draws : int
@@ -299,7 +299,7 @@ def _matrices(rec_a: Recording, rec_b: Recording) -> tuple[NDArray[np.float64], 
     """Camera matrices, where both are known."""
     if rec_a.matrix is None or rec_b.matrix is None:
         return None
-    return rec_a.matrix, rec_b.matrix
+    return as_camera_matrix(rec_a.matrix), as_camera_matrix(rec_b.matrix)
 
 
 def _is_number(value: Any) -> bool:

@@ -107,7 +107,7 @@ class Recording:
         Raises
         ------
         EpibarError
-            Wrong rank, dtype or size of the masks, or a number out of its range.
+            Wrong rank, dtype or size of the masks, a number out of its range, or no camera matrix.
 
         Examples
         --------
@@ -119,6 +119,8 @@ class Recording:
         <Recording 64x48, 100 frames, 200 lines>
         """
         stack = as_masks(masks)
+        if matrix is not None:
+            matrix = as_camera_matrix(matrix)
         try:
             fps = float(fps)
         except (TypeError, ValueError):

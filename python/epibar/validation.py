@@ -69,7 +69,7 @@ def as_masks(masks: Any) -> NDArray[np.uint8]:
 def as_camera_matrix(matrix: Any) -> NDArray[np.float64]:
     """Return a camera matrix as a (3, 3) array, or say what is wrong with it."""
     try:
-        array = np.array(matrix, dtype=np.float64)
+        array = np.array(matrix, dtype=np.float64, order="C")
     except (TypeError, ValueError):
         raise EpibarError(f"matrix = {matrix!r}: expected numbers, 3 x 3") from None
     if array.shape != (3, 3):

@@ -76,8 +76,8 @@ def _add_calibrate(commands: argparse._SubParsersAction[argparse.ArgumentParser]
         "--no-essential",
         dest="essential",
         action="store_false",
-        help="use the camera matrices of --intrinsics for the lens alone: F need not be an essential matrix "
-        "under them",
+        help="use camera matrices, of --intrinsics or in saved recordings, for the lens alone: F need not be "
+        "an essential matrix under them",
     )
     command.add_argument(
         "--scheduler",

@@ -20,19 +20,24 @@ def is_saved(camera: Camera, options: RecordOptions) -> bool:
 def load_saved(camera: Camera, options: RecordOptions) -> Recording:
     """Load a saved recording.
 
-    What can no longer be done to it, a background or an ignore mask, is told in its warnings.
+    What can no longer be done to it, a background or an ignore mask, is told in its warnings, and that its
+    distortion is taken on trust: a recording knows its camera matrix and no coefficients.
 
     Raises
     ------
     EpibarError
-        It cannot be read, is of other frames than are asked for, or its lens was not taken out as the
-        intrinsics say.
+        It cannot be read, is of other frames than are asked for, or of another camera matrix than the
+        intrinsics say, or of none though the lens bends lines.
     """
     recording = Recording.load(camera.source)
     _check_frames(recording, camera.source, options)
     if camera.intrinsics is not None:
         _check_lens(recording, camera.source, camera.intrinsics)
         recording.matrix = camera.intrinsics.matrix
+        if camera.intrinsics.distorted:
+            recording.warnings.append(
+                f"{camera.source}: recorded already, so its distortion is taken to be that of the intrinsics"
+            )
     given = {"background": camera.background, "ignore mask": camera.ignore}
     vain = [what for what, path in given.items() if path is not None]
     if vain:

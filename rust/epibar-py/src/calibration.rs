@@ -243,12 +243,15 @@ impl Calibration {
             ("z_bottoms", e.z_bottoms),
             ("explained", e.explained),
             ("explained_by_chance", e.explained_by_chance),
-            ("plane_residual", e.plane_residual),
         ] {
             evidence.set_item(name, value)?;
         }
-        if e.essential_deviation.is_finite() {
-            evidence.set_item("essential_deviation", e.essential_deviation)?;
+        for (name, value) in
+            [("plane_residual", e.plane_residual), ("essential_deviation", e.essential_deviation)]
+        {
+            if !value.is_nan() {
+                evidence.set_item(name, value)?;
+            }
         }
         Ok(evidence)
     }

@@ -4,7 +4,7 @@ use epibar::calibrate::Clock;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::convert::rows;
+use crate::convert::{enter, rows};
 use crate::recording::Recording;
 
 /// Seconds from one frame to the next.
@@ -27,9 +27,10 @@ pub fn positions<'py>(
     b: &Recording,
     time_offset: f64,
     frames_per_frame: f64,
-) -> Bound<'py, PyArray1<f64>> {
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let (a, b) = (&a.inner, &b.inner);
-    Clock::of_frames(time_offset, frames_per_frame, a, b).positions(a, b).into_pyarray(py)
+    enter(py, || Ok(Clock::of_frames(time_offset, frames_per_frame, a, b).positions(a, b)))
+        .map(|positions| positions.into_pyarray(py))
 }
 
 /// Pairs (frame of A, nearest frame of B) that show the same moment.
@@ -42,6 +43,6 @@ pub fn common_frames<'py>(
     frames_per_frame: f64,
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let (a, b) = (&a.inner, &b.inner);
-    let pairs = Clock::of_frames(time_offset, frames_per_frame, a, b).common_frames(a, b);
+    let pairs = enter(py, || Ok(Clock::of_frames(time_offset, frames_per_frame, a, b).common_frames(a, b)))?;
     rows(py, pairs.into_iter().map(|(i, j)| [i64::from(i), i64::from(j)]))
 }

@@ -71,7 +71,8 @@ pub fn slice<'a, T: numpy::Element>(
             array.ndim()
         )));
     }
-    array.as_slice().map_err(|_| {
+    // `as_slice` takes Fortran's order as well, and would hand out the transposed array.
+    array.as_slice().ok().filter(|_| array.is_c_contiguous()).ok_or_else(|| {
         PyValueError::new_err(format!("{name} must be C-contiguous: use numpy.ascontiguousarray"))
     })
 }

@@ -28,7 +28,7 @@ pub struct ShiftScore {
 }
 
 /// How `F` stands out against time shifts.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Evidence {
     /// Normal deviate of the evidence of both classes together against that at other shifts.
     pub z: f64,
@@ -46,6 +46,21 @@ pub struct Evidence {
     /// `(s₁ − s₂) / (s₁ + s₂)` of the singular values of `K_bᵀ F K_a`, 0 for an essential matrix; NaN where the camera
     /// matrices are not known.
     pub essential_deviation: f64,
+}
+
+impl Default for Evidence {
+    /// None.
+    fn default() -> Self {
+        Self {
+            z: 0.0,
+            z_tops: 0.0,
+            z_bottoms: 0.0,
+            explained: 0.0,
+            explained_by_chance: 0.0,
+            plane_residual: f64::NAN,
+            essential_deviation: f64::NAN,
+        }
+    }
 }
 
 /// What a geometry is tested on.
@@ -187,8 +202,7 @@ impl ShiftCurve {
             z_bottoms: self.deviate(&|s| s.bottoms.excess),
             explained: share(&first.score),
             explained_by_chance: rest.iter().map(|s| share(&s.score)).sum::<f64>() / rest.len().max(1) as f64,
-            plane_residual: f64::NAN,
-            essential_deviation: f64::NAN,
+            ..Evidence::default()
         }
     }
 }

@@ -134,7 +134,7 @@ pub(super) fn judge(case: &Case) -> Judged {
 
     let (curve, mut evidence_now) = found.fitted.map_or_else(Default::default, |f| tested(case, &f));
     evidence_now.plane_residual = plane_residual(views, &points);
-    evidence_now.essential_deviation = options.cameras.map_or(f64::NAN, |k| k.deviation(fundamental));
+    evidence_now.essential_deviation = views.cameras.map_or(f64::NAN, |k| k.deviation(fundamental));
 
     let second = if frame_rate.is_finite() { frame_rate.round().max(1.0) as usize } else { 25 };
     let parameters = SevenParameters::new(fundamental, views.sizes());

@@ -55,7 +55,8 @@ pub struct CalibrateOptions {
     pub time_offset: TimeOffset,
     /// Both cameras are the right way up (DESIGN §6, the mirror).
     pub upright: bool,
-    /// The camera matrices of A and B, where both are known: `F` is expected to be an essential matrix under them.
+    /// The camera matrices of A and B, where both are known: `F` is expected to be an essential matrix under them
+    /// by `Method::Frontier`.
     pub cameras: Option<CameraMatrices>,
     /// How candidates are chosen.
     pub candidates: CandidateOptions,
@@ -295,7 +296,7 @@ fn check(options: &CalibrateOptions) -> Result<()> {
         return Err(Error::Argument {
             name: "cameras",
             value: format!("{:?}", options.cameras),
-            expected: "two finite camera matrices with positive focal lengths",
+            expected: "two finite camera matrices [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]",
         });
     }
     options.time_offset.check()

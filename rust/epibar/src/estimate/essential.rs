@@ -50,15 +50,18 @@ impl CameraMatrices {
         ((sum - twice).max(0.0) / (sum + twice)).sqrt()
     }
 
-    /// Whether both are finite, with positive focal lengths.
+    /// Whether both are finite, with positive focal lengths and a last row of 0, 0, 1.
     pub fn usable(&self) -> bool {
-        let one = |k: &Matrix3<f64>| k.iter().all(|v| v.is_finite()) && k.m11 > 0.0 && k.m22 > 0.0;
+        let last = |k: &Matrix3<f64>| (k.row(2).transpose() - nalgebra::Vector3::z()).norm() < 1e-9;
+        let one = |k: &Matrix3<f64>| k.iter().all(|v| v.is_finite()) && k.m11 > 0.0 && k.m22 > 0.0 && last(k);
         one(&self.a) && one(&self.b)
     }
 
-    /// `JᵀJ` of the constraint at a geometry, its standard deviation as the unit.
+    /// What the constraint tells of a geometry: `JᵀJ`, its standard deviation as the unit, and the less the further the
+    /// geometry is from an essential matrix, for then the outlines contradict the camera matrices.
     pub fn information(&self, at: &SevenParameters) -> Information {
-        self.linearise(at).1
+        let (cost, information, _) = self.linearise(at);
+        information / (1.0 + 2.0 * cost)
     }
 }
 
@@ -92,6 +95,7 @@ impl<P: Problem> Problem for Weighted<'_, P> {
 mod tests {
     use super::*;
     use crate::line::ImageSize;
+    use crate::verify::with_prior;
     use nalgebra::{Rotation3, Vector3};
 
     fn cameras() -> CameraMatrices {
@@ -126,6 +130,31 @@ mod tests {
         assert!((wrong.deviation(&f) / deviation - 1.0).abs() < 1e-6);
         let deviations = deviation / DEVIATION;
         assert!(((2.0 * cost).sqrt() / deviations - 1.0).abs() < 0.05, "{cost} {deviations}");
+    }
+
+    #[test]
+    fn cameras_that_are_contradicted_tell_less() {
+        let at = parameters(&cameras());
+        let told = cameras().information(&at).norm();
+        let mut wrong = cameras();
+        wrong.a[(0, 0)] *= 1.3;
+        wrong.a[(1, 1)] *= 1.3;
+        assert!(wrong.information(&at).norm() < 0.05 * told);
+        let mut spoilt = cameras();
+        spoilt.b[(2, 2)] = 2.0;
+        assert!(cameras().usable() && !spoilt.usable());
+    }
+
+    #[test]
+    fn a_prior_adds_its_information() {
+        let root =
+            Information::from_fn(|i, k| ((3 * i + 5 * k) % 7) as f64 - 3.0 + if i == k { 9.0 } else { 0.0 });
+        let covariance = root * root.transpose() * 1e-4;
+        let prior = cameras().information(&parameters(&cameras()));
+        let both = with_prior(&covariance, &prior).unwrap();
+        let expected = (covariance.try_inverse().unwrap() + prior).try_inverse().unwrap();
+        assert!((both - expected).norm() < 1e-6 * expected.norm());
+        assert!(both.trace() < covariance.trace());
     }
 
     #[test]

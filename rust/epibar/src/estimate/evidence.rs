@@ -86,7 +86,7 @@ pub(super) fn chance_level(comparer: &mut Comparer, frames: usize, radius: f64) 
     (sum / CHANCE_SHIFTS as f64).max(0.0)
 }
 
-/// Evidence of tops and of bottoms from A to B, less that of chance, at the radius that suits the masks.
+/// Evidence of tops and of bottoms from A to B, less that of chance where there is any, at the radius that suits the masks.
 pub(super) fn class_evidence(views: &Views, f: &Fundamental, upright: bool) -> [f64; 2] {
     let (weighed, mut comparer) = weigh(views, f, upright);
     let mut at = |shift: usize, radius: f64| {
@@ -95,7 +95,7 @@ pub(super) fn class_evidence(views: &Views, f: &Fundamental, upright: bool) -> [
     };
     let own = at(0, SIGN_RADIUS * pixel_scale(views));
     let chance = chance_shifts(views.frames()).map(|shift| at(shift, weighed.radius));
-    let mean = |class: usize| chance.iter().map(|c| c[class]).sum::<f64>() / CHANCE_SHIFTS as f64;
+    let mean = |class: usize| (chance.iter().map(|c| c[class]).sum::<f64>() / CHANCE_SHIFTS as f64).max(0.0);
     [own[0] - mean(0), own[1] - mean(1)]
 }
 

@@ -22,7 +22,7 @@ pub struct SearchOptions {
     pub draws: usize,
     /// Hypotheses per floor homography.
     pub floor_draws: usize,
-    /// Hypotheses from tracks.
+    /// Hypotheses from tracks, where no camera matrices are known.
     pub track_draws: usize,
     /// Silhouettes of a camera that score hypotheses: few frames of a crowd, many of a lone walker.
     pub scoring_hulls: usize,

@@ -87,7 +87,8 @@ pub(super) struct Frames<'a> {
 /// Line models that are fitted to their inliers before they are scored with tangents.
 const LINE_FITS: usize = 60;
 
-/// Times as many draws from tracks where the camera matrices are known, which refuse most of them before they are scored.
+/// Times as many draws from tracks where the camera matrices are known: half are fitted to them, and most of those refused
+/// before they are scored.
 const WITH_CAMERAS: usize = 3;
 
 /// Draws from every source.

@@ -7,7 +7,7 @@ const EVIDENCE = {
   explained: ["outlines of A explained", "of its tangents", 0],
   explained_by_chance: ["by chance", "of its tangents", 0],
   plane_residual: ["distance from one plane", "widths of a silhouette; near nought means undetermined", 2],
-  essential_deviation: ["from an essential matrix", "difference of its singular values; above 0.05 a camera matrix is off", 3],
+  essential_deviation: ["from an essential matrix", "difference of its singular values; above 0.05, of an accepted pair, a camera matrix is off", 3],
 };
 
 const COUNTS = {
