@@ -178,9 +178,8 @@ def measure_scene(
     recordings = {camera: record_camera(scene, camera, lines, seed) for camera in sorted(needed)}
     if focal_error is not None:
         for camera, recording in recordings.items():
-            factor = 1.0 + (focal_error if camera % 2 else -focal_error)
-            recording.matrix = scene.cameras[camera].K * np.array([[factor], [factor], [1.0]])
-            recording.matrix[:2, 2] = scene.cameras[camera].K[:2, 2]
+            recording.matrix = scene.cameras[camera].K.copy()
+            recording.matrix[[0, 1], [0, 1]] *= 1.0 + (focal_error if camera % 2 else -focal_error)
     outcomes = []
     for method in methods:
         for a, b in chosen:

@@ -338,25 +338,38 @@ def _summary_cells(s: dict) -> list[str]:
     return [s["recording"], s["method"], *good, *counts, f"{s['seconds']:.1f}"]
 
 
-def main() -> None:
-    parser = ArgumentParser(description=__doc__.splitlines()[0])
+def parser_of(description: str) -> ArgumentParser:
+    """Make a parser of the options of every program that measures on the recordings."""
+    parser = ArgumentParser(description=description)
     parser.add_argument("data_dir", nargs="?", type=Path, default=ROOT.parent / "shared" / "data")
     add_common(parser, lines=20_000)
     add_names(parser, "--only", DATA)
-    parser.add_argument("--pairs", help="only these pairs of cameras, such as cam1-cam2,cam1-cam3")
-    add_method(parser)
     parser.add_argument("--foreground", choices=("mog2", "knn", "median"), default="mog2")
     parser.add_argument("--threshold", type=float, default=0.0, help="of the foreground (default: its own)")
-    parser.add_argument("--seed", type=int, default=0, help="of the calibration (default %(default)s)")
     parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")
-    args = parser.parse_args()
-    present = [name for name in args.only if (args.data_dir / DATA[name].folder / "cameras.toml").exists()]
-    if not present:
+    return parser
+
+
+def present(args: Namespace) -> list[str]:
+    """Those of the recordings asked for that are there; says so where none is."""
+    found = [name for name in args.only if (args.data_dir / DATA[name].folder / "cameras.toml").exists()]
+    if not found:
         print(f"{args.data_dir}: none of {', '.join(args.only)} is there, so there is nothing to measure")
+    return found
+
+
+def main() -> None:
+    parser = parser_of(__doc__.splitlines()[0])
+    parser.add_argument("--pairs", help="only these pairs of cameras, such as cam1-cam2,cam1-cam3")
+    add_method(parser)
+    parser.add_argument("--seed", type=int, default=0, help="of the calibration (default %(default)s)")
+    args = parser.parse_args()
+    names = present(args)
+    if not names:
         return
 
     results: list[Result] = []
-    for name in present:
+    for name in names:
         data, folder = DATA[name], args.data_dir / DATA[name].folder
         pairs = [f"{a}-{b}" for a, b in combinations(data.files, 2)]
         pairs = [pair for pair in pairs if args.pairs is None or pair in args.pairs.split(",")]

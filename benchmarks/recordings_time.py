@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 import time
-from argparse import ArgumentParser
+from argparse import Namespace
 from dataclasses import dataclass
+from functools import cache
 from itertools import combinations
 from pathlib import Path
 
-from options import add_common, add_names
-from recordings import DATA, ROOT, View, matched, view, volume_of
+from recordings import DATA, View, matched, parser_of, present, view, volume_of
 from tables import mean, px, table, worst, write_json
 
 import epibar
@@ -75,11 +75,12 @@ class Unrelated:
     z: float
 
 
-def shifted(name: str, args, folder: Path) -> list[Shifted]:
+def shifted(name: str, args: Namespace, folder: Path) -> list[Shifted]:
     """Search the offset of every pair of a recording, whose cameras start some seconds apart."""
     data, results = DATA[name], []
     known = load_cameras(folder / "cameras.toml")
 
+    @cache
     def camera(index: int, first: int) -> View:
         stem, file = list(data.files.items())[index]
         return view(folder / file, stem, index, known, data, args, first)
@@ -118,7 +119,7 @@ def shifted(name: str, args, folder: Path) -> list[Shifted]:
     return results
 
 
-def unrelated(names: list[str], args) -> list[Unrelated]:
+def unrelated(names: list[str], args: Namespace) -> list[Unrelated]:
     """Calibrate the first two cameras of each recording with those of the others."""
     views: list[tuple[str, View]] = []
     for name in names:
@@ -140,25 +141,18 @@ def unrelated(names: list[str], args) -> list[Unrelated]:
 
 
 def main() -> None:
-    parser = ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("data_dir", nargs="?", type=Path, default=ROOT.parent / "shared" / "data")
-    add_common(parser, lines=20_000)
-    add_names(parser, "--only", DATA)
+    parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--shifts", type=float, nargs="+", default=SHIFTS, metavar="SECONDS")
     parser.add_argument("--search-seconds", type=float, default=8.0)
-    parser.add_argument("--foreground", choices=("mog2", "knn", "median"), default="mog2")
-    parser.add_argument("--threshold", type=float, default=0.0, help="of the foreground (default: its own)")
-    parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")
     args = parser.parse_args()
-    present = [name for name in args.only if (args.data_dir / DATA[name].folder / "cameras.toml").exists()]
-    if not present:
-        print(f"{args.data_dir}: none of {', '.join(args.only)} is there, so there is nothing to measure")
+    names = present(args)
+    if not names:
         return
 
     pairs: list[Shifted] = []
-    for name in present:
+    for name in names:
         pairs += shifted(name, args, args.data_dir / DATA[name].folder)
-    others = unrelated(present, args)
+    others = unrelated(names, args)
     write_json(args.json, args, [*pairs, *others], [])
     header = ["recording", "pair", "offset, frames", "found", "verdict", "error, volume px", "s"]
     print("\n" + table(header, (pair.cells() for pair in pairs)))

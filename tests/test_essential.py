@@ -20,8 +20,7 @@ def recordings(scene, factors):
     made = []
     for index, (camera, factor) in enumerate(zip(scene.cameras, factors, strict=True)):
         matrix = camera.K.copy()
-        matrix[0, 0] *= factor
-        matrix[1, 1] *= factor
+        matrix[[0, 1], [0, 1]] *= factor
         made.append(epibar.Recording.from_masks(scene.masks(index), lines=10_000, seed=index, matrix=matrix))
     return made
 

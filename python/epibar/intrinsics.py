@@ -105,6 +105,20 @@ class Intrinsics:
         """Whether the lens bends lines."""
         return self.fisheye or bool(np.any(self.distortions != 0))
 
+    def check_size(self, size: tuple[int, int], name: str) -> None:
+        """Check that frames of this size, (width, height), are what the intrinsics are for.
+
+        Raises
+        ------
+        EpibarError
+            They are not; ``name`` is what has the frames.
+        """
+        if tuple(size) != self.size:
+            width, height = self.size
+            raise EpibarError(
+                f"{name}: {size[0]}x{size[1]} frames, but its intrinsics are for {width}x{height}"
+            )
+
     def posed(self) -> Pose:
         """Return the camera in the world.
 

@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import EpibarError
-
 if TYPE_CHECKING:
     from .intrinsics import Intrinsics
 
@@ -56,20 +54,13 @@ class MaskUndistorter:
     ) -> None:
         self.intrinsics = intrinsics
         self._name = name or intrinsics.name
-        self._check(size or intrinsics.size)
+        intrinsics.check_size(size or intrinsics.size, self._name)
         width, height = intrinsics.size
         self.valid: NDArray[np.uint8] = np.ones((height, width), np.uint8)
         if intrinsics.distorted:
             self._x, self._y = _maps(intrinsics)
             self.valid = ((self._x > -0.5) & (self._x < width - 0.5)).astype(np.uint8)
             self.valid &= (self._y > -0.5) & (self._y < height - 0.5)
-
-    def _check(self, size: tuple[int, int]) -> None:
-        if tuple(size) != self.intrinsics.size:
-            width, height = self.intrinsics.size
-            raise EpibarError(
-                f"{self._name}: {size[0]}x{size[1]} frames, but its intrinsics are for {width}x{height}"
-            )
 
     def _remap(self, image: np.ndarray) -> np.ndarray:
         import cv2
@@ -80,7 +71,7 @@ class MaskUndistorter:
 
     def __call__(self, mask: np.ndarray) -> NDArray[np.uint8]:
         """Undistort an (H, W) mask, bool or uint8, non-zero = moving; returns uint8 of 0 and 1."""
-        self._check((mask.shape[1], mask.shape[0]))
+        self.intrinsics.check_size((mask.shape[1], mask.shape[0]), self._name)
         binary = (np.asarray(mask) != 0).astype(np.uint8)
         if not self.intrinsics.distorted:
             return binary
@@ -88,7 +79,7 @@ class MaskUndistorter:
 
     def image(self, image: np.ndarray) -> np.ndarray:
         """Undistort an (H, W, 3) or (H, W) uint8 image; black where there is no source."""
-        self._check((image.shape[1], image.shape[0]))
+        self.intrinsics.check_size((image.shape[1], image.shape[0]), self._name)
         return self._remap(image) if self.intrinsics.distorted else image.copy()
 
 

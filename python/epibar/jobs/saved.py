@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import EpibarError
+from ..frame_range import FrameRange
 from ..intrinsics import Intrinsics
 from ..recording import Recording
 from .inputs import Camera, RecordOptions
@@ -51,8 +52,8 @@ def load_saved(camera: Camera, options: RecordOptions) -> Recording:
 def _check_frames(recording: Recording, source: str, options: RecordOptions) -> None:
     frames = options.frames
     first, last = recording.first_frame, recording.first_frame + recording.frames
-    everything = frames.first == 0 and frames.last is None
-    if not everything and (frames.first != first or (frames.last is not None and last > frames.last)):
+    fits = frames.first == first and (frames.last is None or last <= frames.last)
+    if frames != FrameRange() and not fits:
         raise EpibarError(
             f"{source}: frames {frames} asked for, but this is recorded already, from the frames "
             f"{first}:{last} of its video; record that again"
@@ -61,12 +62,7 @@ def _check_frames(recording: Recording, source: str, options: RecordOptions) -> 
 
 def _check_lens(recording: Recording, source: str, lens: Intrinsics) -> None:
     again = "record the video again with these intrinsics"
-    if recording.size != lens.size:
-        width, height = lens.size
-        raise EpibarError(
-            f"{source}: {recording.width}x{recording.height} frames, but its intrinsics are for "
-            f"{width}x{height}"
-        )
+    lens.check_size(recording.size, source)
     if recording.matrix is None:
         if lens.distorted:
             raise EpibarError(

@@ -8,7 +8,7 @@ use super::verdict::{Kind, Verdict};
 use super::{CalibrateOptions, Method, Rival, matched};
 use crate::estimate::evidence::{evidence, evidence_by_frame, pixel_scale};
 use crate::estimate::floor::Floor;
-use crate::estimate::frontier::FrontierPoint;
+use crate::estimate::frontier::{FrontierPoint, spread};
 use crate::estimate::optimise::SevenParameters;
 use crate::estimate::search::Found;
 use crate::estimate::views::Views;
@@ -87,13 +87,6 @@ pub(super) struct Judged {
     pub rivals: Vec<Rival>,
     pub points: Vec<FrontierPoint>,
     pub uncertainty: Option<Uncertainty>,
-}
-
-/// Robust spread of the residuals, pixels.
-fn spread(points: &[FrontierPoint]) -> f64 {
-    let mut distances: Vec<f64> = points.iter().map(|p| p.distance).collect();
-    distances.sort_by(f64::total_cmp);
-    distances.get(distances.len() / 2).map_or(f64::NAN, |m| 1.4826 * m)
 }
 
 /// The radius follows the masks: three times the spread of what matches at a generous one.

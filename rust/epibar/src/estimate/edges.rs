@@ -57,9 +57,9 @@ impl Edges {
     pub(super) fn turns(&self, hull: usize, count: usize, sides: &[u8]) -> Option<[usize; 2]> {
         let start = self.start[hull] as usize;
         let mut out = 0u64;
-        for (k, eight) in sides[start..start + count.next_multiple_of(LANES)].chunks_exact(LANES).enumerate()
-        {
-            let bytes = u64::from_le_bytes(eight.try_into().expect("eight bytes"));
+        let (eights, _) = sides[start..start + count.next_multiple_of(LANES)].as_chunks::<LANES>();
+        for (k, eight) in eights.iter().enumerate() {
+            let bytes = u64::from_le_bytes(*eight);
             // Gathers the lowest bits of eight bytes.
             out |= (bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (k * LANES);
         }

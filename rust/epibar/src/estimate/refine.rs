@@ -10,7 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::essential::Weighted;
 use super::evidence::evidence;
-use super::frontier::{FrontierOptions, FrontierPoint, compare, logarithm};
+use super::frontier::{FrontierOptions, FrontierPoint, compare, logarithm, spread};
 use super::optimise::{Information, Problem, SevenParameters, Step, minimise};
 use super::views::Views;
 use crate::geometry::Fundamental;
@@ -183,10 +183,7 @@ const LEAST_SPREAD: f64 = 0.25;
 /// What a standard deviation of a prior is worth, in the unit of the cost of the points.
 fn prior_weight(points: &[FrontierPoint]) -> f64 {
     let surprise = points.iter().map(|p| p.surprise).sum::<f64>() / points.len() as f64;
-    let mut distances: Vec<f64> = points.iter().map(|p| p.distance).collect();
-    let middle = distances.len() / 2;
-    let median = *distances.select_nth_unstable_by(middle, f64::total_cmp).1;
-    DEPENDENT * surprise * (1.4826 * median).max(LEAST_SPREAD).powi(2)
+    DEPENDENT * surprise * spread(points).max(LEAST_SPREAD).powi(2)
 }
 
 /// Refines `f` while the radius shrinks; each radius, in pixels, is used `repeats` times. `None` where too few

@@ -101,19 +101,17 @@ pub fn search(
     watch: &mut dyn Watch,
 ) -> Result<Found> {
     let searcher = Searcher::new(all, train, subset, options);
+    let scoring = Scorer::new(&searcher.scoring, searcher.coarse());
+    let frames = Frames { train, comparing: &searcher.comparing, scoring: &scoring };
     let (mut solutions, mut floor) = (Vec::new(), None);
     for pass in 0..options.passes {
-        let seed = seed.wrapping_add((pass as u64).wrapping_mul(PASS_SEED));
-        let found = {
-            let scoring = Scorer::new(&searcher.scoring, searcher.coarse());
-            let frames = Frames { train, comparing: &searcher.comparing, scoring: &scoring };
-            hypotheses(&frames, candidates, options, searcher.scale, seed, watch)?
-        };
-        floor = floor.or_else(|| found.floors.into_iter().next());
-        solutions = searcher.pass(solutions, &found.scored, seed, watch)?;
-        if !searcher.is_one_sided(&solutions) {
+        if pass > 0 && !searcher.is_one_sided(&solutions) {
             break;
         }
+        let seed = seed.wrapping_add((pass as u64).wrapping_mul(PASS_SEED));
+        let found = hypotheses(&frames, candidates, options, searcher.scale, seed, watch)?;
+        floor = floor.or_else(|| found.floors.into_iter().next());
+        solutions = searcher.pass(solutions, &found.scored, seed, watch)?;
     }
     let mut going = stages(watch);
     going("settle", 0.0)?;

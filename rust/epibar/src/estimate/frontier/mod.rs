@@ -54,6 +54,16 @@ pub struct FrontierPoint {
     pub class: Class,
 }
 
+/// Robust standard deviation of the distances, pixels; NaN of no points.
+pub fn spread(points: &[FrontierPoint]) -> f64 {
+    let mut distances: Vec<f64> = points.iter().map(|p| p.distance).collect();
+    if distances.is_empty() {
+        return f64::NAN;
+    }
+    let middle = distances.len() / 2;
+    1.4826 * *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
 /// Evidence of one class of tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ClassScore {
