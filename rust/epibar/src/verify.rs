@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::estimate::frontier::{Comparer, FrontierPoint, FrontierScore};
 use crate::estimate::optimise::{Information, SevenParameters, Step};
 use crate::estimate::refine::polish;
-use crate::estimate::refine::residual_row;
+use crate::estimate::refine::residual_rows;
 use crate::estimate::views::Views;
 use crate::estimate::volume::Correspondence;
 use crate::geometry::Fundamental;
@@ -215,8 +215,7 @@ impl ShiftCurve {
 pub fn covariance(at: &SevenParameters, points: &[FrontierPoint], block: usize) -> Option<Information> {
     let mut normal = Information::zeros();
     let mut blocks: std::collections::BTreeMap<u32, Step> = std::collections::BTreeMap::new();
-    for p in points {
-        let (residual, row) = residual_row(at, p);
+    for (p, (residual, row)) in points.iter().zip(residual_rows(at, points)) {
         normal.ger(1.0, &row, &row, 1.0);
         blocks.entry(p.frame / block.max(1) as u32).or_insert_with(Step::zeros).axpy(residual, &row, 1.0);
     }

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 
+use rayon::prelude::*;
+
 use super::error_map::{ErrorMap, Uncertainty};
 use super::split::Split;
 use super::verdict::{Kind, Verdict};
@@ -148,19 +150,21 @@ pub(super) fn judge(case: &Case) -> Judged {
     let own = evidence(views, fundamental, upright);
     let by_frame = |f, radius| evidence_by_frame(views, f, radius, upright);
     let own_by_frame = by_frame(fundamental, own.radius);
-    let mut rivals: Vec<Rival> = Vec::new();
-    if options.method == Method::Frontier {
-        for solution in found.solutions.iter().skip(1) {
+    let others = if options.method == Method::Frontier { found.solutions.get(1..) } else { None };
+    let mut rivals: Vec<Rival> = others
+        .unwrap_or_default()
+        .par_iter()
+        .map(|solution| {
             let theirs = evidence(views, &solution.fundamental, upright);
-            rivals.push(Rival {
+            Rival {
                 fundamental: solution.fundamental,
                 share: theirs.total / own.total.max(1e-9),
                 z: paired_z(&own_by_frame, &by_frame(&solution.fundamental, theirs.radius), block),
                 distance: disagreement(&volume, &solution.fundamental),
                 source: solution.source.name(),
-            });
-        }
-    }
+            }
+        })
+        .collect();
     rivals.sort_by(|p, q| q.share.total_cmp(&p.share));
     // Solutions that the evidence cannot tell from the winner are as likely to be the truth as it is.
     let undecided: Vec<f64> =

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::evidence::evidence;
 use super::frontier::{FrontierOptions, compare};
 use super::optimise::{SevenParameters, Step};
-use super::refine::{refine, residual_row};
+use super::refine::{refine, residual_rows};
 use super::search::Solution;
 use super::views::Views;
 use crate::geometry::Fundamental;
@@ -36,8 +36,7 @@ fn weak_directions(
         return None;
     }
     let mut normal = nalgebra::SMatrix::<f64, 7, 7>::zeros();
-    for p in &points {
-        let (_, row) = residual_row(&at, p);
+    for (_, row) in residual_rows(&at, &points) {
         normal.ger(1.0 / points.len() as f64, &row, &row, 1.0);
     }
     let eigen = normal.try_symmetric_eigen(1e-14, 200)?;

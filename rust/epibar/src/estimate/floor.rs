@@ -225,11 +225,11 @@ fn associated(h: &Matrix3<f64>, association: &Views, feet: [usize; 2]) -> Vec<St
         for ends_a in &in_a {
             let foot_a = ends_a[feet[0]];
             let foot = h * Vector3::new(foot_a[0], foot_a[1], 1.0);
-            let distance = |b: &[f64; 2]| (foot.x / foot.z - b[0]).hypot(foot.y / foot.z - b[1]);
-            let to_foot = |ends_b: &Extremes| distance(&ends_b[feet[1]]);
-            let nearest = in_b.iter().min_by(|p, q| to_foot(p).total_cmp(&to_foot(q)));
-            if let Some(ends_b) = nearest
-                && to_foot(ends_b) < near
+            let (x, y) = (foot.x / foot.z, foot.y / foot.z);
+            let squared = |[bx, by]: [f64; 2]| (x - bx).powi(2) + (y - by).powi(2);
+            let distances = in_b.iter().map(|ends_b| (squared(ends_b[feet[1]]), ends_b));
+            if let Some((distance, ends_b)) = distances.min_by(|p, q| p.0.total_cmp(&q.0))
+                && distance < near * near
             {
                 standing.push(Standing { top_a: ends_a[1 - feet[0]], top_b: ends_b[1 - feet[1]] });
             }

@@ -5,14 +5,14 @@
 //! A candidate is an inlier where the image area between `l'` and the line that `F` gives `l` is below
 //! `threshold × image width` (paper §3.2: 3).
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::optimise::{Information, Problem, SevenParameters, Step, cauchy, minimise};
 use super::ransac::Estimator;
 use crate::geometry::{Fundamental, LinePair, PencilHomography};
-use crate::line::{Homogeneous, ImageSize, Line, area_between};
+use crate::line::{Homogeneous, ImageSize, Line, Segment, area_between};
 use crate::matching::Candidate;
 
 /// Area threshold of an inlier in units of the image width (paper §3.2).
@@ -21,6 +21,8 @@ pub const AREA_THRESHOLD: f64 = 3.0;
 /// Draws hypotheses from line pairs and counts line inliers.
 pub struct LineModel<'a> {
     candidates: &'a [Candidate],
+    /// The two lines of each candidate.
+    homogeneous: Vec<(Homogeneous, Homogeneous)>,
     cumulative: Vec<f64>,
     sizes: [ImageSize; 2],
 }
@@ -36,7 +38,9 @@ impl<'a> LineModel<'a> {
                 sum
             })
             .collect();
-        Self { candidates, cumulative, sizes }
+        let homogeneous =
+            candidates.iter().map(|c| (c.lines.a.homogeneous(), c.lines.b.homogeneous())).collect();
+        Self { candidates, homogeneous, cumulative, sizes }
     }
 
     /// One candidate with probability proportional to its correlation.
@@ -55,17 +59,16 @@ impl<'a> LineModel<'a> {
             1.0 / w.max(far).max(f64::MIN_POSITIVE)
         };
         let (se, sf) = (scale(e, self.sizes[0]), scale(f, self.sizes[1]));
-        self.candidates
-            .iter()
-            .enumerate()
-            .filter(|&(i, _)| i != first && i != second)
-            .map(|(i, c)| {
-                let da = (c.lines.a.homogeneous().dot(e) * se).abs();
-                let db = (c.lines.b.homogeneous().dot(f) * sf).abs();
-                (da + db, i)
-            })
-            .min_by(|p, q| p.0.total_cmp(&q.0))
-            .map(|(_, i)| i)
+        let mut distances: Vec<f64> =
+            self.homogeneous.iter().map(|(a, b)| (a.dot(e) * se).abs() + (b.dot(f) * sf).abs()).collect();
+        (distances[first], distances[second]) = (f64::INFINITY, f64::INFINITY);
+        let (mut nearest, mut least) = (None, f64::INFINITY);
+        for (i, distance) in distances.into_iter().enumerate() {
+            if distance < least {
+                (nearest, least) = (Some(i), distance);
+            }
+        }
+        nearest
     }
 
     /// Inlier test of one candidate.
@@ -156,48 +159,102 @@ fn spread(inliers: &[&Candidate], at: &SevenParameters) -> f64 {
     sizes.get(sizes.len() / 2).map_or(0.3, |m| m.max(0.3))
 }
 
+/// Distance of a point `q` from a line `l`, pixels, and the derivative of it to the line.
+fn distance(l: &Vector3<f64>, q: &Vector3<f64>) -> (f64, Vector3<f64>) {
+    let scale = 1.0 / (l.x * l.x + l.y * l.y).sqrt().max(1e-300);
+    let distance = l.dot(q) * scale;
+    (distance, (q - Vector3::new(l.x, l.y, 0.0) * (distance * scale)) * scale)
+}
+
 impl LineProblem<'_> {
-    /// Four residuals of a candidate, pixels.
-    fn residuals(f: &nalgebra::Matrix3<f64>, c: &Candidate) -> [f64; 4] {
-        let [ax, ay] = c.segment_a.midpoint();
-        let [bx, by] = c.segment_b.midpoint();
-        let in_b = f * Vector3::new(ax, ay, 1.0);
-        let in_a = f.tr_mul(&Vector3::new(bx, by, 1.0));
-        let at = |l: &Vector3<f64>, x: f64, y: f64| {
-            (l.x * x + l.y * y + l.z) / (l.x * l.x + l.y * l.y).sqrt().max(1e-300)
-        };
-        [
-            at(&in_b, c.segment_b.x0, c.segment_b.y0),
-            at(&in_b, c.segment_b.x1, c.segment_b.y1),
-            at(&in_a, c.segment_a.x0, c.segment_a.y0),
-            at(&in_a, c.segment_a.x1, c.segment_a.y1),
-        ]
+    /// The line that `F` gives the middle of a candidate's segment in the other image, in B and in A.
+    fn lines(f: &Matrix3<f64>, c: &Candidate) -> [Vector3<f64>; 2] {
+        [f * point(c.segment_a.midpoint()), f.tr_mul(&point(c.segment_b.midpoint()))]
     }
+
+    /// Four residuals of a candidate, pixels: of the ends in B, and of those in A.
+    fn residuals(f: &Matrix3<f64>, c: &Candidate) -> [f64; 4] {
+        let [in_b, in_a] = Self::lines(f, c);
+        let [b0, b1] = ends(&c.segment_b).map(|end| distance(&in_b, &end).0);
+        let [a0, a1] = ends(&c.segment_a).map(|end| distance(&in_a, &end).0);
+        [b0, b1, a0, a1]
+    }
+}
+
+fn point([x, y]: [f64; 2]) -> Vector3<f64> {
+    Vector3::new(x, y, 1.0)
+}
+
+fn ends(segment: &Segment) -> [Vector3<f64>; 2] {
+    [point([segment.x0, segment.y0]), point([segment.x1, segment.y1])]
 }
 
 impl Problem for LineProblem<'_> {
     fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step) {
-        // Central differences: the residual has no square root to lose digits in, and lines are few.
-        const H: f64 = 1e-6;
+        // Summed over the nine entries of the matrix, column by column, and carried to the seven parameters once.
         let matrix = at.unscaled();
-        let around: [_; 7] = std::array::from_fn(|k| {
-            let mut step = Step::zeros();
-            step[k] = H;
-            (at.stepped(&step).unscaled(), at.stepped(&-step).unscaled())
-        });
-        let (mut cost, mut normal, mut gradient) = (0.0, Information::zeros(), Step::zeros());
+        let mut cost = 0.0;
+        let (mut normal, mut gradient) = (SMatrix::<f64, 9, 9>::zeros(), SVector::<f64, 9>::zeros());
         for c in &self.inliers {
-            let residuals = Self::residuals(&matrix, c);
-            let sides =
-                around.each_ref().map(|(plus, minus)| (Self::residuals(plus, c), Self::residuals(minus, c)));
-            for (i, &r) in residuals.iter().enumerate() {
-                let (loss, weight) = cauchy(r, self.scale);
-                let row = Step::from_fn(|k, _| (sides[k].0[i] - sides[k].1[i]) / (2.0 * H));
+            let [in_b, in_a] = Self::lines(&matrix, c);
+            let (a, b) = (point(c.segment_a.midpoint()), point(c.segment_b.midpoint()));
+            let rows_b = ends(&c.segment_b).map(|end| {
+                let (residual, by_line) = distance(&in_b, &end);
+                (residual, by_line * a.transpose())
+            });
+            let rows_a = ends(&c.segment_a).map(|end| {
+                let (residual, by_line) = distance(&in_a, &end);
+                (residual, b * by_line.transpose())
+            });
+            for (residual, by_entry) in rows_b.into_iter().chain(rows_a) {
+                let (loss, weight) = cauchy(residual, self.scale);
+                let row = SVector::<f64, 9>::from_column_slice(by_entry.as_slice());
                 cost += loss;
-                normal += row * row.transpose() * weight;
-                gradient += row * (weight * r);
+                normal += row * (row.transpose() * weight);
+                gradient += row * (weight * residual);
             }
         }
-        (cost, normal, gradient)
+        let derivatives = at.derivatives();
+        let chain = SMatrix::<f64, 9, 7>::from_fn(|i, k| derivatives[k].as_slice()[i]);
+        (cost, chain.tr_mul(&(normal * chain)), chain.tr_mul(&gradient))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jacobian_equals_differences() {
+        let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(800, 450).unwrap()];
+        let matrix = Matrix3::new(1e-6, -3e-6, 2e-3, 5e-6, 2e-6, -9e-3, -4e-3, 6e-3, 1.0);
+        let at = SevenParameters::new(&Fundamental::from_matrix(&matrix, sizes[0], sizes[1]).unwrap(), sizes);
+        let at = at.unwrap();
+        let segment = |x0, y0, x1, y1| Segment { x0, y0, x1, y1 };
+        let (segment_a, segment_b) = (segment(0.0, 100.0, 639.0, 260.0), segment(120.0, 0.0, 700.0, 449.0));
+        let lines = LinePair { a: segment_a.line().unwrap(), b: segment_b.line().unwrap() };
+        let candidate = Candidate { lines, segment_a, segment_b, correlation: 1.0 };
+        let problem = LineProblem { inliers: vec![&candidate], scale: 50.0 };
+        let (_, normal, gradient) = problem.linearise(&at);
+        let mut rows = [Step::zeros(); 4];
+        for k in 0..7 {
+            let moved = |size: f64| {
+                let mut step = Step::zeros();
+                step[k] = size;
+                LineProblem::residuals(&at.stepped(&step).unscaled(), &candidate)
+            };
+            let (plus, minus) = (moved(1e-6), moved(-1e-6));
+            for (i, row) in rows.iter_mut().enumerate() {
+                row[k] = (plus[i] - minus[i]) / 2e-6;
+            }
+        }
+        let (mut expected, mut slope) = (Information::zeros(), Step::zeros());
+        for (row, residual) in rows.iter().zip(LineProblem::residuals(&at.unscaled(), &candidate)) {
+            let weight = cauchy(residual, 50.0).1;
+            expected += row * row.transpose() * weight;
+            slope += row * (weight * residual);
+        }
+        assert!((normal - expected).norm() < 1e-5 * expected.norm(), "{normal} {expected}");
+        assert!((gradient - slope).norm() < 1e-5 * slope.norm(), "{gradient} {slope}");
     }
 }

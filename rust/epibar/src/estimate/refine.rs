@@ -85,12 +85,17 @@ fn sampson(m: &Matrix3<f64>, [xa, ya, xb, yb]: [f64; 4]) -> (f64, [f64; 9]) {
     (algebraic * scale, entries)
 }
 
-/// One row of the Jacobian with its residual, pixels.
-pub fn residual_row(at: &SevenParameters, p: &FrontierPoint) -> (f64, Step) {
-    let (residual, entries) = sampson(&at.unscaled(), [p.a[0], p.a[1], p.b[0], p.b[1]]);
-    let derivatives = at.derivatives();
-    let along = |k: usize| derivatives[k].as_slice().iter().zip(&entries).map(|(d, e)| d * e).sum();
-    (residual, Step::from_fn(|k, _| along(k)))
+/// The residual of each point, pixels, and its row of the Jacobian.
+pub fn residual_rows<'p>(
+    at: &SevenParameters,
+    points: &'p [FrontierPoint],
+) -> impl Iterator<Item = (f64, Step)> + use<'p> {
+    let (matrix, derivatives) = (at.unscaled(), at.derivatives());
+    points.iter().map(move |p| {
+        let (residual, entries) = sampson(&matrix, [p.a[0], p.a[1], p.b[0], p.b[1]]);
+        let along = |k: usize| derivatives[k].as_slice().iter().zip(&entries).map(|(d, e)| d * e).sum();
+        (residual, Step::from_fn(|k, _| along(k)))
+    })
 }
 
 /// Cost, `JᵀWJ` (lower triangle) and `JᵀWr` over the nine entries of the matrix.
@@ -223,6 +228,12 @@ pub fn polish(views: &Views, f: &Fundamental, upright: bool) -> Fundamental {
     refine(views, &first, &[radius], 5, upright).unwrap_or(first)
 }
 
+/// Ends on `views` what has been polished on most of their frames.
+pub(super) fn touch_up(views: &Views, f: &Fundamental, upright: bool) -> Fundamental {
+    let radius = evidence(views, f, upright).radius;
+    refine(views, f, &[radius], 3, upright).unwrap_or(*f)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,12 +248,13 @@ mod tests {
         let at = SevenParameters::new(&f, sizes).unwrap();
         for (a, b) in [([100.0, 50.0], [700.0, 300.0]), ([400.0, 333.0], [20.0, 410.0])] {
             let p = FrontierPoint { frame: 0, a, b, distance: 0.0, surprise: 1.0, class: Class::Top };
-            let (_, row) = residual_row(&at, &p);
+            let row_at = |at: &SevenParameters| residual_rows(at, std::slice::from_ref(&p)).next().unwrap();
+            let (_, row) = row_at(&at);
             for k in 0..7 {
                 let mut step = Step::zeros();
                 step[k] = 1e-6;
-                let plus = residual_row(&at.stepped(&step), &p).0;
-                let minus = residual_row(&at.stepped(&-step), &p).0;
+                let plus = row_at(&at.stepped(&step)).0;
+                let minus = row_at(&at.stepped(&-step)).0;
                 let difference = (plus - minus) / 2e-6;
                 assert!(
                     (row[k] - difference).abs() < 1e-5 * (1.0 + difference.abs()),

@@ -7,7 +7,7 @@
 use super::floor::Floor;
 use super::frontier::Scorer;
 use super::ransac::Watch;
-use super::refine::polish;
+use super::refine::{polish, touch_up};
 use super::searcher::{Searcher, stages};
 use super::sources::{Frames, hypotheses};
 use super::views::Views;
@@ -115,13 +115,17 @@ pub fn search(
     }
     let mut going = stages(watch);
     going("settle", 0.0)?;
-    // The few that remain, once on the fitted frames alone, for the test, and once on all frames, for the answer.
-    let fitted = searcher.settled(train, &solutions);
+    // The few that remain, first on the fitted frames alone, for the test, and from there on all frames, for the answer.
+    let fitted = searcher.settled(train, &solutions, polish);
     going("settle", 0.5)?;
-    let mut solutions = searcher.settled(all, &solutions);
-    if let Some(winner) = solutions.first_mut() {
-        winner.fundamental = polish(all, &winner.fundamental, options.upright);
+    let mut solutions = searcher.settled(all, &fitted, touch_up);
+    let polished = |views, solution: Option<&Solution>| {
+        solution.map(|s| polish(views, &s.fundamental, options.upright))
+    };
+    let (fitted, winner) =
+        rayon::join(|| polished(train, fitted.first()), || polished(all, solutions.first()));
+    if let (Some(solution), Some(polished)) = (solutions.first_mut(), winner) {
+        solution.fundamental = polished;
     }
-    let fitted = fitted.first().map(|s| polish(train, &s.fundamental, options.upright));
     Ok(Found { solutions, fitted, floor })
 }

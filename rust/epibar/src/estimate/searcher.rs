@@ -3,12 +3,12 @@
 use rand::RngExt;
 use rayon::prelude::*;
 
-use super::evidence::{chance_level, class_evidence, pixel_scale, weigh};
+use super::evidence::{Weighed, chance_level, class_evidence, evidence, pixel_scale, weigh};
 use super::explore::explore;
-use super::frontier::{FrontierOptions, frontier_score};
+use super::frontier::{Comparer, FrontierOptions, frontier_score};
 use super::optimise::{SevenParameters, Step};
 use super::ransac::{Scored, Watch, generator};
-use super::refine::{polish, refine};
+use super::refine::refine;
 use super::search::{SearchOptions, Solution};
 use super::sources::Source;
 use super::views::Views;
@@ -18,6 +18,8 @@ use crate::{Error, Result};
 
 /// A solution is not walked from with less than this share of the best one's evidence.
 const WORTH_EXPLORING: f64 = 0.7;
+/// Solutions that are kept while others are sought.
+const KEPT: usize = 16;
 /// How many of the best solutions are shaken in a round.
 const SHAKEN: usize = 6;
 /// A solution with less than this share of the best one's evidence is no rival to settle.
@@ -106,23 +108,43 @@ impl<'a> Searcher<'a> {
         }
     }
 
-    /// Refines in parallel, from a wide radius and from a narrow one, and keeps what has more evidence: in a crowd nearly
-    /// every tangent meets a wrong one within a wide radius, and a good start is lost there; a bad start needs it.
+    /// Adds the best of what starts are refined to: each from a wide radius and from a narrow one, of which that with more
+    /// evidence is kept: in a crowd nearly every tangent meets a wrong one within a wide radius, and a good start
+    /// is lost there; a bad start needs it.
     ///
     /// On the comparing frames: on the fewer that score, starts in a crowd of sixteen end elsewhere.
-    fn refined(&self, starts: &[(Fundamental, Source)], schedules: &[&[f64]]) -> Vec<Solution> {
-        let views = &self.comparing;
-        starts
+    fn with_refined(
+        &self,
+        mut solutions: Vec<Solution>,
+        starts: &[(Fundamental, Source)],
+        schedules: &[&[f64]],
+    ) -> Vec<Solution> {
+        let (views, upright) = (&self.comparing, self.options.upright);
+        let mut refined: Vec<(Weighed, Fundamental, Source)> = starts
             .par_iter()
             .filter_map(|(f, source)| {
                 let tried = schedules.iter().filter_map(|radii| {
                     let radii: Vec<f64> = radii.iter().map(|r| r * self.scale).collect();
-                    let refined = refine(views, f, &radii, 2, self.options.upright)?;
-                    weighed_solution(views, refined, *source, self.options.upright)
+                    let refined = refine(views, f, &radii, 2, upright)?;
+                    let weighed = evidence(views, &refined, upright);
+                    weighed.total.is_finite().then_some((weighed, refined, *source))
                 });
-                tried.max_by(|p, q| p.evidence.total_cmp(&q.evidence))
+                tried.max_by(|p, q| p.0.total.total_cmp(&q.0.total))
             })
-            .collect()
+            .collect();
+        refined.sort_by(|p, q| q.0.total.total_cmp(&p.0.total));
+        // Chance only takes away, so whoever has less than the last that is kept need not be asked for it.
+        for some in refined.chunks(KEPT) {
+            if solutions.len() == KEPT && some[0].0.total <= solutions[KEPT - 1].evidence {
+                break;
+            }
+            solutions.par_extend(some.par_iter().filter_map(|(weighed, f, source)| {
+                let mut comparer = Comparer::new(&views.a, &views.b, f, upright);
+                solution(&mut comparer, views, *weighed, *f, *source)
+            }));
+            solutions = self.distinct(solutions, self.scale, KEPT);
+        }
+        solutions
     }
 
     /// Sorted by evidence, near copies of a better one dropped.
@@ -171,8 +193,7 @@ impl<'a> Searcher<'a> {
         let starts = self.different(scored, options.own_starts, options.starts, 4.0 * self.scale);
         let mut going = stages(watch);
         going("refine", 0.0)?;
-        let refined = self.refined(&starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
-        let mut solutions = self.distinct([known, refined].concat(), self.scale, 16);
+        let mut solutions = self.with_refined(known, &starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
         for round in 0..options.restarts {
             if self.is_clear(&solutions) {
                 break;
@@ -182,8 +203,7 @@ impl<'a> Searcher<'a> {
             for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
                 shaken.extend(self.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
             }
-            solutions.extend(self.refined(&shaken, &[&[8.0, 4.0], &[3.0]]));
-            solutions = self.distinct(solutions, self.scale, 16);
+            solutions = self.with_refined(solutions, &shaken, &[&[8.0, 4.0], &[3.0]]);
         }
         self.walked(&solutions, &mut going)
     }
@@ -205,15 +225,20 @@ impl<'a> Searcher<'a> {
         Ok(self.distinct(walked, self.scale, 12))
     }
 
-    /// Polishes the best on `views`.
-    pub(super) fn settled(&self, views: &Views, solutions: &[Solution]) -> Vec<Solution> {
+    /// The best, each ended on `views` by `end`.
+    pub(super) fn settled(
+        &self,
+        views: &Views,
+        solutions: &[Solution],
+        end: impl Fn(&Views, &Fundamental, bool) -> Fundamental + Sync,
+    ) -> Vec<Solution> {
         let upright = self.options.upright;
         let best = solutions.first().map_or(0.0, |s| s.evidence);
         let finalists: Vec<Solution> = solutions
             .par_iter()
             .filter(|s| s.evidence >= WORTH_SETTLING * best)
             .filter_map(|s| {
-                weighed_solution(views, polish(views, &s.fundamental, upright), s.source, upright)
+                weighed_solution(views, end(views, &s.fundamental, upright), s.source, upright)
             })
             .collect();
         self.distinct(finalists, 0.5 * self.scale, 12)
@@ -222,7 +247,7 @@ impl<'a> Searcher<'a> {
     /// Copies of a solution moved at random, several sizes of move, the best few by tangents.
     fn shaken(&self, solution: &Solution, seed: u64) -> Vec<(Fundamental, Source)> {
         const COPIES: usize = 160;
-        const KEPT: usize = 5;
+        const BEST: usize = 5;
         let Some(parameters) = SevenParameters::new(&solution.fundamental, self.all.sizes()) else {
             return Vec::new();
         };
@@ -238,14 +263,25 @@ impl<'a> Searcher<'a> {
             })
             .collect();
         copies.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.cmp(&q.1)));
-        copies.into_iter().take(KEPT).map(|(_, _, f)| (f, solution.source)).collect()
+        copies.into_iter().take(BEST).map(|(_, _, f)| (f, solution.source)).collect()
     }
 }
 
 /// The evidence for `f` less that of chance; `None` where it is not finite.
 fn weighed_solution(views: &Views, f: Fundamental, source: Source, upright: bool) -> Option<Solution> {
     let (weighed, mut comparer) = weigh(views, &f, upright);
-    let chance = chance_level(&mut comparer, views.frames(), weighed.radius);
+    solution(&mut comparer, views, weighed, f, source)
+}
+
+/// The same where it has been weighed; the comparison is from A to B.
+fn solution(
+    comparer: &mut Comparer,
+    views: &Views,
+    weighed: Weighed,
+    f: Fundamental,
+    source: Source,
+) -> Option<Solution> {
+    let chance = chance_level(comparer, views.frames(), weighed.radius);
     let evidence = weighed.total - chance;
     evidence.is_finite().then_some(Solution { fundamental: f, evidence, chance, source })
 }

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::edges::Edges;
 use super::essential::CameraMatrices;
 use crate::geometry::{TangentPoint, epipolar_tangents};
@@ -162,12 +164,11 @@ impl Views {
     /// # Panics
     /// If a frame is beyond its recording.
     pub fn new(a: &Recording, b: &Recording, frame_pairs: &[(u32, u32)]) -> Self {
-        Self {
-            a: View::of_frames(a, frame_pairs.iter().map(|p| p.0)),
-            b: View::of_frames(b, frame_pairs.iter().map(|p| p.1)),
-            frame_pairs: frame_pairs.to_vec(),
-            cameras: None,
-        }
+        let (a, b) = rayon::join(
+            || View::of_frames(a, frame_pairs.iter().map(|p| p.0)),
+            || View::of_frames(b, frame_pairs.iter().map(|p| p.1)),
+        );
+        Self { a, b, frame_pairs: frame_pairs.to_vec(), cameras: None }
     }
 
     /// As [`Views::new`], with the hulls of B at the moment of each frame of A drawn by `hulls_of_b`.
@@ -175,18 +176,15 @@ impl Views {
         a: &Recording,
         b: &Recording,
         frame_pairs: &[(u32, u32)],
-        hulls_of_b: impl Fn(u32) -> Vec<Vec<[f64; 2]>>,
+        hulls_of_b: impl Fn(u32) -> Vec<Vec<[f64; 2]>> + Sync,
     ) -> Self {
-        Self {
-            a: View::of_frames(a, frame_pairs.iter().map(|p| p.0)),
-            b: View::new(
-                b.size,
-                b.visible.as_ref(),
-                frame_pairs.iter().map(|p| hulls_of_b(p.0).into_iter().map(Cow::Owned).collect()),
-            ),
-            frame_pairs: frame_pairs.to_vec(),
-            cameras: None,
-        }
+        let (a, drawn) = rayon::join(
+            || View::of_frames(a, frame_pairs.iter().map(|p| p.0)),
+            || frame_pairs.par_iter().map(|p| hulls_of_b(p.0)).collect::<Vec<_>>(),
+        );
+        let drawn = drawn.into_iter().map(|hulls| hulls.into_iter().map(Cow::Owned).collect());
+        let b = View::new(b.size, b.visible.as_ref(), drawn);
+        Self { a, b, frame_pairs: frame_pairs.to_vec(), cameras: None }
     }
 
     /// The same with another up in A and in B.

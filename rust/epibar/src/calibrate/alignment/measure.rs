@@ -6,13 +6,14 @@
 //! frames on either side of those that the point is drawn from, so that the noise of a residual is not in its slope.
 
 use nalgebra::{SMatrix, SVector, Vector3};
+use rayon::prelude::*;
 
 use super::between::{self, Hull};
 use super::{Aligned, Clock, Links, frame_interval};
 use crate::estimate::evidence::pixel_scale;
 use crate::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
 use crate::estimate::optimise::{SevenParameters, Step, cauchy};
-use crate::estimate::refine::residual_row;
+use crate::estimate::refine::residual_rows;
 use crate::estimate::views::{Views, busy_frames};
 use crate::geometry::Fundamental;
 use crate::recording::{Recording, Silhouettes};
@@ -38,6 +39,9 @@ const BLOCK_SECONDS: f64 = 4.0;
 const MIN_BLOCKS: f64 = 30.0;
 /// Radii, pixels of a 640×480 image, at which tangents meet: the first, and the least.
 const RADII: [f64; 2] = [10.0, 1.5];
+
+/// Equations that one thread adds up.
+const SUMMED: usize = 512;
 
 type Nine = SMatrix<f64, 9, 9>;
 type Row = SVector<f64, 9>;
@@ -135,16 +139,17 @@ impl Fitter<'_> {
         let (first, last) = (pairs.first()?.0, pairs.last()?.0);
         let views = aligned.views(&pairs);
         let scale = pixel_scale(&views);
-        let radius = radius.clamp(RADII[1] * scale, RADII[0] * scale);
+        let within = |radius: f64| radius.clamp(RADII[1] * scale, RADII[0] * scale);
+        let radius = within(radius);
         let options = FrontierOptions { radius, upright: self.upright, shift: 0 };
         let points = compare(&views, &state.fundamental, &options).points;
         let at = SevenParameters::new(&state.fundamental, views.sizes())?;
         let span = Span::new(self.a, self.b, first, last);
         let motions = self.motions(&aligned, &views, &state.fundamental, &points);
         let mut rows = Rows { at, span, radius, next_radius: radius, equations: Vec::new() };
-        for (p, motion) in points.iter().zip(motions) {
+        let residuals = residual_rows(&rows.at, &points);
+        for ((p, motion), (residual, seven)) in points.iter().zip(motions).zip(residuals) {
             let Some(motion) = motion else { continue };
-            let (residual, seven) = residual_row(&rows.at, p);
             let frame = views.frame_pairs[p.frame as usize].0;
             let mut row = Row::zeros();
             row.fixed_rows_mut::<7>(0).copy_from(&seven);
@@ -159,11 +164,11 @@ impl Fitter<'_> {
         }
         let mut sizes: Vec<f64> = rows.equations.iter().map(|e| e.residual.abs()).collect();
         let middle = sizes.len() / 2;
-        rows.next_radius = 4.0 * 1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
+        rows.next_radius = within(4.0 * 1.4826 * *sizes.select_nth_unstable_by(middle, f64::total_cmp).1);
         Some(rows)
     }
 
-    /// Change of each point's Sampson distance per frame of B, pixels.
+    /// Change of each point's Sampson distance per frame of B, pixels. The points come frame by frame.
     fn motions(
         &self,
         aligned: &Aligned,
@@ -171,17 +176,11 @@ impl Fitter<'_> {
         f: &Fundamental,
         points: &[FrontierPoint],
     ) -> Vec<Option<f64>> {
-        let mut frame = u32::MAX;
-        let mut hulls: Vec<Hull> = Vec::new();
         let silhouettes = &self.b.silhouettes;
-        points
-            .iter()
-            .map(|p| {
-                if p.frame != frame {
-                    frame = p.frame;
-                    let position = aligned.position(views.frame_pairs[frame as usize].0);
-                    hulls = between::hulls(silhouettes, self.links, position);
-                }
+        let of_frame = |points: &[FrontierPoint]| -> Vec<Option<f64>> {
+            let position = aligned.position(views.frame_pairs[points[0].frame as usize].0);
+            let hulls = between::hulls(silhouettes, self.links, position);
+            let motion = |p: &FrontierPoint| {
                 let hull = hulls.iter().find(|hull| hull.vertices.contains(&p.b))?;
                 let (line, back) = (
                     f.line_in_b(&Vector3::new(p.a[0], p.a[1], 1.0)),
@@ -190,8 +189,10 @@ impl Fitter<'_> {
                 let norm = line.x.hypot(line.y);
                 let across = self.motion_across(silhouettes, hull, [line.x / norm, line.y / norm], p.b)?;
                 Some(across * norm / norm.hypot(back.x.hypot(back.y)))
-            })
-            .collect()
+            };
+            points.iter().map(motion).collect()
+        };
+        points.par_chunk_by(|p, q| p.frame == q.frame).flat_map_iter(of_frame).collect()
     }
 
     /// How fast a silhouette's tangent of a direction moves along its normal at a point, pixels per frame.
@@ -291,11 +292,21 @@ impl Rows {
         let mut step = Row::zeros();
         let mut inverse = Nine::zeros();
         for _ in 0..ROUNDS {
+            let some = |equations: &[Equation]| {
+                let (mut normal, mut gradient) = (Nine::zeros(), Row::zeros());
+                for e in equations {
+                    let weight = e.weight * cauchy(e.residual + e.row.dot(&step), scale).1;
+                    normal.ger(weight, &e.row, &e.row, 1.0);
+                    gradient.axpy(weight * e.residual, &e.row, 1.0);
+                }
+                (normal, gradient)
+            };
+            // Added up in their order, whatever thread they come from.
+            let parts: Vec<(Nine, Row)> = self.equations.par_chunks(SUMMED).map(some).collect();
             let (mut normal, mut gradient) = (Nine::zeros(), Row::zeros());
-            for e in &self.equations {
-                let weight = e.weight * cauchy(e.residual + e.row.dot(&step), scale).1;
-                normal.ger(weight, &e.row, &e.row, 1.0);
-                gradient.axpy(weight * e.residual, &e.row, 1.0);
+            for part in &parts {
+                normal += part.0;
+                gradient += part.1;
             }
             if !with_rate {
                 normal.row_mut(8).fill(0.0);
