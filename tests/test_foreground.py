@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
+from epibar import _core
 from epibar.background import collect, median_background, steady_background
 from epibar.errors import EpibarError
 from epibar.foreground import CameraHealth, Foreground, ForegroundOptions
@@ -157,6 +158,19 @@ def test_small_things_are_removed_at_every_resolution():
         mask = foreground.apply(noisy(frame, 77))
         assert not mask[: 30 * scale].any()
         assert mask[50 * scale : 80 * scale, 60 * scale : 75 * scale].mean() > 0.95
+
+
+def test_what_is_small_is_what_opencv_counts():
+    mask = (np.random.default_rng(1).random((90, 133)) < 0.3).astype(np.uint8)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    area = stats[:, cv2.CC_STAT_AREA]
+    area[0] = 0
+    for least in (1, 2, 5, 30, 100_000):
+        kept = _core.remove_small(mask, least)
+        assert kept.dtype == np.uint8
+        np.testing.assert_array_equal(kept, area[labels] >= least)
+    assert (area >= 30).any()
+    assert (area[1:] < 30).any()
 
 
 def test_ready_masks_are_cleaned_alike():

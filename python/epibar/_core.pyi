@@ -17,6 +17,7 @@ __all__ = [
     "match_barcodes",
     "motion_lines",
     "positions",
+    "remove_small",
     "score_lines",
     "score_tangents",
 ]
@@ -148,6 +149,7 @@ def examine(
     cameras: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
 ) -> dict[str, Any]: ...
 def motion_lines(rec: Recording) -> NDArray[np.float64]: ...
+def remove_small(mask: NDArray[np.uint8], min_area: int) -> NDArray[np.uint8]: ...
 def score_lines(
     lines_a: NDArray[np.float64],
     lines_b: NDArray[np.float64],

@@ -16,7 +16,7 @@ from .background import median_background
 if TYPE_CHECKING:
     from .foreground import ForegroundOptions
 
-__all__ = ["FLOOD_LEARNING_RATE", "BackgroundModel", "new_model"]
+__all__ = ["FLOOD_LEARNING_RATE", "BackgroundModel", "largest_difference", "new_model"]
 
 FLOOD_LEARNING_RATE = 0.05
 """At this rate or above what is seen is taken for a new background."""
@@ -89,10 +89,9 @@ class MedianModel:
         return self._background
 
     def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
-        import cv2
 
         background = self._refresh() if self._background is None else self._background
-        moving = cv2.absdiff(frame, background).max(axis=2) > self._difference
+        moving = largest_difference(frame, background) > self._difference
         if self._shadows:
             moving &= ~self._shadow(frame)
         self._update(frame, moving, rate)
@@ -126,6 +125,14 @@ class MedianModel:
             self._taken += 1
             if self._taken % self.REFRESH == 0:
                 self._refresh()
+
+
+def largest_difference(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+    """Return the largest absolute difference of the three channels at each pixel, (H, W) uint8."""
+    import cv2
+
+    blue, green, red = cv2.split(cv2.absdiff(frame, background))
+    return cv2.max(cv2.max(blue, green), red)
 
 
 def new_model(options: ForegroundOptions) -> BackgroundModel:

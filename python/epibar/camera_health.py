@@ -205,5 +205,5 @@ def _levels(change: np.ndarray) -> np.ndarray:
 def _share(mask: np.ndarray, counted: np.ndarray | None) -> float:
     """Share of the image that is foreground, where it counts."""
     if counted is None:
-        return float(mask.mean())
-    return float((mask * counted).sum() / max(1, np.count_nonzero(counted)))
+        return float(np.count_nonzero(mask) / mask.size)
+    return float(np.count_nonzero(mask[counted]) / max(1, np.count_nonzero(counted)))

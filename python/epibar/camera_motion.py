@@ -20,6 +20,8 @@ from .images import opencv
 __all__ = ["CameraMotion", "Move"]
 
 WORKING_WIDTH = 640
+NEIGHBOURHOOD = 35
+"""Pixels at the working width: the square whose contrast is evened out."""
 CORNERS = 300
 LEAST_CORNERS = 20
 LOST_SHARE = 0.9
@@ -176,6 +178,7 @@ def _even_contrast(frame: np.ndarray, scale: float) -> np.ndarray:
     grey = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
     grey = cv2.resize(grey, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA).astype(np.float32)
     grey = cv2.GaussianBlur(grey, (0, 0), 1.0)
-    centred = grey - cv2.GaussianBlur(grey, (0, 0), 10.0)
-    spread = np.sqrt(cv2.GaussianBlur(centred * centred, (0, 0), 10.0))
+    around = (NEIGHBOURHOOD, NEIGHBOURHOOD)
+    centred = grey - cv2.blur(grey, around)
+    spread = cv2.sqrt(cv2.blur(centred * centred, around))
     return np.clip(128.0 + 40.0 * centred / (spread + 4.0), 0, 255).astype(np.uint8)

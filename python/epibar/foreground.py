@@ -15,6 +15,7 @@ noise as well.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -22,8 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from . import _core
 from .background import collect, steady_background
-from .background_models import FLOOD_LEARNING_RATE, new_model
+from .background_models import FLOOD_LEARNING_RATE, largest_difference, new_model
 from .camera_health import FLOOD_SHARE, CameraHealth
 from .errors import EpibarError
 from .video import Frames
@@ -166,10 +168,12 @@ class Foreground:
         """Replace people in a sample by background; flicker, which is small, stays to be learnt."""
         import cv2
 
-        far = (cv2.absdiff(sample, background).max(axis=2) > 30).astype(np.uint8)
+        far = (largest_difference(sample, background) > 30).astype(np.uint8)
         margin = 2 * self._odd(2.0) + 1
         far = cv2.dilate(self._cleaned(far, ignore=False), np.ones((margin, margin), np.uint8))
-        return np.where(far[..., None] > 0, background, sample)
+        painted = sample.copy()
+        cv2.copyTo(background, far, painted)
+        return painted
 
     def apply(self, frame: np.ndarray) -> np.ndarray:
         """Return the mask of the next frame.
@@ -196,7 +200,8 @@ class Foreground:
             return np.zeros(frame.shape[:2], np.uint8)
         rate = FLOOD_LEARNING_RATE if self._flooded >= FLOOD_PATIENCE else self._rate
         moving = self._model.moving(frame, rate)
-        self._flooded = self._flooded + 1 if moving.mean() > FLOOD_SHARE else 0
+        share = np.count_nonzero(moving) / moving.size
+        self._flooded = self._flooded + 1 if share > FLOOD_SHARE else 0
         return self._cleaned(moving)
 
     def clean(self, mask: np.ndarray) -> np.ndarray:
@@ -269,8 +274,5 @@ class Foreground:
         if hidden is not None:
             mask[hidden] = 0
         if self.options.min_area:
-            _, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
-            keep = (stats[:, cv2.CC_STAT_AREA] >= self.options.min_area * mask.size).astype(np.uint8)
-            keep[0] = 0
-            mask = keep[labels]
+            mask = _core.remove_small(mask, math.ceil(self.options.min_area * mask.size))
         return mask

@@ -27,6 +27,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::motion_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(recording::remove_small, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;
     Ok(())

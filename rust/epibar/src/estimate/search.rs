@@ -119,9 +119,8 @@ pub fn search(
     let fitted = searcher.settled(train, &solutions, polish);
     going("settle", 0.5)?;
     let mut solutions = searcher.settled(all, &fitted, touch_up);
-    let polished = |views, solution: Option<&Solution>| {
-        solution.map(|s| polish(views, &s.fundamental, options.upright))
-    };
+    let polished =
+        |views, solution: Option<&Solution>| solution.map(|s| polish(views, &s.fundamental, options.upright));
     let (fitted, winner) =
         rayon::join(|| polished(train, fitted.first()), || polished(all, solutions.first()));
     if let (Some(solution), Some(polished)) = (solutions.first_mut(), winner) {

@@ -237,9 +237,7 @@ impl<'a> Searcher<'a> {
         let finalists: Vec<Solution> = solutions
             .par_iter()
             .filter(|s| s.evidence >= WORTH_SETTLING * best)
-            .filter_map(|s| {
-                weighed_solution(views, end(views, &s.fundamental, upright), s.source, upright)
-            })
+            .filter_map(|s| weighed_solution(views, end(views, &s.fundamental, upright), s.source, upright))
             .collect();
         self.distinct(finalists, 0.5 * self.scale, 12)
     }

@@ -98,6 +98,21 @@ impl Components {
         &self.grouped[start as usize..(start + count) as usize]
     }
 
+    /// Clears the components of a row-major mask that have fewer than `min_area` pixels; [`Components::components`]
+    /// still has them.
+    ///
+    /// # Panics
+    /// As [`Components::find`], or if the mask is smaller than the size says.
+    pub fn remove_small(&mut self, mask: &mut [u8], size: ImageSize, min_area: usize) {
+        self.find(mask, size);
+        for component in self.found.iter().filter(|component| (component.area as usize) < min_area) {
+            for run in self.runs_of(component) {
+                let row = usize::from(run.y) * size.width;
+                mask[row + usize::from(run.x_first)..=row + usize::from(run.x_last)].fill(0);
+            }
+        }
+    }
+
     /// Unites the runs from `start` on, which are those of one row, with the touching ones from
     /// `above` on, which may be those of the row above.
     fn join_rows(&mut self, above: usize, start: usize) {
@@ -227,6 +242,24 @@ mod tests {
         assert_eq!(joined.len(), 7);
         assert!(joined.is_sorted_by_key(|run| (run.y, run.x_first)));
         assert_eq!(found.runs().len(), 10);
+    }
+
+    #[test]
+    fn small_ones_are_removed() {
+        let rows = ["##...#", "..#..#", "......", "#....#"];
+        let size = ImageSize::new(6, 4).unwrap();
+        let left = |min_area| {
+            let mut mask: Vec<u8> = rows.concat().bytes().map(|c| 7 * u8::from(c == b'#')).collect();
+            Components::new().remove_small(&mut mask, size, min_area);
+            let drawn =
+                mask.chunks(6).map(|row| row.iter().map(|&v| if v == 7 { '#' } else { '.' }).collect());
+            drawn.collect::<Vec<String>>()
+        };
+        assert_eq!(left(0), rows);
+        assert_eq!(left(1), rows);
+        assert_eq!(left(2), ["##...#", "..#..#", "......", "......"]);
+        assert_eq!(left(3), ["##....", "..#...", "......", "......"]);
+        assert_eq!(left(4), ["......"; 4]);
     }
 
     #[test]
