@@ -21,9 +21,9 @@ __all__ = ["FLOOD_LEARNING_RATE", "BackgroundModel", "largest_difference", "new_
 FLOOD_LEARNING_RATE = 0.05
 """At this rate or above what is seen is taken for a new background."""
 
-MOG2_THRESHOLD = 60.0
-"""Squared distance in variances. At OpenCV's 16, and at 25, noise frays the outlines: more of them meet in
-the other view at 60, of made-up and of real videos, and at 100 those of some are lost again."""
+MOG2_THRESHOLD = 80.0
+"""Squared distance in variances. At OpenCV's 16, and up to 40, noise frays the outlines: more of them meet
+in the other view at 80, of real videos, and at 140 those of some are lost again."""
 
 
 class BackgroundModel(Protocol):

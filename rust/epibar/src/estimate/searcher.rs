@@ -16,16 +16,30 @@ use super::volume::{Correspondence, disagreement, moving_correspondences};
 use crate::geometry::Fundamental;
 use crate::{Error, Result};
 
-/// A solution is not walked from with less than this share of the best one's evidence.
-const WORTH_EXPLORING: f64 = 0.7;
-/// Solutions that are kept while others are sought.
-const KEPT: usize = 16;
-/// How many of the best solutions are shaken in a round.
-const SHAKEN: usize = 6;
+/// How widely is searched around what hypotheses gave.
+struct Breadth {
+    /// Times as many starts as the options say are refined.
+    starts: usize,
+    /// Solutions that are kept while others are sought.
+    kept: usize,
+    /// How many of the best solutions are shaken in a round.
+    shaken: usize,
+    /// How many of the best solutions are walked from.
+    explored: usize,
+    /// A solution is not walked from with less than this share of the best one's evidence.
+    worth_exploring: f64,
+}
+
+/// Where one geometry stands out among those first met.
+const USUAL: Breadth = Breadth { starts: 1, kept: 16, shaken: 6, explored: 3, worth_exploring: 0.7 };
+/// Where none does: the truth may be none of them.
+const WIDE: Breadth = Breadth { starts: 3, kept: 40, shaken: 16, explored: 12, worth_exploring: 0.5 };
+/// Share of the best one's evidence from which on another geometry contests it.
+const CONTESTING: f64 = 0.7;
+/// Share of the best one's evidence below which it is clear.
+const CLEAR: f64 = 0.5;
 /// A solution with less than this share of the best one's evidence is no rival to settle.
 const WORTH_SETTLING: f64 = 0.5;
-/// How many of the best solutions are walked from.
-const EXPLORED: usize = 3;
 /// Pixels, of a 640×480 image, that make another geometry of one.
 const APART: f64 = 5.0;
 /// Spots that tell two geometries apart.
@@ -118,6 +132,7 @@ impl<'a> Searcher<'a> {
         mut solutions: Vec<Solution>,
         starts: &[(Fundamental, Source)],
         schedules: &[&[f64]],
+        limit: usize,
     ) -> Vec<Solution> {
         let (views, upright) = (&self.comparing, self.options.upright);
         let mut refined: Vec<(Weighed, Fundamental, Source)> = starts
@@ -134,15 +149,15 @@ impl<'a> Searcher<'a> {
             .collect();
         refined.sort_by(|p, q| q.0.total.total_cmp(&p.0.total));
         // Chance only takes away, so whoever has less than the last that is kept need not be asked for it.
-        for some in refined.chunks(KEPT) {
-            if solutions.len() == KEPT && some[0].0.total <= solutions[KEPT - 1].evidence {
+        for some in refined.chunks(limit) {
+            if solutions.len() == limit && some[0].0.total <= solutions[limit - 1].evidence {
                 break;
             }
             solutions.par_extend(some.par_iter().filter_map(|(weighed, f, source)| {
                 let mut comparer = Comparer::new(&views.a, &views.b, f, upright);
                 solution(&mut comparer, views, *weighed, *f, *source)
             }));
-            solutions = self.distinct(solutions, self.scale, KEPT);
+            solutions = self.distinct(solutions, self.scale, limit);
         }
         solutions
     }
@@ -164,12 +179,12 @@ impl<'a> Searcher<'a> {
         kept.into_iter().map(|(s, _)| s).collect()
     }
 
-    /// Whether no other geometry has half of the best one's evidence: the truth announces itself.
-    fn is_clear(&self, solutions: &[Solution]) -> bool {
-        let Some(best) = solutions.first() else { return false };
+    /// The evidence of the best other geometry as a share of the best one's: the truth announces itself by a small one.
+    fn contest(&self, solutions: &[Solution]) -> f64 {
+        let Some(best) = solutions.first().filter(|best| best.evidence > 0.0) else { return 1.0 };
         let points = self.points(&best.fundamental);
         let rival = solutions.iter().find(|s| disagreement(&points, &s.fundamental) > APART * self.scale);
-        best.evidence > 0.0 && rival.is_none_or(|r| r.evidence < 0.5 * best.evidence)
+        rival.map_or(0.0, |rival| rival.evidence / best.evidence)
     }
 
     /// Whether the best solution explains one class of tangents and hardly the other: the floor, with an epipole that
@@ -189,35 +204,47 @@ impl<'a> Searcher<'a> {
         seed: u64,
         watch: &mut dyn Watch,
     ) -> Result<Vec<Solution>> {
+        const SCHEDULES: [&[f64]; 2] = [&[16.0, 8.0, 4.0], &[6.0, 3.0]];
         let options = self.options;
-        let starts = self.different(scored, options.own_starts, options.starts, 4.0 * self.scale);
+        let starts = |breadth: &Breadth| {
+            self.different(scored, options.own_starts, breadth.starts * options.starts, 4.0 * self.scale)
+        };
         let mut going = stages(watch);
         going("refine", 0.0)?;
-        let mut solutions = self.with_refined(known, &starts, &[&[16.0, 8.0, 4.0], &[6.0, 3.0]]);
+        let (mut breadth, first) = (&USUAL, starts(&USUAL));
+        let mut solutions = self.with_refined(known, &first, &SCHEDULES, breadth.kept);
+        if self.contest(&solutions) > CONTESTING {
+            breadth = &WIDE;
+            going("refine", 0.3)?;
+            let more = starts(breadth);
+            let more = more.get(first.len()..).unwrap_or_default();
+            solutions = self.with_refined(solutions, more, &SCHEDULES, breadth.kept);
+        }
         for round in 0..options.restarts {
-            if self.is_clear(&solutions) {
+            if self.contest(&solutions) < CLEAR {
                 break;
             }
             going("restart", round as f64 / options.restarts as f64)?;
             let mut shaken = Vec::new();
-            for (k, solution) in solutions.iter().take(SHAKEN).enumerate() {
+            for (k, solution) in solutions.iter().take(breadth.shaken).enumerate() {
                 shaken.extend(self.shaken(solution, seed.wrapping_add((round * 100 + k) as u64)));
             }
-            solutions = self.with_refined(solutions, &shaken, &[&[8.0, 4.0], &[3.0]]);
+            solutions = self.with_refined(solutions, &shaken, &[&[8.0, 4.0], &[3.0]], breadth.kept);
         }
-        self.walked(&solutions, &mut going)
+        self.walked(&solutions, breadth, &mut going)
     }
 
     /// Walks on from those that could win, on the frames that compare.
     fn walked(
         &self,
         solutions: &[Solution],
+        breadth: &Breadth,
         going: &mut impl FnMut(&'static str, f64) -> Result<()>,
     ) -> Result<Vec<Solution>> {
         let mut walked = solutions.to_vec();
-        for (k, start) in solutions.iter().take(EXPLORED).enumerate() {
-            going("explore", k as f64 / EXPLORED as f64)?;
-            if start.evidence < WORTH_EXPLORING * solutions[0].evidence {
+        for (k, start) in solutions.iter().take(breadth.explored).enumerate() {
+            going("explore", k as f64 / breadth.explored as f64)?;
+            if start.evidence < breadth.worth_exploring * solutions[0].evidence {
                 break;
             }
             walked.extend(explore(&self.comparing, start, self.scale, self.options.upright));
