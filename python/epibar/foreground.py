@@ -58,7 +58,7 @@ class ForegroundOptions:
         Components below this share of the image are removed.
     threshold : float
         Squared distance to the background, in variances (MOG2) or grey levels (KNN, median); 0 is the
-        method's default: 60, 400, 625.
+        method's default: 80, 400, 625.
     memory : int
         Frames over which the model adapts to slow changes. With a background clip ten times as slow.
     background : str or path, optional

@@ -34,8 +34,8 @@ pub struct SearchOptions {
     pub own_starts: usize,
     /// Rounds of shaking the best.
     pub restarts: usize,
-    /// Most times that all is done with new hypotheses, while the best explains one class of tangents
-    /// alone.
+    /// Most times that all is done with new hypotheses, while the best explains one class of tangents alone, or has
+    /// much evidence and another nearly as much.
     pub passes: usize,
     /// Both cameras are the right way up.
     pub upright: bool,
@@ -105,7 +105,7 @@ pub fn search(
     let frames = Frames { train, comparing: &searcher.comparing, scoring: &scoring };
     let (mut solutions, mut floor) = (Vec::new(), None);
     for pass in 0..options.passes {
-        if pass > 0 && !searcher.is_one_sided(&solutions) {
+        if pass > 0 && !searcher.is_one_sided(&solutions) && !searcher.is_undecided(&solutions) {
             break;
         }
         let seed = seed.wrapping_add((pass as u64).wrapping_mul(PASS_SEED));
