@@ -199,12 +199,13 @@ impl<'a> Searcher<'a> {
     /// Whether the best solution has what only the truth or its neighbours were seen to have, and yet another has nearly as
     /// much: then neither may be the truth.
     pub(super) fn is_undecided(&self, solutions: &[Solution]) -> bool {
-        /// Evidence of a tangent: of unrelated cameras 0.08 to 0.2, of true geometries 0.3 and more.
-        const PROMISING: f64 = 0.25;
+        /// Evidence of a tangent: of unrelated cameras 0.08 to 0.2, of true geometries 0.3 and more; where it is much
+        /// more, the truth is among those that contest one another.
+        const PROMISING: std::ops::Range<f64> = 0.25..0.6;
         const NEARLY: f64 = 0.85;
         let Some(best) = solutions.first() else { return false };
         let tangents = frontier_score(&self.comparing, &best.fundamental, &self.coarse()).tangents();
-        best.evidence > PROMISING * tangents as f64 && self.contest(solutions) > NEARLY
+        PROMISING.contains(&(best.evidence / tangents.max(1) as f64)) && self.contest(solutions) > NEARLY
     }
 
     /// From hypotheses to solutions, those known before among them.
