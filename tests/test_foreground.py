@@ -185,6 +185,8 @@ def test_ready_masks_are_cleaned_alike():
     assert overlap(cleaned, truth) > 0.97
     assert cleaned[55:57, 79:82].all()
     assert np.array_equal(cleaned, foreground.clean(dirty.astype(np.uint8) * 255))
+    bare = Foreground(ForegroundOptions(median_filter=0.0, closing=0.0))
+    assert np.array_equal(bare.clean(np.asfortranarray(dirty)), bare.clean(dirty))
     with pytest.raises(EpibarError, match="10x10 after frames of 640x480"):
         foreground.clean(np.zeros((10, 10), bool))
     with pytest.raises(EpibarError, match="not float64"):

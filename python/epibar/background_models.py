@@ -89,7 +89,6 @@ class MedianModel:
         return self._background
 
     def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
-
         background = self._refresh() if self._background is None else self._background
         moving = largest_difference(frame, background) > self._difference
         if self._shadows:

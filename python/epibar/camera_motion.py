@@ -180,5 +180,6 @@ def _even_contrast(frame: np.ndarray, scale: float) -> np.ndarray:
     grey = cv2.GaussianBlur(grey, (0, 0), 1.0)
     around = (NEIGHBOURHOOD, NEIGHBOURHOOD)
     centred = grey - cv2.blur(grey, around)
-    spread = cv2.sqrt(cv2.blur(centred * centred, around))
+    # A running sum may end a trifle below nought where all is even.
+    spread = np.sqrt(np.maximum(cv2.blur(centred * centred, around), 0.0))
     return np.clip(128.0 + 40.0 * centred / (spread + 4.0), 0, 255).astype(np.uint8)

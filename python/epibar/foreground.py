@@ -274,5 +274,6 @@ class Foreground:
         if hidden is not None:
             mask[hidden] = 0
         if self.options.min_area:
-            mask = _core.remove_small(mask, math.ceil(self.options.min_area * mask.size))
+            least = math.ceil(self.options.min_area * mask.size)
+            mask = _core.remove_small(np.ascontiguousarray(mask), least)
         return mask
