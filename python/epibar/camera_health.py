@@ -16,7 +16,7 @@ from .camera_motion import CameraMotion
 from .findings import camera_findings
 from .images import opencv
 
-__all__ = ["FLOOD_SHARE", "CameraHealth", "flicker"]
+__all__ = ["FLOOD_SHARE", "CameraHealth", "flicker", "moving_share"]
 
 FLOOD_SHARE = 0.6
 BRIGHTNESS_JUMP = 8
@@ -100,7 +100,7 @@ class CameraHealth:
         self._watch_light(index, frame)
         if (self.frames - 1) % self.every == 0:
             self.motion.look(index, frame)
-        if _share(mask, self._counted) <= FLOOD_SHARE:
+        if moving_share(mask, self._counted) <= FLOOD_SHARE:
             return mask
         if self.blanked == 0:
             self._first_blanked = index
@@ -202,7 +202,7 @@ def _levels(change: np.ndarray) -> np.ndarray:
     return levels
 
 
-def _share(mask: np.ndarray, counted: np.ndarray | None) -> float:
+def moving_share(mask: np.ndarray, counted: np.ndarray | None = None) -> float:
     """Share of the image that is foreground, where it counts."""
     if counted is None:
         return float(np.count_nonzero(mask) / mask.size)

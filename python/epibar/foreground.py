@@ -26,7 +26,7 @@ import numpy as np
 from . import _core
 from .background import collect, steady_background
 from .background_models import FLOOD_LEARNING_RATE, largest_difference, new_model
-from .camera_health import FLOOD_SHARE, CameraHealth
+from .camera_health import FLOOD_SHARE, CameraHealth, moving_share
 from .errors import EpibarError
 from .video import Frames
 
@@ -200,8 +200,7 @@ class Foreground:
             return np.zeros(frame.shape[:2], np.uint8)
         rate = FLOOD_LEARNING_RATE if self._flooded >= FLOOD_PATIENCE else self._rate
         moving = self._model.moving(frame, rate)
-        share = np.count_nonzero(moving) / moving.size
-        self._flooded = self._flooded + 1 if share > FLOOD_SHARE else 0
+        self._flooded = self._flooded + 1 if moving_share(moving) > FLOOD_SHARE else 0
         return self._cleaned(moving)
 
     def clean(self, mask: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, SMatrix};
 
-use super::optimise::{Information, Problem, SevenParameters, Step};
+use super::optimise::{Information, Problem, SevenParameters, Step, as_columns};
 use crate::geometry::Fundamental;
 
 /// Standard deviation of `(s₁ − s₂) / (s₁ + s₂)` of an essential matrix: about the relative error of a focal length.
@@ -68,7 +68,7 @@ impl CameraMatrices {
 impl Problem for CameraMatrices {
     fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step) {
         let (residuals, derivatives) = self.residuals(at);
-        let jacobian = SMatrix::<f64, 9, 7>::from_fn(|i, k| derivatives[k].as_slice()[i]);
+        let jacobian = as_columns(&derivatives);
         let residuals = SMatrix::<f64, 9, 1>::from_column_slice(residuals.as_slice());
         (0.5 * residuals.norm_squared(), jacobian.tr_mul(&jacobian), jacobian.tr_mul(&residuals))
     }

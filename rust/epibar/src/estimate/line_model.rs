@@ -214,9 +214,8 @@ impl Problem for LineProblem<'_> {
                 gradient += row * (weight * residual);
             }
         }
-        let derivatives = at.derivatives();
-        let chain = SMatrix::<f64, 9, 7>::from_fn(|i, k| derivatives[k].as_slice()[i]);
-        (cost, chain.tr_mul(&(normal * chain)), chain.tr_mul(&gradient))
+        let (information, gradient) = at.carried(&normal, &gradient);
+        (cost, information, gradient)
     }
 }
 

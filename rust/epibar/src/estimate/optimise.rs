@@ -91,6 +91,12 @@ impl SevenParameters {
         })
     }
 
+    /// Normal equations over the nine entries of the matrix, column by column, carried to the seven parameters.
+    pub fn carried(&self, normal: &SMatrix<f64, 9, 9>, gradient: &SVector<f64, 9>) -> (Information, Step) {
+        let chain = as_columns(&self.derivatives());
+        (chain.tr_mul(&(normal * chain)), chain.tr_mul(gradient))
+    }
+
     /// `F` in pixels with unit norm in *normalised* coordinates, the scale in which steps act.
     pub fn unscaled(&self) -> Matrix3<f64> {
         let sigma = Matrix3::from_diagonal(&Vector3::new(self.theta.cos(), self.theta.sin(), 0.0));
@@ -100,6 +106,11 @@ impl SevenParameters {
     fn to_pixels(&self, normalised: &Matrix3<f64>) -> Matrix3<f64> {
         normaliser(self.sizes[1]).transpose() * normalised * normaliser(self.sizes[0])
     }
+}
+
+/// Derivatives of a matrix as those of its nine entries, column by column.
+pub fn as_columns(derivatives: &[Matrix3<f64>; 7]) -> SMatrix<f64, 9, 7> {
+    SMatrix::from_fn(|i, k| derivatives[k].as_slice()[i])
 }
 
 /// A least-squares problem over the seven parameters.

@@ -174,9 +174,8 @@ impl Problem for SampsonProblem {
         let total = |lanes: &[f64; LANES]| lanes.iter().sum::<f64>();
         let normal = SMatrix::<f64, 9, 9>::from_fn(|i, j| total(&sums.normal[i.max(j)][i.min(j)]));
         let gradient = SVector::<f64, 9>::from_fn(|i, _| total(&sums.gradient[i]));
-        let derivatives = at.derivatives();
-        let chain = SMatrix::<f64, 9, 7>::from_fn(|i, k| derivatives[k].as_slice()[i]);
-        (total(&sums.cost), chain.tr_mul(&(normal * chain)), chain.tr_mul(&gradient))
+        let (information, gradient) = at.carried(&normal, &gradient);
+        (total(&sums.cost), information, gradient)
     }
 }
 

@@ -18,8 +18,6 @@ use crate::{Error, Result};
 
 /// How widely is searched around what hypotheses gave.
 struct Breadth {
-    /// Times as many starts as the options say are refined.
-    starts: usize,
     /// Solutions that are kept while others are sought.
     kept: usize,
     /// How many of the best solutions are shaken in a round.
@@ -31,9 +29,11 @@ struct Breadth {
 }
 
 /// Where one geometry stands out among those first met.
-const USUAL: Breadth = Breadth { starts: 1, kept: 16, shaken: 6, explored: 3, worth_exploring: 0.7 };
+const USUAL: Breadth = Breadth { kept: 16, shaken: 6, explored: 3, worth_exploring: 0.7 };
 /// Where none does: the truth may be none of them.
-const WIDE: Breadth = Breadth { starts: 3, kept: 40, shaken: 16, explored: 12, worth_exploring: 0.5 };
+const WIDE: Breadth = Breadth { kept: 40, shaken: 16, explored: 12, worth_exploring: 0.5 };
+/// Times as many starts as the options say are refined there.
+const WIDE_STARTS: usize = 3;
 /// Share of the best one's evidence from which on another geometry contests it.
 const CONTESTING: f64 = 0.7;
 /// Share of the best one's evidence below which it is clear.
@@ -91,7 +91,7 @@ impl<'a> Searcher<'a> {
         own: usize,
         limit: usize,
         apart: f64,
-    ) -> Vec<(Fundamental, Source)> {
+    ) -> Vec<Kept> {
         let mut kept: Vec<Kept> = Vec::new();
         for source in Source::ALL {
             let of_source = scored.iter().filter(|s| s.1 == source);
@@ -99,7 +99,7 @@ impl<'a> Searcher<'a> {
         }
         let rest = limit.saturating_sub(kept.len());
         self.take(scored.iter(), rest, apart, &mut kept);
-        kept.into_iter().map(|(f, _, source)| (f, source)).collect()
+        kept
     }
 
     /// Adds at most `limit` hypotheses that differ from all that are kept.
@@ -217,20 +217,27 @@ impl<'a> Searcher<'a> {
         watch: &mut dyn Watch,
     ) -> Result<Vec<Solution>> {
         const SCHEDULES: [&[f64]; 2] = [&[16.0, 8.0, 4.0], &[6.0, 3.0]];
-        let options = self.options;
-        let starts = |breadth: &Breadth| {
-            self.different(scored, options.own_starts, breadth.starts * options.starts, 4.0 * self.scale)
+        let (options, apart) = (self.options, 4.0 * self.scale);
+        let starts_of = |kept: &[Kept]| -> Vec<(Fundamental, Source)> {
+            kept.iter().map(|(f, _, source)| (*f, *source)).collect()
         };
         let mut going = stages(watch);
         going("refine", 0.0)?;
-        let (mut breadth, first) = (&USUAL, starts(&USUAL));
-        let mut solutions = self.with_refined(known, &first, &SCHEDULES, breadth.kept);
+        let mut breadth = &USUAL;
+        let mut starts = self.different(scored, options.own_starts, options.starts, apart);
+        let mut solutions = self.with_refined(known, &starts_of(&starts), &SCHEDULES, breadth.kept);
         if self.contest(&solutions) > CONTESTING {
             breadth = &WIDE;
             going("refine", 0.3)?;
-            let more = starts(breadth);
-            let more = more.get(first.len()..).unwrap_or_default();
-            solutions = self.with_refined(solutions, more, &SCHEDULES, breadth.kept);
+            let refined = starts.len();
+            self.take(
+                scored.iter(),
+                (WIDE_STARTS * options.starts).saturating_sub(refined),
+                apart,
+                &mut starts,
+            );
+            solutions =
+                self.with_refined(solutions, &starts_of(&starts[refined..]), &SCHEDULES, breadth.kept);
         }
         for round in 0..options.restarts {
             if self.contest(&solutions) < CLEAR {
