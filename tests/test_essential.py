@@ -31,18 +31,18 @@ def error(scene, calibration):
     return float(epibar.symmetric_epipolar_distance(calibration.F, *points).mean())
 
 
-@pytest.mark.parametrize(("seed", "enough"), [(1, True), (18, False)])
+@pytest.mark.parametrize(("seed", "enough"), [(21, True), (18, False)])
 def test_camera_matrices_settle_what_little_motion_leaves_open(seed, enough):
     scene = three_walkers(seed, frames=200)
     pair = recordings(scene, (1.0, 1.0))
     without = epibar.calibrate(*pair, essential=False)
     assert not without.accepted
+    assert error(scene, without) > 10.0
     assert "essential_deviation" not in without.evidence
     calibration = epibar.calibrate(*pair)
     # What eight seconds show may be right and still too little to be believed.
     assert calibration.accepted == enough, calibration.reason
     assert error(scene, calibration) < 0.5
-    assert error(scene, without) > 2.0 * error(scene, calibration)
     assert calibration.evidence["essential_deviation"] < 0.01
 
 
