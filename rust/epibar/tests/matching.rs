@@ -50,11 +50,16 @@ fn random_barcodes(count: usize, frames: usize, random: &mut Random) -> Barcodes
 
 /// Rows of `a` in another order with some bits changed, and random ones.
 fn noisy_copies(a: &Barcodes, count: usize, random: &mut Random) -> Barcodes {
+    copies(a, count, 10, random)
+}
+
+/// The same with one bit in `errors` drawn anew.
+fn copies(a: &Barcodes, count: usize, errors: usize, random: &mut Random) -> Barcodes {
     let mut b = random_barcodes(count, a.frames, random);
     for row in (0..count).filter(|row| row % 3 == 0) {
         let of = random.below(a.count);
         for frame in 0..a.frames {
-            if random.below(10) > 0 {
+            if random.below(errors) > 0 {
                 set(&mut b, row, frame, bit(a, of, frame) > 0.5);
             }
         }
@@ -137,6 +142,16 @@ fn best_first_limited_and_never_constant() {
     }));
     for limit in [0, 1, 17, all.len(), all.len() + 1] {
         assert_eq!(matches_of(&a, &b, 3, limit), all[..limit.min(all.len())]);
+    }
+    // Copies with few errors are far better than the rest, few frames make ties: what is best is found early, or is not.
+    for (frames, errors) in [(150, 40), (150, 4), (400, 60), (30, 7)] {
+        let a = random_barcodes(500, frames, &mut random);
+        let b = copies(&a, 600, errors, &mut random);
+        let all = matches_of(&a, &b, 2, usize::MAX);
+        assert!(all.len() > 150, "{} matches", all.len());
+        for limit in (1..all.len()).step_by(7) {
+            assert_eq!(matches_of(&a, &b, 2, limit), all[..limit], "the best {limit}");
+        }
     }
     let varies = |barcodes: &Barcodes, row: u32| (1..150).contains(&barcodes.ones(row as usize));
     assert!(all.iter().all(|m| varies(&a, m.a) && varies(&b, m.b)));

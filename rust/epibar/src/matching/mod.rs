@@ -5,10 +5,12 @@
 
 mod best;
 pub mod candidates;
+mod columns;
 pub mod correlation;
 mod densify;
 pub mod motion_lines;
 mod popcount;
+mod rows;
 
 pub use candidates::{Candidate, CandidateOptions, Candidates};
 pub use correlation::{correlation, mutual_matches};

@@ -52,6 +52,11 @@ impl RowStats {
         let odds = (ones / (n - ones)).sqrt() as f32;
         Self { ones: ones as f32, scale, odds, inverse_odds: 1.0 / odds }
     }
+
+    /// What single precision may add to a score with a column whose scale is one.
+    pub(super) fn rounding(&self, frames: f32) -> f32 {
+        4.0 * f32::EPSILON * frames * self.ones * self.scale
+    }
 }
 
 /// A row of A, as the words that count.
@@ -65,20 +70,20 @@ pub(super) struct Row {
 
 impl Row {
     pub(super) fn new(row: &[u64], frames: usize, stats: RowStats) -> Self {
-        let list = |flip: u32| -> Vec<(u32, u32)> {
-            let words = (0..words_of(frames)).map(|i| {
+        let words = |flip: u32| {
+            (0..words_of(frames)).map(move |i| {
                 // Behind the last frame stand zeros in the complement too.
                 let valid = u32::MAX >> (WORD - (frames - i * WORD).min(WORD));
                 (i as u32, (word(row, i) ^ flip) & valid)
-            });
-            words.filter(|(_, bits)| *bits != 0).collect()
+            })
         };
-        let (plain, flipped) = (list(0), list(u32::MAX));
-        let complement = flipped.len() < plain.len();
-        Self { stats, words: if complement { flipped } else { plain }, complement }
+        let filled = |flip| words(flip).filter(|(_, bits)| *bits != 0).count();
+        let complement = filled(u32::MAX) < filled(0);
+        let mut list = Vec::with_capacity(words_of(frames));
+        list.extend(words(if complement { u32::MAX } else { 0 }).filter(|(_, bits)| *bits != 0));
+        Self { stats, words: list, complement }
     }
 }
-
 /// One value for each row of a group. Whole cache lines: a vector that straddles two takes twice as long to load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]
@@ -91,9 +96,9 @@ pub(super) struct Group {
     scales: Lanes<f32>,
     /// How many rows there are.
     pub(super) rows: usize,
-    most_odds: f32,
+    pub(super) most_odds: f32,
     most_inverse_odds: f32,
-    most_scale: f32,
+    pub(super) most_scale: f32,
 }
 
 impl Group {
@@ -122,14 +127,21 @@ impl Group {
     }
 
     /// No score of the row with one of the group is above this.
+    pub(super) fn bound(&self, frames: f32, row: &RowStats) -> f32 {
+        rounded_up(self.bound_of_counts(row), row.rounding(frames) * self.most_scale)
+    }
+
+    /// What no correlation can exceed, as far as counts tell.
     ///
     /// The rarer barcode's ones can at most all be common, which gives r ≤ √(odds / odds') for the smaller over the larger.
-    /// The rest is what single precision may add.
-    pub(super) fn bound(&self, frames: f32, row: &RowStats) -> f32 {
-        let rounding = 4.0 * f32::EPSILON * frames * row.ones * row.scale * self.most_scale;
-        let odds = (row.odds * self.most_inverse_odds).min(self.most_odds * row.inverse_odds).min(1.0);
-        odds * (1.0 + 1e-5) + rounding
+    pub(super) fn bound_of_counts(&self, row: &RowStats) -> f32 {
+        (row.odds * self.most_inverse_odds).min(self.most_odds * row.inverse_odds).min(1.0)
     }
+}
+
+/// A bound of correlations and what rounding may add to it.
+pub(super) fn rounded_up(bound: f32, rounding: f32) -> f32 {
+    bound * (1.0 + 1e-5) + rounding
 }
 
 /// How the kernel is compiled: one for what the CPU has, of which the plain one is the oracle.
