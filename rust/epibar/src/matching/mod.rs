@@ -8,6 +8,7 @@ pub mod candidates;
 mod columns;
 pub mod correlation;
 mod densify;
+mod hull_barcodes;
 pub mod motion_lines;
 mod popcount;
 mod rows;

@@ -1,0 +1,251 @@
+//! Barcodes of any lines, from hulls.
+//!
+//! A line meets a hull if vertices lie on both of its sides. How far a hull reaches to both sides of its centre is tabulated
+//! for one direction, and lines of nearly that direction are compared with the table: only hulls that end very near the line
+//! are looked at vertex by vertex.
+
+use std::f64::consts::TAU;
+
+use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
+
+use crate::line::Line;
+use crate::recording::{Barcodes, Silhouettes};
+
+/// A hull this near a line is met by the pixels of the line (half a pixel along the minor axis at most).
+const HALF_WIDTH: f64 = 0.35;
+/// Directions of lines that are told apart.
+const DIRECTIONS: usize = 512;
+/// Pixels that rounding may cost a distance, generously.
+const ROUNDING: f64 = 1e-6;
+/// Hulls in one word of answers.
+const WORD: usize = 64;
+
+/// Hulls, frame after frame.
+#[derive(Default)]
+struct Hulls {
+    frame: Vec<u32>,
+    /// Mean of the vertices.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    /// Largest distance of a vertex from it.
+    radius: Vec<f64>,
+    /// For each hull its first vertex, and the number of vertices as the last entry.
+    start: Vec<u32>,
+    vertices_x: Vec<f64>,
+    vertices_y: Vec<f64>,
+}
+
+impl Hulls {
+    /// The hulls of some frames of a recording.
+    fn new(silhouettes: &Silhouettes, frames: &[u32]) -> Self {
+        let mut hulls = Self { start: vec![0], ..Self::default() };
+        for (frame, &recorded) in frames.iter().enumerate() {
+            for hull in silhouettes.hulls(recorded as usize).map(|h| silhouettes.hull(h)) {
+                hulls.push(frame as u32, hull);
+            }
+        }
+        hulls
+    }
+
+    fn push(&mut self, frame: u32, hull: &[[u16; 2]]) {
+        let n = hull.len().max(1) as f64;
+        let x = hull.iter().map(|p| f64::from(p[0])).sum::<f64>() / n;
+        let y = hull.iter().map(|p| f64::from(p[1])).sum::<f64>() / n;
+        let radius =
+            hull.iter().map(|p| (f64::from(p[0]) - x).hypot(f64::from(p[1]) - y)).fold(0.0, f64::max);
+        self.frame.push(frame);
+        self.x.push(x);
+        self.y.push(y);
+        self.radius.push(radius);
+        self.vertices_x.extend(hull.iter().map(|p| f64::from(p[0])));
+        self.vertices_y.extend(hull.iter().map(|p| f64::from(p[1])));
+        self.start.push(self.vertices_x.len() as u32);
+    }
+
+    fn vertices(&self, hull: usize) -> impl Iterator<Item = (f64, f64)> {
+        let vertices = self.start[hull] as usize..self.start[hull + 1] as usize;
+        self.vertices_x[vertices.clone()].iter().copied().zip(self.vertices_y[vertices].iter().copied())
+    }
+}
+
+/// How far the centre of each hull may be from a line of about one direction: within the inner bounds the hull is met,
+/// outside the outer ones it is missed.
+struct Reach {
+    outer: [Vec<f64>; 2],
+    inner: [Vec<f64>; 2],
+}
+
+impl Reach {
+    /// For lines whose normal is within half a step of a direction.
+    fn new(hulls: &Hulls, direction: usize) -> Self {
+        let (sin, cos) = (TAU * direction as f64 / DIRECTIONS as f64).sin_cos();
+        let mut reach = Self { outer: [const { Vec::new() }; 2], inner: [const { Vec::new() }; 2] };
+        for hull in 0..hulls.frame.len() {
+            let (x, y) = (hulls.x[hull], hulls.y[hull]);
+            let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+            for (vx, vy) in hulls.vertices(hull) {
+                let along = cos * (vx - x) + sin * (vy - y);
+                (least, most) = (least.min(along), most.max(along));
+            }
+            // What half a step, and the rounding of directions to steps, may change.
+            let slack = hulls.radius[hull] * TAU * 0.501 / DIRECTIONS as f64 + ROUNDING;
+            reach.outer[0].push(-HALF_WIDTH - most - slack);
+            reach.outer[1].push(HALF_WIDTH - least + slack);
+            reach.inner[0].push(-HALF_WIDTH - most + slack);
+            reach.inner[1].push(HALF_WIDTH - least - slack);
+        }
+        reach
+    }
+}
+
+/// Which step of the circle the normal of a line is nearest to.
+fn direction(line: &Line) -> usize {
+    (line.b.atan2(line.a) / TAU * DIRECTIONS as f64).round().rem_euclid(DIRECTIONS as f64) as usize
+}
+
+/// The barcode of a line.
+struct Met<'a> {
+    hulls: &'a Hulls,
+    reach: &'a Reach,
+    line: &'a Line,
+    row: &'a mut [u64],
+}
+
+impl WithSimd for Met<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { hulls, reach, line, row } = self;
+        let n = hulls.frame.len();
+        let (x, y) = (&hulls.x[..n], &hulls.y[..n]);
+        let [[outer_low, outer_high], [inner_low, inner_high]] =
+            [&reach.outer, &reach.inner].map(|bounds| [&bounds[0][..n], &bounds[1][..n]]);
+        let mut near = [0u8; WORD];
+        let mut sure = [0u8; WORD];
+        for first in (0..n).step_by(WORD) {
+            let last = n.min(first + WORD);
+            for (k, i) in (first..last).enumerate() {
+                let distance = line.signed_distance(x[i], y[i]);
+                near[k] = u8::from(distance >= outer_low[i]) & u8::from(distance <= outer_high[i]);
+                sure[k] = u8::from(distance >= inner_low[i]) & u8::from(distance <= inner_high[i]);
+            }
+            near[last - first..].fill(0);
+            let mut left = bits(&near);
+            let sure = bits(&sure);
+            while left != 0 {
+                let k = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let i = first + k;
+                let met = sure >> k & 1 == 1 || meets(hulls, i, line);
+                let frame = hulls.frame[i] as usize;
+                row[frame / 64] |= u64::from(met) << (frame % 64);
+            }
+        }
+    }
+}
+
+/// Bytes that are 0 or 1 as the bits of a word.
+#[inline(always)]
+fn bits(bytes: &[u8; WORD]) -> u64 {
+    let mut word = 0;
+    for (k, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
+        // Byte j of eight lands on bit 56 + j.
+        word |= (u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * k);
+    }
+    word
+}
+
+/// Some vertex lies on each side of the line, or near it.
+#[inline(always)]
+fn meets(hulls: &Hulls, hull: usize, line: &Line) -> bool {
+    let (mut below, mut above) = (false, false);
+    for (x, y) in hulls.vertices(hull) {
+        let distance = line.signed_distance(x, y);
+        below |= distance <= HALF_WIDTH;
+        above |= distance >= -HALF_WIDTH;
+    }
+    below & above
+}
+
+/// The barcodes of lines over some frames of a recording.
+pub(super) fn hull_barcodes(silhouettes: &Silhouettes, frames: &[u32], lines: &[Line]) -> Barcodes {
+    barcodes_of(&Hulls::new(silhouettes, frames), frames.len(), lines)
+}
+
+fn barcodes_of(hulls: &Hulls, frames: usize, lines: &[Line]) -> Barcodes {
+    let mut barcodes = Barcodes::zeros(lines.len(), frames);
+    if frames == 0 {
+        return barcodes;
+    }
+    let mut of_direction: Vec<Vec<(&Line, &mut [u64])>> = (0..DIRECTIONS).map(|_| Vec::new()).collect();
+    for (line, row) in lines.iter().zip(barcodes.bits.chunks_exact_mut(barcodes.words_per)) {
+        of_direction[direction(line)].push((line, row));
+    }
+    of_direction.into_par_iter().enumerate().filter(|(_, lines)| !lines.is_empty()).for_each(
+        |(direction, lines)| {
+            let arch = Arch::new();
+            let reach = Reach::new(hulls, direction);
+            for (line, row) in lines {
+                arch.dispatch(Met { hulls, reach: &reach, line, row });
+            }
+        },
+    );
+    barcodes
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+    use crate::estimate::ransac::generator;
+    use crate::line::Homogeneous;
+
+    #[test]
+    fn a_line_meets_a_hull_with_vertices_on_both_sides() {
+        let mut random = generator(1, 0);
+        let frames = 130;
+        let mut hulls = Hulls { start: vec![0], ..Hulls::default() };
+        for hull in 0..3000 {
+            let size = random.random_range(0..60);
+            let (x, y) = (random.random_range(0..600), random.random_range(0..400));
+            let vertices: Vec<[u16; 2]> = (0..random.random_range(1..9))
+                .map(|_| [x + random.random_range(0..=size), y + random.random_range(0..=size)])
+                .collect();
+            hulls.push(hull * frames as u32 / 3000, &vertices);
+        }
+        // Every other one along rows, columns and diagonals of pixels, where vertices lie on lines.
+        let lines: Vec<Line> = (0..2000)
+            .filter_map(|k| {
+                let angle = random.random::<f64>() * TAU;
+                let angle = if k % 2 == 0 { angle } else { (angle * 8.0 / TAU).round() * TAU / 8.0 };
+                let at = [random.random_range(0..600), random.random_range(0..400)].map(f64::from);
+                let (b, a) = angle.sin_cos();
+                let c = -(a * at[0] + b * at[1]);
+                Line::from_homogeneous(&Homogeneous::new(a, b, c))
+            })
+            .collect();
+        let found = barcodes_of(&hulls, frames, &lines);
+        let (mut met, mut by_vertices) = (0, 0);
+        for (i, line) in lines.iter().enumerate() {
+            let mut row = vec![0; frames.div_ceil(64)];
+            let reach = Reach::new(&hulls, direction(line));
+            for hull in 0..hulls.frame.len() {
+                let distances = || hulls.vertices(hull).map(|(x, y)| line.signed_distance(x, y));
+                let meets = distances().any(|d| d <= HALF_WIDTH) && distances().any(|d| d >= -HALF_WIDTH);
+                let frame = hulls.frame[hull] as usize;
+                row[frame / 64] |= u64::from(meets) << (frame % 64);
+                let centre = line.signed_distance(hulls.x[hull], hulls.y[hull]);
+                let within = |[low, high]: &[Vec<f64>; 2]| (low[hull]..=high[hull]).contains(&centre);
+                assert!(!within(&reach.inner) || meets, "the inner bound");
+                assert!(within(&reach.outer) || !meets, "the outer bound");
+                met += usize::from(meets);
+                by_vertices += usize::from(within(&reach.outer) && !within(&reach.inner));
+            }
+            assert_eq!(found.row(i), row);
+        }
+        assert!(met > 100_000 && by_vertices > 1000 && by_vertices < met / 10, "{met} {by_vertices}");
+    }
+}
