@@ -52,6 +52,7 @@
 //! # }
 //! ```
 
+mod bits;
 pub mod calibrate;
 pub mod error;
 pub mod estimate;

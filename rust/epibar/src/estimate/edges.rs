@@ -4,6 +4,7 @@
 //! silhouette has a dozen or two edges: eight at a time without a branch are done before a search in their logarithm has
 //! mispredicted its first comparison.
 
+use crate::bits::gathered;
 use crate::line::Homogeneous;
 
 /// Edges of a hull are padded to a multiple of it.
@@ -59,9 +60,7 @@ impl Edges {
         let mut out = 0u64;
         let (eights, _) = sides[start..start + count.next_multiple_of(LANES)].as_chunks::<LANES>();
         for (k, eight) in eights.iter().enumerate() {
-            let bytes = u64::from_le_bytes(*eight);
-            // Gathers the lowest bits of eight bytes.
-            out |= (bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56) << (k * LANES);
+            out |= gathered(*eight) << (k * LANES);
         }
         // The edge into a vertex is the one before the edge out of it.
         let into = out << 1 | out >> (count - 1);

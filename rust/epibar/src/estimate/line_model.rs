@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
+use super::line_arrays::LineArrays;
 use super::optimise::{Information, Problem, SevenParameters, Step, cauchy, minimise};
 use super::ransac::Estimator;
 use crate::geometry::{Fundamental, LinePair, PencilHomography};
@@ -21,8 +22,7 @@ pub const AREA_THRESHOLD: f64 = 3.0;
 /// Draws hypotheses from line pairs and counts line inliers.
 pub struct LineModel<'a> {
     candidates: &'a [Candidate],
-    /// The two lines of each candidate.
-    homogeneous: Vec<(Homogeneous, Homogeneous)>,
+    arrays: LineArrays,
     cumulative: Vec<f64>,
     sizes: [ImageSize; 2],
 }
@@ -38,9 +38,7 @@ impl<'a> LineModel<'a> {
                 sum
             })
             .collect();
-        let homogeneous =
-            candidates.iter().map(|c| (c.lines.a.homogeneous(), c.lines.b.homogeneous())).collect();
-        Self { candidates, homogeneous, cumulative, sizes }
+        Self { candidates, arrays: LineArrays::new(candidates, sizes[1]), cumulative, sizes }
     }
 
     /// One candidate with probability proportional to its correlation.
@@ -59,37 +57,25 @@ impl<'a> LineModel<'a> {
             1.0 / w.max(far).max(f64::MIN_POSITIVE)
         };
         let (se, sf) = (scale(e, self.sizes[0]), scale(f, self.sizes[1]));
-        let mut distances: Vec<f64> =
-            self.homogeneous.iter().map(|(a, b)| (a.dot(e) * se).abs() + (b.dot(f) * sf).abs()).collect();
-        (distances[first], distances[second]) = (f64::INFINITY, f64::INFINITY);
-        let (mut nearest, mut least) = (None, f64::INFINITY);
-        for (i, distance) in distances.into_iter().enumerate() {
-            if distance < least {
-                (nearest, least) = (Some(i), distance);
-            }
-        }
-        nearest
+        self.arrays.nearest([(*e, se), (*f, sf)], [first, second])
     }
 
     /// Inlier test of one candidate.
-    pub fn is_inlier(&self, f: &Fundamental, candidate: &Candidate) -> bool {
+    fn is_inlier(&self, f: &Fundamental, candidate: &Candidate) -> bool {
         let [x, y] = candidate.segment_a.midpoint();
         let size = self.sizes[1];
         let limit = AREA_THRESHOLD * size.width as f64;
         let Some(line) = Line::from_homogeneous(&f.line_in_b(&Vector3::new(x, y, 1.0))) else {
             return false;
         };
-        // Cheap refusal: in the middle of its segment l' must be within the area's mean width.
-        let [mx, my] = candidate.segment_b.midpoint();
-        if line.signed_distance(mx, my).abs() * 0.5 * candidate.segment_b.length() > 4.0 * limit {
-            return false;
-        }
         area_between(&candidate.lines.b, &line, size) < limit
     }
 
     /// Which candidates are inliers.
     pub fn inliers(&self, f: &Fundamental) -> Vec<bool> {
-        self.candidates.iter().map(|c| self.is_inlier(f, c)).collect()
+        let mut inliers = vec![false; self.candidates.len()];
+        self.arrays.possible(f, |i| inliers[i] = self.is_inlier(f, &self.candidates[i]));
+        inliers
     }
 
     /// Local optimisation on the inliers, repeated with those of the result.
@@ -101,8 +87,8 @@ impl<'a> LineModel<'a> {
         const KEPT: f64 = 0.97;
         let (mut best, mut most) = (*f, self.score(f));
         for _ in 0..ROUNDS {
-            let inliers: Vec<&Candidate> =
-                self.candidates.iter().filter(|c| self.is_inlier(&best, c)).collect();
+            let inliers = self.candidates.iter().zip(self.inliers(&best)).filter(|(_, inlier)| *inlier);
+            let inliers: Vec<&Candidate> = inliers.map(|(candidate, _)| candidate).collect();
             let Some(start) = SevenParameters::new(&best, self.sizes) else { break };
             if inliers.len() < 7 {
                 break;
@@ -138,7 +124,9 @@ impl Estimator for LineModel<'_> {
     }
 
     fn score(&self, model: &Fundamental) -> f64 {
-        self.candidates.iter().filter(|c| self.is_inlier(model, c)).count() as f64
+        let mut count = 0;
+        self.arrays.possible(model, |i| count += usize::from(self.is_inlier(model, &self.candidates[i])));
+        count as f64
     }
 }
 

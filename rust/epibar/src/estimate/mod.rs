@@ -9,6 +9,7 @@ pub mod evidence;
 pub mod explore;
 pub mod floor;
 pub mod frontier;
+mod line_arrays;
 pub mod line_model;
 pub mod optimise;
 pub mod ransac;

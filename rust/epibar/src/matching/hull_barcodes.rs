@@ -9,13 +9,14 @@ use std::f64::consts::TAU;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use crate::bits::{ones_of, word_of};
 use crate::line::Line;
 use crate::recording::{Barcodes, Silhouettes};
 
 /// A hull this near a line is met by the pixels of the line (half a pixel along the minor axis at most).
 const HALF_WIDTH: f64 = 0.35;
 /// Directions of lines that are told apart.
-const DIRECTIONS: usize = 512;
+const DIRECTIONS: usize = 256;
 /// Pixels that rounding may cost a distance, generously.
 const ROUNDING: f64 = 1e-6;
 /// Hulls in one word of answers.
@@ -132,11 +133,8 @@ impl WithSimd for Met<'_> {
                 sure[k] = u8::from(distance >= inner_low[i]) & u8::from(distance <= inner_high[i]);
             }
             near[last - first..].fill(0);
-            let mut left = bits(&near);
-            let sure = bits(&sure);
-            while left != 0 {
-                let k = left.trailing_zeros() as usize;
-                left &= left - 1;
+            let sure = word_of(&sure);
+            for k in ones_of(word_of(&near)) {
                 let i = first + k;
                 let met = sure >> k & 1 == 1 || meets(hulls, i, line);
                 let frame = hulls.frame[i] as usize;
@@ -144,17 +142,6 @@ impl WithSimd for Met<'_> {
             }
         }
     }
-}
-
-/// Bytes that are 0 or 1 as the bits of a word.
-#[inline(always)]
-fn bits(bytes: &[u8; WORD]) -> u64 {
-    let mut word = 0;
-    for (k, eight) in bytes.as_chunks::<8>().0.iter().enumerate() {
-        // Byte j of eight lands on bit 56 + j.
-        word |= (u64::from_le_bytes(*eight).wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * k);
-    }
-    word
 }
 
 /// Some vertex lies on each side of the line, or near it.

@@ -6,6 +6,7 @@ use super::best::BestFew;
 use super::columns::{Asked, Columns, by_ones, stats};
 use super::correlation::Match;
 use super::popcount::{GROUP, Lanes, Level, Row, RowStats, Thresholds};
+use crate::bits::ones_of;
 use crate::recording::Barcodes;
 
 /// Rows of A that one task compares with columns.
@@ -133,15 +134,6 @@ impl<'a> Rows<'a> {
             })
         })
     }
-}
-
-/// Places of the ones of a word.
-fn ones_of(mut bits: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let place = (bits != 0).then(|| bits.trailing_zeros() as usize);
-        bits &= bits.wrapping_sub(1);
-        place
-    })
 }
 
 #[cfg(test)]
