@@ -153,23 +153,40 @@ impl Line {
 /// the two, with sides chosen so that equal lines enclose nothing: of the two double wedges that the lines
 /// form, the smaller one inside the image. A line that misses the image counts as the whole image.
 pub fn area_between(first: &Line, second: &Line, size: ImageSize) -> f64 {
-    let total = size.x_max() * size.y_max();
-    if first.clip(size).is_none() || second.clip(size).is_none() {
-        return total;
+    CutImage::new(first, size).area_to(second)
+}
+
+/// An image cut by a line, whose areas to many others are asked for.
+pub(crate) struct CutImage {
+    size: ImageSize,
+    /// The positive side, and its area; `None` where the line misses the image.
+    side: Option<(Polygon, f64)>,
+}
+
+impl CutImage {
+    pub(crate) fn new(line: &Line, size: ImageSize) -> Self {
+        let side = line.clip(size).map(|_| {
+            let mut side = Polygon::rectangle(size);
+            side.cut(line, 1.0);
+            (side, side.area())
+        });
+        Self { size, side }
     }
-    let mut corners = Polygon::rectangle(size);
-    let both = {
-        let mut both = corners;
-        both.cut(first, 1.0);
-        let one = both.area();
-        both.cut(second, 1.0);
-        (one, both.area())
-    };
-    corners.cut(second, 1.0);
-    let (first_side, together) = both;
-    // Symmetric difference of the two half planes; its complement is the other double wedge.
-    let wedge = (first_side + corners.area() - 2.0 * together).max(0.0);
-    wedge.min(total - wedge)
+
+    /// As [`area_between`].
+    pub(crate) fn area_to(&self, line: &Line) -> f64 {
+        let total = self.size.x_max() * self.size.y_max();
+        let Some((mut together, area)) = self.side else { return total };
+        if line.clip(self.size).is_none() {
+            return total;
+        }
+        together.cut(line, 1.0);
+        let mut other = Polygon::rectangle(self.size);
+        other.cut(line, 1.0);
+        // Symmetric difference of the two half planes; its complement is the other double wedge.
+        let wedge = (area + other.area() - 2.0 * together.area()).max(0.0);
+        wedge.min(total - wedge)
+    }
 }
 
 /// A convex polygon of at most eight corners on the stack: a rectangle after a few cuts.

@@ -11,6 +11,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::frontier::Scorer;
+use super::line_arrays::LineArrays;
 use super::ransac::{Estimator, Watch, ransac};
 use super::tracks::{Extremes, extremes};
 use super::views::{View, Views};
@@ -40,6 +41,7 @@ pub struct Floor {
 /// Finds homographies of line pairs.
 struct FloorModel<'a> {
     candidates: &'a [Candidate],
+    arrays: LineArrays,
     sizes: [ImageSize; 2],
 }
 
@@ -63,7 +65,15 @@ impl FloorModel<'_> {
 
     fn inliers(&self, h: &Matrix3<f64>) -> Vec<&Candidate> {
         let Some(inverse) = h.try_inverse() else { return Vec::new() };
-        self.candidates.iter().filter(|c| self.fits(h, &inverse, c)).collect()
+        let tolerances = self.sizes.map(|size| TOLERANCE * size.diagonal());
+        let mut inliers = Vec::new();
+        self.arrays.fitting(h, &inverse, tolerances, |i| {
+            let candidate = &self.candidates[i];
+            if self.fits(h, &inverse, candidate) {
+                inliers.push(candidate);
+            }
+        });
+        inliers
     }
 
     /// `H` by DLT from line pairs, `l_a × Hᵀ l_b = 0`, in normalised coordinates.
@@ -122,7 +132,7 @@ pub fn find_floors(
     if candidates.len() < 20 {
         return Ok(Vec::new());
     }
-    let model = FloorModel { candidates, sizes };
+    let model = FloorModel { candidates, arrays: LineArrays::new(candidates, sizes[1]), sizes };
     let found = ransac(&model, DRAWS, 4 * keep, seed, "floor", watch)?;
     let mut floors: Vec<Floor> = Vec::new();
     for start in found {

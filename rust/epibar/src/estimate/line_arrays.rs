@@ -1,25 +1,28 @@
 //! Candidates as flat arrays, for what is asked of all of them under every hypothesis.
 
+use nalgebra::Matrix3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::line_model::AREA_THRESHOLD;
 use crate::bits::{ones_of, word_of};
 use crate::geometry::Fundamental;
-use crate::line::{Homogeneous, ImageSize};
+use crate::line::{Homogeneous, ImageSize, Segment};
 use crate::matching::Candidate;
 
 /// Candidates whose answers are one word.
 const WORD: usize = 64;
 /// Mean widths of the largest area of an inlier that a line may be off in the middle of its segment.
 const WIDTHS: f64 = 4.0;
+/// Room for rounding: whatever is near a limit is told.
+const ROOM: f64 = 1.0 + 1e-9;
 
-/// The lines of candidates, and the middles of their segments; whole words of them, what is beyond the last is never chosen.
+/// The lines of candidates and the ends of their segments, of A and of B; whole words of them, of which those beyond the last
+/// are never chosen.
 pub(super) struct LineArrays {
     count: usize,
-    lines_a: [Vec<f64>; 3],
-    lines_b: [Vec<f64>; 3],
-    middles_a: [Vec<f64>; 2],
-    middles_b: [Vec<f64>; 2],
+    lines: [[Vec<f64>; 3]; 2],
+    /// x and y of one end, x and y of the other.
+    ends: [[Vec<f64>; 4]; 2],
     /// The distance of a middle in B that no inlier exceeds, pixels².
     most2: Vec<f64>,
 }
@@ -32,15 +35,15 @@ impl LineArrays {
             values.resize(len, beyond);
             values
         };
+        let views: [fn(&Candidate) -> (Homogeneous, Segment); 2] =
+            [|c| (c.lines.a.homogeneous(), c.segment_a), |c| (c.lines.b.homogeneous(), c.segment_b)];
+        let end = |s: Segment, k: usize| [s.x0, s.y0, s.x1, s.y1][k];
         let limit = WIDTHS * AREA_THRESHOLD * size_b.width as f64;
         Self {
             count: candidates.len(),
-            lines_a: [0, 1, 2].map(|k| filled(&|c| c.lines.a.homogeneous()[k], 0.0)),
-            lines_b: [0, 1, 2].map(|k| filled(&|c| c.lines.b.homogeneous()[k], 0.0)),
-            middles_a: [0, 1].map(|k| filled(&|c| c.segment_a.midpoint()[k], 0.0)),
-            middles_b: [0, 1].map(|k| filled(&|c| c.segment_b.midpoint()[k], 0.0)),
-            // With room for rounding: whatever is near the limit is looked at.
-            most2: filled(&|c| (limit / (0.5 * c.segment_b.length())).powi(2) * (1.0 + 1e-9), -1.0),
+            lines: views.map(|view| [0, 1, 2].map(|k| filled(&|c| view(c).0[k], 0.0))),
+            ends: views.map(|view| [0, 1, 2, 3].map(|k| filled(&|c| end(view(c).1, k), f64::NAN))),
+            most2: filled(&|c| (limit / (0.5 * c.segment_b.length())).powi(2) * ROOM, f64::NAN),
         }
     }
 
@@ -50,9 +53,29 @@ impl LineArrays {
     }
 
     /// Tells, in their order, of all candidates whose line in B may be within the area of an inlier.
-    pub(super) fn possible(&self, f: &Fundamental, mut tell: impl FnMut(usize)) {
+    pub(super) fn possible(&self, f: &Fundamental, tell: impl FnMut(usize)) {
+        self.told(|words| Arch::new().dispatch(Possible { arrays: self, f: f.matrix(), words }), tell);
+    }
+
+    /// Tells, in their order, of all candidates of which both ends of both segments may be within `tolerances` pixels of the
+    /// line that a homography, or its inverse, gives the other line.
+    pub(super) fn fitting(
+        &self,
+        h: &Matrix3<f64>,
+        inverse: &Matrix3<f64>,
+        tolerances: [f64; 2],
+        tell: impl FnMut(usize),
+    ) {
+        let most2 = tolerances.map(|tolerance| tolerance * tolerance * ROOM);
+        self.told(
+            |words| Arch::new().dispatch(Fitting { arrays: self, maps: [h, inverse], most2, words }),
+            tell,
+        );
+    }
+
+    fn told(&self, pass: impl FnOnce(&mut [u64]), mut tell: impl FnMut(usize)) {
         let mut words = vec![0u64; self.most2.len() / WORD];
-        Arch::new().dispatch(Possible { arrays: self, f, words: &mut words });
+        pass(&mut words);
         for (w, word) in words.into_iter().enumerate() {
             ones_of(word).for_each(|k| tell(w * WORD + k));
         }
@@ -71,10 +94,10 @@ impl WithSimd for Nearest<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Option<usize> {
-        let Self { arrays, points: [e, f], except } = self;
+        let Self { arrays, points, except } = self;
         let mut distances = vec![0.0; arrays.most2.len()];
         let sums = S::as_mut_simd_f64s(&mut distances).0;
-        for (lines, (point, scale)) in [(&arrays.lines_a, e), (&arrays.lines_b, f)] {
+        for (lines, (point, scale)) in arrays.lines.iter().zip(points) {
             let [a, b, c] = lines.each_ref().map(|part| S::as_simd_f64s(part).0);
             let [x, y, w] = [point.x, point.y, point.z].map(|part| simd.splat_f64s(part));
             let scale = simd.splat_f64s(scale);
@@ -100,7 +123,7 @@ impl WithSimd for Nearest<'_> {
 /// Pass: see [`LineArrays::possible`].
 struct Possible<'a> {
     arrays: &'a LineArrays,
-    f: &'a Fundamental,
+    f: &'a Matrix3<f64>,
     words: &'a mut [u64],
 }
 
@@ -110,21 +133,119 @@ impl WithSimd for Possible<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         let Self { arrays, f, words } = self;
-        let m = f.matrix();
         let n = words.len() * WORD;
-        let [ax, ay] = arrays.middles_a.each_ref().map(|part| &part[..n]);
-        let [bx, by] = arrays.middles_b.each_ref().map(|part| &part[..n]);
+        let [a, b] = [0, 1].map(|view| arrays.ends[view].each_ref().map(|part| &part[..n]));
         let most2 = &arrays.most2[..n];
         for (w, word) in words.iter_mut().enumerate() {
             let mut bytes = [0u8; WORD];
             for (k, byte) in bytes.iter_mut().enumerate() {
                 let i = w * WORD + k;
-                let line = [0, 1, 2].map(|r| m[(r, 0)] * ax[i] + m[(r, 1)] * ay[i] + m[(r, 2)]);
-                let algebraic = line[0] * bx[i] + line[1] * by[i] + line[2];
-                let norm2 = line[0] * line[0] + line[1] * line[1];
-                *byte = u8::from(algebraic * algebraic <= most2[i] * norm2);
+                let (ax, ay) = (0.5 * (a[0][i] + a[2][i]), 0.5 * (a[1][i] + a[3][i]));
+                let (bx, by) = (0.5 * (b[0][i] + b[2][i]), 0.5 * (b[1][i] + b[3][i]));
+                let x = f.m11 * ax + f.m12 * ay + f.m13;
+                let y = f.m21 * ax + f.m22 * ay + f.m23;
+                let z = f.m31 * ax + f.m32 * ay + f.m33;
+                let algebraic = x * bx + y * by + z;
+                *byte = u8::from(algebraic * algebraic <= most2[i] * (x * x + y * y));
             }
             *word = word_of(&bytes);
         }
+    }
+}
+
+/// Pass: see [`LineArrays::fitting`].
+struct Fitting<'a> {
+    arrays: &'a LineArrays,
+    /// Their transposes take lines of B to A, and lines of A to B.
+    maps: [&'a Matrix3<f64>; 2],
+    most2: [f64; 2],
+    words: &'a mut [u64],
+}
+
+impl WithSimd for Fitting<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { arrays, maps, most2, words } = self;
+        let n = words.len() * WORD;
+        for (w, word) in words.iter_mut().enumerate() {
+            *word = u64::MAX;
+            for view in 0..2 {
+                let [lx, ly, lz] = arrays.lines[1 - view].each_ref().map(|part| &part[..n]);
+                let [x0, y0, x1, y1] = arrays.ends[view].each_ref().map(|part| &part[..n]);
+                let (m, most2) = (maps[view], most2[view]);
+                let mut bytes = [0u8; WORD];
+                for (k, byte) in bytes.iter_mut().enumerate() {
+                    let i = w * WORD + k;
+                    let x = m.m11 * lx[i] + m.m21 * ly[i] + m.m31 * lz[i];
+                    let y = m.m12 * lx[i] + m.m22 * ly[i] + m.m32 * lz[i];
+                    let z = m.m13 * lx[i] + m.m23 * ly[i] + m.m33 * lz[i];
+                    let (p, q) = (x * x0[i] + y * y0[i] + z, x * x1[i] + y * y1[i] + z);
+                    let most = most2 * (x * x + y * y);
+                    *byte = u8::from(p * p <= most) & u8::from(q * q <= most);
+                }
+                *word &= word_of(&bytes);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use rand::RngExt;
+
+    use super::*;
+    use crate::estimate::ransac::generator;
+    use crate::geometry::LinePair;
+
+    #[test]
+    fn the_passes_do_what_the_definitions_say() {
+        let size = ImageSize::new(640, 480).unwrap();
+        let mut random = generator(2, 0);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+        let mut segment =
+            || Segment { x0: 0.0, y0: between(0.0, 479.0), x1: between(9.0, 639.0), y1: between(0.0, 479.0) };
+        // Lines of A are lines of B, a little displaced.
+        let candidates: Vec<Candidate> = (0..300)
+            .map(|k| {
+                let (segment_a, other) = (segment(), segment());
+                let moved = |p: f64, q: f64| p + 0.03 * f64::from(k % 7) * (q - p);
+                let segment_b = Segment {
+                    x0: moved(segment_a.x0, other.x0),
+                    y0: moved(segment_a.y0, other.y0),
+                    x1: moved(segment_a.x1, other.x1),
+                    y1: moved(segment_a.y1, other.y1),
+                };
+                let lines = LinePair { a: segment_a.line().unwrap(), b: segment_b.line().unwrap() };
+                Candidate { lines, segment_a, segment_b, correlation: 0.5 }
+            })
+            .collect();
+        let arrays = LineArrays::new(&candidates, size);
+
+        let (h, inverse) = (Matrix3::identity(), Matrix3::identity());
+        let mut told = Vec::new();
+        arrays.fitting(&h, &inverse, [8.0, 12.0], |i| told.push(i));
+        let off = |line: &crate::line::Line, s: &Segment| {
+            line.signed_distance(s.x0, s.y0).abs().max(line.signed_distance(s.x1, s.y1).abs())
+        };
+        let fits =
+            |c: &Candidate| off(&c.lines.b, &c.segment_a) <= 8.0 && off(&c.lines.a, &c.segment_b) <= 12.0;
+        assert_eq!(told, (0..300).filter(|&i| fits(&candidates[i])).collect::<Vec<_>>());
+        assert!(told.len() > 50 && told.len() < 200, "{}", told.len());
+
+        let (e, f) = (Vector3::new(300.0, 200.0, 1.0), Vector3::new(310.0, 220.0, 1.0));
+        for except in [[0, 1], [7, 250], [299, 14]] {
+            let distance = |i: usize| {
+                let LinePair { a, b } = candidates[i].lines;
+                (a.homogeneous().dot(&e) * 0.7).abs() + (b.homogeneous().dot(&f) * 1.3).abs()
+            };
+            let others = (0..300).filter(|i| !except.contains(i));
+            let expected = others.min_by(|&i, &j| distance(i).total_cmp(&distance(j)));
+            assert_eq!(arrays.nearest([(e, 0.7), (f, 1.3)], except), expected);
+        }
+        let two = LineArrays::new(&candidates[..2], size);
+        assert_eq!(two.nearest([(e, 1.0), (f, 1.0)], [0, 1]), None);
     }
 }

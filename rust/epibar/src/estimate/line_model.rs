@@ -13,7 +13,7 @@ use super::line_arrays::LineArrays;
 use super::optimise::{Information, Problem, SevenParameters, Step, cauchy, minimise};
 use super::ransac::Estimator;
 use crate::geometry::{Fundamental, LinePair, PencilHomography};
-use crate::line::{Homogeneous, ImageSize, Line, Segment, area_between};
+use crate::line::{CutImage, Homogeneous, ImageSize, Line, Segment};
 use crate::matching::Candidate;
 
 /// Area threshold of an inlier in units of the image width (paper §3.2).
@@ -23,6 +23,8 @@ pub const AREA_THRESHOLD: f64 = 3.0;
 pub struct LineModel<'a> {
     candidates: &'a [Candidate],
     arrays: LineArrays,
+    /// Image B, cut by the line of each candidate.
+    cut: Vec<CutImage>,
     cumulative: Vec<f64>,
     sizes: [ImageSize; 2],
 }
@@ -38,7 +40,8 @@ impl<'a> LineModel<'a> {
                 sum
             })
             .collect();
-        Self { candidates, arrays: LineArrays::new(candidates, sizes[1]), cumulative, sizes }
+        let cut = candidates.iter().map(|c| CutImage::new(&c.lines.b, sizes[1])).collect();
+        Self { candidates, arrays: LineArrays::new(candidates, sizes[1]), cut, cumulative, sizes }
     }
 
     /// One candidate with probability proportional to its correlation.
@@ -60,21 +63,18 @@ impl<'a> LineModel<'a> {
         self.arrays.nearest([(*e, se), (*f, sf)], [first, second])
     }
 
-    /// Inlier test of one candidate.
-    fn is_inlier(&self, f: &Fundamental, candidate: &Candidate) -> bool {
-        let [x, y] = candidate.segment_a.midpoint();
-        let size = self.sizes[1];
-        let limit = AREA_THRESHOLD * size.width as f64;
-        let Some(line) = Line::from_homogeneous(&f.line_in_b(&Vector3::new(x, y, 1.0))) else {
-            return false;
-        };
-        area_between(&candidate.lines.b, &line, size) < limit
+    /// Whether a candidate is an inlier, of those that may be.
+    fn is_inlier(&self, f: &Fundamental, candidate: usize) -> bool {
+        let middle = point(self.candidates[candidate].segment_a.midpoint());
+        Line::from_homogeneous(&f.line_in_b(&middle)).is_some_and(|line| {
+            self.cut[candidate].area_to(&line) < AREA_THRESHOLD * self.sizes[1].width as f64
+        })
     }
 
     /// Which candidates are inliers.
     pub fn inliers(&self, f: &Fundamental) -> Vec<bool> {
         let mut inliers = vec![false; self.candidates.len()];
-        self.arrays.possible(f, |i| inliers[i] = self.is_inlier(f, &self.candidates[i]));
+        self.arrays.possible(f, |i| inliers[i] = self.is_inlier(f, i));
         inliers
     }
 
@@ -125,7 +125,7 @@ impl Estimator for LineModel<'_> {
 
     fn score(&self, model: &Fundamental) -> f64 {
         let mut count = 0;
-        self.arrays.possible(model, |i| count += usize::from(self.is_inlier(model, &self.candidates[i])));
+        self.arrays.possible(model, |i| count += usize::from(self.is_inlier(model, i)));
         count as f64
     }
 }
@@ -179,27 +179,34 @@ fn ends(segment: &Segment) -> [Vector3<f64>; 2] {
 
 impl Problem for LineProblem<'_> {
     fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step) {
-        // Summed over the nine entries of the matrix, column by column, and carried to the seven parameters once.
+        // Summed over the nine entries of the matrix, column by column, and carried to the seven parameters once. What a
+        // point changes in its line is the same for both ends: `aaᵀ` times the sum of what the ends make of the line.
         let matrix = at.unscaled();
         let mut cost = 0.0;
         let (mut normal, mut gradient) = (SMatrix::<f64, 9, 9>::zeros(), SVector::<f64, 9>::zeros());
         for c in &self.inliers {
-            let [in_b, in_a] = Self::lines(&matrix, c);
-            let (a, b) = (point(c.segment_a.midpoint()), point(c.segment_b.midpoint()));
-            let rows_b = ends(&c.segment_b).map(|end| {
-                let (residual, by_line) = distance(&in_b, &end);
-                (residual, by_line * a.transpose())
-            });
-            let rows_a = ends(&c.segment_a).map(|end| {
-                let (residual, by_line) = distance(&in_a, &end);
-                (residual, b * by_line.transpose())
-            });
-            for (residual, by_entry) in rows_b.into_iter().chain(rows_a) {
-                let (loss, weight) = cauchy(residual, self.scale);
-                let row = SVector::<f64, 9>::from_column_slice(by_entry.as_slice());
-                cost += loss;
-                normal += row * (row.transpose() * weight);
-                gradient += row * (weight * residual);
+            let lines = Self::lines(&matrix, c);
+            for (line, from, to, in_b) in
+                [(lines[0], c.segment_a, c.segment_b, true), (lines[1], c.segment_b, c.segment_a, false)]
+            {
+                let (mut square, mut slope) = (Matrix3::zeros(), Vector3::zeros());
+                for end in ends(&to) {
+                    let (residual, by_line) = distance(&line, &end);
+                    let (loss, weight) = cauchy(residual, self.scale);
+                    cost += loss;
+                    square += by_line * (by_line * weight).transpose();
+                    slope += by_line * (weight * residual);
+                }
+                let middle = point(from.midpoint());
+                let outer = middle * middle.transpose();
+                // Entry (i, j) of the matrix moves component i of the line in B by component j of the point of A.
+                let (normals, slopes) = if in_b {
+                    (outer.kronecker(&square), slope * middle.transpose())
+                } else {
+                    (square.kronecker(&outer), middle * slope.transpose())
+                };
+                normal += normals;
+                gradient += SVector::<f64, 9>::from_column_slice(slopes.as_slice());
             }
         }
         let (information, gradient) = at.carried(&normal, &gradient);
