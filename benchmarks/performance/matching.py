@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 from data import FRAMES, Bits, Pair, random_barcodes
 from machine import Machine
+from numpy.typing import NDArray
 from table import Stage
 from timing import in_turn
 
@@ -34,6 +35,7 @@ def matching_stages(pair: Pair, machine: Machine) -> list[Stage]:
 
 
 def _stage(name: str, a: Bits, b: Bits, machine: Machine) -> Stage:
+    _compare(a, b)
     ways: dict[str, Callable[[], Any]] = {"epibar": lambda: _core.match_barcodes(a, b, FRAMES, TOP, BEST)}
     missing = []
     for peer, make in (("NumKong dots_packed, counts alone", _numkong), ("FAISS IndexBinaryFlat", _faiss)):
@@ -58,6 +60,26 @@ def _stage(name: str, a: Bits, b: Bits, machine: Machine) -> Stage:
         peers=seconds,
         missing=missing,
     )
+
+
+def _compare(a: Bits, b: Bits) -> None:
+    """The best are the first of all pairs, and all pairs those of the matrix but for ties and rounding."""
+    best, every = (_core.match_barcodes(a, b, FRAMES, TOP, limit) for limit in (BEST, len(a) * TOP))
+    if not all(np.array_equal(part, whole[:BEST]) for part, whole in zip(best, every, strict=True)):
+        raise AssertionError("the best matches are not the first of all")
+    r = numpy_correlations(a, b, FRAMES)
+    rounding = 1e-4
+    i, j = every[:2]
+    needed = np.ones(r.shape, bool)
+    for axis in (0, 1):
+        ordered = np.partition(r, (-TOP - 1, -TOP), axis)
+        kept, left = ordered.take(-TOP, axis), ordered.take(-TOP - 1, axis)
+        if (r[i, j] < kept[(j, i)[axis]] - rounding).any():
+            raise AssertionError("a match is not among the best")
+        needed &= r > np.expand_dims(left, axis) + rounding
+    needed[i, j] = False
+    if needed.any():
+        raise AssertionError("a match is missing")
 
 
 def _numkong(a: Bits, b: Bits, threads: int) -> Callable[[], Any]:
@@ -110,14 +132,20 @@ def _opencv_cross(a: Bits, b: Bits) -> None:
     cv2.BFMatcher(cv2.NORM_HAMMING, crossCheck=True).match(a.view(np.uint8), b.view(np.uint8))
 
 
-def numpy_matches(a: Bits, b: Bits, frames: int, top: int) -> set[tuple[int, int]]:
-    """Mutual top `top` by correlation, with a matrix product."""
+def numpy_correlations(a: Bits, b: Bits, frames: int) -> NDArray[np.float32]:
+    """All of them, with a matrix product; (n, m)."""
     normalised = []
     for bits in (a, b):
         rows = np.unpackbits(bits.view(np.uint8), axis=1, bitorder="little")[:, :frames].astype(np.float32)
         rows -= rows.mean(axis=1, keepdims=True)
         normalised.append(rows / np.linalg.norm(rows, axis=1, keepdims=True))
-    r = normalised[0] @ normalised[1].T
+    product: NDArray[np.float32] = normalised[0] @ normalised[1].T
+    return product
+
+
+def numpy_matches(a: Bits, b: Bits, frames: int, top: int) -> set[tuple[int, int]]:
+    """Mutual top `top` by correlation; of equal ones any."""
+    r = numpy_correlations(a, b, frames)
     of_rows = np.argpartition(r, -top, axis=1)[:, -top:]
     of_columns = np.argpartition(r, -top, axis=0)[-top:]
     in_rows = {(i, j) for i, row in enumerate(of_rows.tolist()) for j in row}

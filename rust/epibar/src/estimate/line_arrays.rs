@@ -35,14 +35,15 @@ impl LineArrays {
             values.resize(len, beyond);
             values
         };
-        let views: [fn(&Candidate) -> (Homogeneous, Segment); 2] =
-            [|c| (c.lines.a.homogeneous(), c.segment_a), |c| (c.lines.b.homogeneous(), c.segment_b)];
+        let of_view = |c: &Candidate, view: usize| {
+            [(c.lines.a.homogeneous(), c.segment_a), (c.lines.b.homogeneous(), c.segment_b)][view]
+        };
         let end = |s: Segment, k: usize| [s.x0, s.y0, s.x1, s.y1][k];
         let limit = WIDTHS * AREA_THRESHOLD * size_b.width as f64;
         Self {
             count: candidates.len(),
-            lines: views.map(|view| [0, 1, 2].map(|k| filled(&|c| view(c).0[k], 0.0))),
-            ends: views.map(|view| [0, 1, 2, 3].map(|k| filled(&|c| end(view(c).1, k), f64::NAN))),
+            lines: [0, 1].map(|view| [0, 1, 2].map(|k| filled(&|c| of_view(c, view).0[k], 0.0))),
+            ends: [0, 1].map(|view| [0, 1, 2, 3].map(|k| filled(&|c| end(of_view(c, view).1, k), f64::NAN))),
             most2: filled(&|c| (limit / (0.5 * c.segment_b.length())).powi(2) * ROOM, f64::NAN),
         }
     }

@@ -1,28 +1,30 @@
 //! The best few partners of many rows.
 
-/// A score up to this says that nothing is known yet: only positive correlations count.
-pub(super) const NONE_YET: f32 = f32::MIN_POSITIVE;
+/// The lowest floor: only positive correlations count.
+pub(super) const POSITIVE: f32 = f32::MIN_POSITIVE;
 
 /// For each of some rows its best `k` partners, best first; ties go to the lower index.
 ///
 /// What is kept depends on what was offered, not on the order in which it came.
 pub(super) struct BestFew {
     k: usize,
+    /// A lower score is not kept.
+    floor: f32,
     /// `k` places for each row; an empty one is a score of nought.
     entries: Vec<(f32, u32)>,
 }
 
 impl BestFew {
-    pub(super) fn new(rows: usize, k: usize) -> Self {
-        Self { k, entries: vec![(0.0, u32::MAX); rows * k] }
+    pub(super) fn new(rows: usize, k: usize, floor: f32) -> Self {
+        Self { k, floor, entries: vec![(0.0, u32::MAX); rows * k] }
     }
 
     /// A score below this cannot be among the best of the row; one that is equal can, for its lower index.
     pub(super) fn threshold(&self, row: usize) -> f32 {
-        self.entries[row * self.k + self.k - 1].0.max(NONE_YET)
+        self.entries[row * self.k + self.k - 1].0.max(self.floor)
     }
 
-    /// Takes a positive score if it is among the best.
+    /// Takes a score, which is not below the floor, if it is among the best.
     pub(super) fn offer(&mut self, row: usize, score: f32, index: u32) {
         let entries = &mut self.entries[row * self.k..][..self.k];
         let better = |entry: (f32, u32)| entry.0 > score || (entry.0 == score && entry.1 < index);
@@ -56,8 +58,8 @@ mod tests {
     fn the_best_are_kept_whatever_the_order() {
         let offers = [(0.5, 4), (0.9, 7), (0.5, 2), (0.1, 0), (0.9, 9), (0.5, 3)];
         for turn in 0..offers.len() {
-            let mut best = BestFew::new(2, 4);
-            assert_eq!(best.threshold(1), NONE_YET);
+            let mut best = BestFew::new(2, 4, POSITIVE);
+            assert_eq!(best.threshold(1), POSITIVE);
             let mut turned = offers;
             turned.rotate_left(turn);
             for (score, index) in turned {

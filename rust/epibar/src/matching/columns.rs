@@ -38,7 +38,7 @@ pub(super) fn by_ones(stats: &[RowStats]) -> Vec<u32> {
 }
 
 impl Columns {
-    pub(super) fn new(b: &Barcodes, mutual: usize) -> Self {
+    pub(super) fn new(b: &Barcodes, mutual: usize, floor: f32) -> Self {
         let stats = stats(b);
         let order = by_ones(&stats);
         let mut places = vec![u32::MAX; b.count];
@@ -49,7 +49,7 @@ impl Columns {
         let groups = order.par_chunks(GROUP).map(|rows| Group::new(b, rows, &stats)).collect();
         let best = order
             .chunks(groups_per_block * GROUP)
-            .map(|rows| Mutex::new(BestFew::new(rows.len(), mutual)))
+            .map(|rows| Mutex::new(BestFew::new(rows.len(), mutual, floor)))
             .collect();
         Self { order, places, groups, best, groups_per_block }
     }
@@ -82,7 +82,7 @@ impl Columns {
         blocks
     }
 
-    /// Correlations above this are certain once all pairs have met whose counts let them reach `reach`.
+    /// Correlations above this are certain, if above the floor, once all pairs have met whose counts let them reach `reach`.
     pub(super) fn certain(&self, reach: f32, most_rounding: f32) -> f32 {
         let scale = self.groups.iter().map(|group| group.most_scale).fold(0.0, f32::max);
         if reach > 0.0 { rounded_up(reach, most_rounding * scale) } else { 0.0 }

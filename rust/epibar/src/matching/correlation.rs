@@ -9,24 +9,25 @@
 //! `a ≤ b`. Each row meets first the columns like it, and later skips those with which it cannot reach
 //! what it and they already have. Where only the best pairs are asked for, rows meet columns in stages of that bound:
 //! once all that can correlate by more than `r` have met, mutual pairs above `r` are certain, and if they are enough the
-//! rest never meets.
+//! rest never meets. Where there are not enough good ones, all is done again without stages.
 //!
 //! A constant barcode has no variance; its correlation is defined as 0 and it is never matched.
 
 use rayon::prelude::*;
 
+use super::best::POSITIVE;
 use super::columns::Columns;
 use super::popcount::Level;
 use super::rows::{Rows, in_turns};
 use crate::recording::Barcodes;
 use crate::{Error, Result};
 
-/// Pairs that can correlate by this much meet first, where only the best are asked for.
-const FIRST_REACH: f32 = 0.98;
-/// How much further from 1 each stage reaches at least.
-const FURTHER: f32 = 1.5;
-/// Below this all pairs meet at once.
-const LEAST_REACH: f32 = 0.4;
+/// Where only the best are asked for, correlations below this are left out at first.
+const GOOD: f32 = 0.6;
+/// Pairs that can correlate by this much meet first then.
+const FIRST_REACH: f32 = 0.99;
+/// How much further from 1 each stage reaches, at least and at most.
+const FURTHER: [f32; 2] = [1.2, 3.0];
 
 /// Correlation of two barcodes of `frames` frames from their counts.
 pub fn correlation(frames: u32, ones_a: u32, ones_b: u32, common: u32) -> f64 {
@@ -77,26 +78,51 @@ fn matches_at(level: Level, a: &Barcodes, b: &Barcodes, mutual: usize, limit: us
     if limit == 0 {
         return Vec::new();
     }
-    let columns = Columns::new(b, mutual);
-    let mut tasks = in_turns(a, &columns, mutual);
+    let few = limit < mutual.saturating_mul(a.count.min(b.count));
+    let best = few.then(|| best_above(GOOD, level, a, b, mutual, limit)).flatten();
+    best.unwrap_or_else(|| {
+        let columns = Columns::new(b, mutual, POSITIVE);
+        let mut tasks = in_turns(a, &columns, mutual, POSITIVE);
+        tasks.par_iter_mut().for_each(|rows| rows.meet(level, 0.0));
+        best_first(&tasks, limit)
+    })
+}
+
+/// The best `limit`, if there are as many above the floor.
+fn best_above(
+    floor: f32,
+    level: Level,
+    a: &Barcodes,
+    b: &Barcodes,
+    mutual: usize,
+    limit: usize,
+) -> Option<Vec<Match>> {
+    let columns = Columns::new(b, mutual, floor);
+    let mut tasks = in_turns(a, &columns, mutual, floor);
     let rounding = tasks.iter().map(Rows::most_rounding).fold(0.0, f32::max);
-    let all = limit >= mutual.saturating_mul(a.count.min(b.count));
-    let mut reach = if all { 0.0 } else { FIRST_REACH };
-    loop {
+    let mut reach = FIRST_REACH;
+    while reach > floor {
         tasks.par_iter_mut().for_each(|rows| rows.meet(level, reach));
-        let mut matches: Vec<Match> = tasks.par_iter().flat_map_iter(Rows::mutual).collect();
-        matches.par_sort_unstable_by(|p, q| {
-            q.correlation.total_cmp(&p.correlation).then(p.a.cmp(&q.a)).then(p.b.cmp(&q.b))
-        });
-        matches.truncate(limit);
-        let least = matches.get(limit - 1).map_or(0.0, |worst| worst.correlation);
-        if reach <= 0.0 || least > columns.certain(reach, rounding) {
-            return matches;
-        }
+        let matches = best_first(&tasks, limit);
         // What is lacking can still come, and what is there can be surpassed.
-        let next = least.min(1.0 - FURTHER * (1.0 - reach));
-        reach = if next > LEAST_REACH { next } else { 0.0 };
+        let least = matches.get(limit - 1)?.correlation;
+        if least > columns.certain(reach, rounding) {
+            return Some(matches);
+        }
+        let [near, far] = FURTHER.map(|times| 1.0 - times * (1.0 - reach));
+        reach = least.clamp(far, near);
     }
+    None
+}
+
+/// Mutual pairs as far as rows have met, best first.
+fn best_first(tasks: &[Rows], limit: usize) -> Vec<Match> {
+    let mut matches: Vec<Match> = tasks.par_iter().flat_map_iter(Rows::mutual).collect();
+    matches.par_sort_unstable_by(|p, q| {
+        q.correlation.total_cmp(&p.correlation).then(p.a.cmp(&q.a)).then(p.b.cmp(&q.b))
+    });
+    matches.truncate(limit);
+    matches
 }
 
 #[cfg(test)]

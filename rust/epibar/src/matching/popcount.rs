@@ -70,20 +70,27 @@ pub(super) struct Row {
 
 impl Row {
     pub(super) fn new(row: &[u64], frames: usize, stats: RowStats) -> Self {
-        let words = |flip: u32| {
-            (0..words_of(frames)).map(move |i| {
-                // Behind the last frame stand zeros in the complement too.
-                let valid = u32::MAX >> (WORD - (frames - i * WORD).min(WORD));
-                (i as u32, (word(row, i) ^ flip) & valid)
-            })
-        };
-        let filled = |flip| words(flip).filter(|(_, bits)| *bits != 0).count();
-        let complement = filled(u32::MAX) < filled(0);
-        let mut list = Vec::with_capacity(words_of(frames));
-        list.extend(words(if complement { u32::MAX } else { 0 }).filter(|(_, bits)| *bits != 0));
-        Self { stats, words: list, complement }
+        let count = words_of(frames);
+        let plain = |i: usize| word(row, i);
+        // Behind the last frame stand zeros in the complement too.
+        let valid = |i: usize| u32::MAX >> (WORD - (frames - i * WORD).min(WORD));
+        let (mut filled, mut lacking) = (0, 0);
+        for i in 0..count {
+            filled += usize::from(plain(i) != 0);
+            lacking += usize::from(plain(i) != valid(i));
+        }
+        let complement = lacking < filled;
+        let mut words = Vec::with_capacity(filled.min(lacking));
+        for i in 0..count {
+            let bits = if complement { plain(i) ^ valid(i) } else { plain(i) };
+            if bits != 0 {
+                words.push((i as u32, bits));
+            }
+        }
+        Self { stats, words, complement }
     }
 }
+
 /// One value for each row of a group. Whole cache lines: a vector that straddles two takes twice as long to load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(64))]

@@ -27,14 +27,20 @@ pub(super) struct Rows<'a> {
 
 /// All rows of A that are not constant, those with few and with many ones in turn, so that all columns soon know good
 /// rows and can be skipped.
-pub(super) fn in_turns<'a>(a: &'a Barcodes, columns: &'a Columns, mutual: usize) -> Vec<Rows<'a>> {
+pub(super) fn in_turns<'a>(
+    a: &'a Barcodes,
+    columns: &'a Columns,
+    mutual: usize,
+    floor: f32,
+) -> Vec<Rows<'a>> {
     let all = stats(a);
     let order = by_ones(&all);
     let mut tasks: Vec<&[u32]> = order.chunks(ROWS).collect();
     let mut turns: Vec<usize> = (0..tasks.len()).collect();
     turns.sort_by_key(|task| task.reverse_bits());
     tasks = turns.into_iter().map(|task| tasks[task]).collect();
-    tasks.into_iter().map(|rows| Rows::new(a, columns, rows, &all, mutual)).collect()
+    let best = |rows: &[u32]| BestFew::new(rows.len(), mutual, floor);
+    tasks.into_iter().map(|rows| Rows::new(a, columns, rows, &all, best(rows))).collect()
 }
 
 impl<'a> Rows<'a> {
@@ -43,11 +49,11 @@ impl<'a> Rows<'a> {
         columns: &'a Columns,
         rows: &[u32],
         all: &[RowStats],
-        mutual: usize,
+        best: BestFew,
     ) -> Self {
         let stats: Vec<RowStats> = rows.iter().map(|&i| all[i as usize]).collect();
         let met = stats.iter().map(|row| columns.likest(row)).map(|group| group..group).collect();
-        Self { barcodes, columns, indices: rows.to_vec(), stats, met, best: BestFew::new(rows.len(), mutual) }
+        Self { barcodes, columns, indices: rows.to_vec(), stats, met, best }
     }
 
     /// What rounding may add to a score, for a column with a scale of one.
@@ -138,6 +144,7 @@ impl<'a> Rows<'a> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::best::POSITIVE;
     use super::*;
 
     #[test]
@@ -155,8 +162,8 @@ mod tests {
             barcodes
         };
         let (a, b) = (barcodes(700), barcodes(900));
-        let columns = Columns::new(&b, 2);
-        let mut tasks = in_turns(&a, &columns, 2);
+        let columns = Columns::new(&b, 2, POSITIVE);
+        let mut tasks = in_turns(&a, &columns, 2, POSITIVE);
         let rounding = tasks.iter().map(Rows::most_rounding).fold(0.0, f32::max);
         let mut before = 0;
         for reach in [0.98, 0.8, 0.5, 0.3, 0.0] {
