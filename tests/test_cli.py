@@ -187,6 +187,16 @@ def test_an_ignore_mask_for_what_is_recorded_already(masks, tmp_path, capsys):
     assert "recorded already, so its ignore mask cannot be applied" in capsys.readouterr().out
 
 
+def test_another_number_of_lines_for_what_is_recorded_already(masks, tmp_path, capsys):
+    saved = str(tmp_path / "cam1.npz")
+    assert main(["record", masks[0], "--masks", "--out", saved, "--lines", "150"]) == 0
+    told = "recorded already, with 150 lines; for 300 record the video again"
+    for words, expected in ((["--lines", "300"], True), (["--lines", "150"], False), ([], False)):
+        capsys.readouterr()
+        assert main(["inspect", saved, *words]) == 0
+        assert (told in capsys.readouterr().out) == expected
+
+
 # --- what a user can get wrong ---
 
 

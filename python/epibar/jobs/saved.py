@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import EpibarError
 from ..frame_range import FrameRange
 from ..intrinsics import Intrinsics
-from ..recording import Recording
+from ..recording import DEFAULT_LINES, Recording
 from .inputs import Camera, RecordOptions
 
 __all__ = ["is_saved", "load_saved"]
@@ -21,8 +21,9 @@ def is_saved(camera: Camera, options: RecordOptions) -> bool:
 def load_saved(camera: Camera, options: RecordOptions) -> Recording:
     """Load a saved recording.
 
-    What can no longer be done to it, a background or an ignore mask, is told in its warnings, and that its
-    distortion is taken on trust: a recording knows its camera matrix and no coefficients.
+    What can no longer be done to it, a background, an ignore mask or another number of lines, is told in
+    its warnings, and that its distortion is taken on trust: a recording knows its camera matrix and no
+    coefficients.
 
     Raises
     ------
@@ -45,6 +46,12 @@ def load_saved(camera: Camera, options: RecordOptions) -> Recording:
         what = " and ".join(vain)
         recording.warnings.append(
             f"{camera.source}: recorded already, so its {what} cannot be applied; record the video again"
+        )
+    there = len(recording.segments)
+    if options.lines not in (there, DEFAULT_LINES):
+        recording.warnings.append(
+            f"{camera.source}: recorded already, with {there} lines; "
+            f"for {options.lines} record the video again"
         )
     return recording
 
