@@ -66,7 +66,8 @@ def match_barcodes(
     mutual : int
         Each line of a pair is among this many best matches of the other.
     limit : int
-        At most this many pairs, the best ones.
+        At most this many pairs, the best ones. Where they are good, pairs that cannot be among them are
+        never compared.
 
     Returns
     -------
