@@ -14,7 +14,7 @@ __all__ = ["prefetched"]
 T = TypeVar("T")
 
 
-def prefetched(items: Iterable[T], depth: int = 4) -> Generator[T, None, None]:
+def prefetched(items: Iterable[T], depth: int = 2) -> Generator[T, None, None]:
     """Run an iterator in a thread, up to ``depth`` items ahead, so that decoding and the work overlap.
 
     Exceptions come out where the item would have; abandoning the iteration stops the thread.

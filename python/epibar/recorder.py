@@ -162,7 +162,7 @@ def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) ->
             for index, time, frame in ahead:
                 yield index, time, frame, foreground.apply(frame)
 
-    with closing(prefetched(masked(), depth=2)) as ahead:
+    with closing(prefetched(masked(), depth=1)) as ahead:
         for index, time, frame, mask in ahead:
             yield time, health.update(frames.first + index, frame, mask)
 

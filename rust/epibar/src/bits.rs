@@ -1,17 +1,17 @@
 //! Answers of vectorised loops, one byte each, as the bits of a word, and the ones of a word.
 
-/// The lowest bits of eight bytes, the first lowest.
+/// The bits of eight bytes that are 0 or 1, the lowest byte's lowest.
 #[inline(always)]
-pub(crate) fn gathered(bytes: [u8; 8]) -> u64 {
+pub(crate) fn gathered(bytes: u64) -> u64 {
     // Byte `j` lands on bit 56 + j.
-    u64::from_le_bytes(bytes).wrapping_mul(0x0102_0408_1020_4080) >> 56
+    bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56
 }
 
-/// The lowest bits of the bytes of a word.
+/// The bits of bytes that are 0 or 1.
 #[inline(always)]
 pub(crate) fn word_of(bytes: &[u8; 64]) -> u64 {
     let eights = bytes.as_chunks::<8>().0.iter().enumerate();
-    eights.fold(0, |word, (k, eight)| word | gathered(*eight) << (8 * k))
+    eights.fold(0, |word, (k, eight)| word | gathered(u64::from_le_bytes(*eight)) << (8 * k))
 }
 
 /// Places of the ones of a word, lowest first.

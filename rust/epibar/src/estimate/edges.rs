@@ -60,7 +60,7 @@ impl Edges {
         let mut out = 0u64;
         let (eights, _) = sides[start..start + count.next_multiple_of(LANES)].as_chunks::<LANES>();
         for (k, eight) in eights.iter().enumerate() {
-            out |= gathered(*eight) << (k * LANES);
+            out |= gathered(u64::from_le_bytes(*eight)) << (k * LANES);
         }
         // The edge into a vertex is the one before the edge out of it.
         let into = out << 1 | out >> (count - 1);

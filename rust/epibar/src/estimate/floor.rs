@@ -132,7 +132,7 @@ pub fn find_floors(
     if candidates.len() < 20 {
         return Ok(Vec::new());
     }
-    let model = FloorModel { candidates, arrays: LineArrays::new(candidates, sizes[1]), sizes };
+    let model = FloorModel { candidates, arrays: LineArrays::new(candidates), sizes };
     let found = ransac(&model, DRAWS, 4 * keep, seed, "floor", watch)?;
     let mut floors: Vec<Floor> = Vec::new();
     for start in found {

@@ -3,15 +3,14 @@
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::line_model::AREA_THRESHOLD;
 use crate::bits::{ones_of, word_of};
 use crate::geometry::Fundamental;
-use crate::line::{Homogeneous, ImageSize, Segment};
+use crate::line::{Homogeneous, Segment};
 use crate::matching::Candidate;
 
 /// Candidates whose answers are one word.
 const WORD: usize = 64;
-/// Mean widths of the largest area of an inlier that a line may be off in the middle of its segment.
+/// So many times its mean width may an area between two lines be wide in the middle of a segment.
 const WIDTHS: f64 = 4.0;
 /// Room for rounding: whatever is near a limit is told.
 const ROOM: f64 = 1.0 + 1e-9;
@@ -23,12 +22,12 @@ pub(super) struct LineArrays {
     lines: [[Vec<f64>; 3]; 2],
     /// x and y of one end, x and y of the other.
     ends: [[Vec<f64>; 4]; 2],
-    /// The distance of a middle in B that no inlier exceeds, pixels².
-    most2: Vec<f64>,
+    /// Half the length of each segment in B, pixels².
+    half_length2: Vec<f64>,
 }
 
 impl LineArrays {
-    pub(super) fn new(candidates: &[Candidate], size_b: ImageSize) -> Self {
+    pub(super) fn new(candidates: &[Candidate]) -> Self {
         let len = candidates.len().next_multiple_of(WORD);
         let filled = |of: &dyn Fn(&Candidate) -> f64, beyond: f64| -> Vec<f64> {
             let mut values: Vec<f64> = candidates.iter().map(of).collect();
@@ -39,12 +38,11 @@ impl LineArrays {
             [(c.lines.a.homogeneous(), c.segment_a), (c.lines.b.homogeneous(), c.segment_b)][view]
         };
         let end = |s: Segment, k: usize| [s.x0, s.y0, s.x1, s.y1][k];
-        let limit = WIDTHS * AREA_THRESHOLD * size_b.width as f64;
         Self {
             count: candidates.len(),
             lines: [0, 1].map(|view| [0, 1, 2].map(|k| filled(&|c| of_view(c, view).0[k], 0.0))),
             ends: [0, 1].map(|view| [0, 1, 2, 3].map(|k| filled(&|c| end(of_view(c, view).1, k), f64::NAN))),
-            most2: filled(&|c| (limit / (0.5 * c.segment_b.length())).powi(2) * ROOM, f64::NAN),
+            half_length2: filled(&|c| (0.5 * c.segment_b.length()).powi(2), f64::NAN),
         }
     }
 
@@ -53,9 +51,13 @@ impl LineArrays {
         Arch::new().dispatch(Nearest { arrays: self, points, except })
     }
 
-    /// Tells, in their order, of all candidates whose line in B may be within the area of an inlier.
-    pub(super) fn possible(&self, f: &Fundamental, tell: impl FnMut(usize)) {
-        self.told(|words| Arch::new().dispatch(Possible { arrays: self, f: f.matrix(), words }), tell);
+    /// Tells, in their order, of all candidates whose line in B is, in the middle of its segment, not much farther from the
+    /// one that `f` gives than an area of so many pixels² is wide.
+    ///
+    /// Lines that cut opposite corners of the image enclose little too, but are not alike.
+    pub(super) fn possible(&self, f: &Fundamental, area: f64, tell: impl FnMut(usize)) {
+        let most2 = (WIDTHS * area).powi(2) * ROOM;
+        self.told(|words| Arch::new().dispatch(Possible { arrays: self, f: f.matrix(), most2, words }), tell);
     }
 
     /// Tells, in their order, of all candidates of which both ends of both segments may be within `tolerances` pixels of the
@@ -75,7 +77,7 @@ impl LineArrays {
     }
 
     fn told(&self, pass: impl FnOnce(&mut [u64]), mut tell: impl FnMut(usize)) {
-        let mut words = vec![0u64; self.most2.len() / WORD];
+        let mut words = vec![0u64; self.half_length2.len() / WORD];
         pass(&mut words);
         for (w, word) in words.into_iter().enumerate() {
             ones_of(word).for_each(|k| tell(w * WORD + k));
@@ -96,7 +98,7 @@ impl WithSimd for Nearest<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Option<usize> {
         let Self { arrays, points, except } = self;
-        let mut distances = vec![0.0; arrays.most2.len()];
+        let mut distances = vec![0.0; arrays.half_length2.len()];
         let sums = S::as_mut_simd_f64s(&mut distances).0;
         for (lines, (point, scale)) in arrays.lines.iter().zip(points) {
             let [a, b, c] = lines.each_ref().map(|part| S::as_simd_f64s(part).0);
@@ -125,6 +127,7 @@ impl WithSimd for Nearest<'_> {
 struct Possible<'a> {
     arrays: &'a LineArrays,
     f: &'a Matrix3<f64>,
+    most2: f64,
     words: &'a mut [u64],
 }
 
@@ -133,10 +136,10 @@ impl WithSimd for Possible<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { arrays, f, words } = self;
+        let Self { arrays, f, most2, words } = self;
         let n = words.len() * WORD;
         let [a, b] = [0, 1].map(|view| arrays.ends[view].each_ref().map(|part| &part[..n]));
-        let most2 = &arrays.most2[..n];
+        let half_length2 = &arrays.half_length2[..n];
         for (w, word) in words.iter_mut().enumerate() {
             let mut bytes = [0u8; WORD];
             for (k, byte) in bytes.iter_mut().enumerate() {
@@ -147,7 +150,7 @@ impl WithSimd for Possible<'_> {
                 let y = f.m21 * ax + f.m22 * ay + f.m23;
                 let z = f.m31 * ax + f.m32 * ay + f.m33;
                 let algebraic = x * bx + y * by + z;
-                *byte = u8::from(algebraic * algebraic <= most2[i] * (x * x + y * y));
+                *byte = u8::from(algebraic * algebraic * half_length2[i] <= most2 * (x * x + y * y));
             }
             *word = word_of(&bytes);
         }
@@ -200,42 +203,88 @@ mod tests {
     use super::*;
     use crate::estimate::ransac::generator;
     use crate::geometry::LinePair;
+    use crate::line::{ImageSize, Line};
 
-    #[test]
-    fn the_passes_do_what_the_definitions_say() {
-        let size = ImageSize::new(640, 480).unwrap();
+    /// Lines of B that are those of A by a map, a little displaced.
+    fn candidates(map: &Matrix3<f64>) -> Vec<Candidate> {
         let mut random = generator(2, 0);
         let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
-        let mut segment =
-            || Segment { x0: 0.0, y0: between(0.0, 479.0), x1: between(9.0, 639.0), y1: between(0.0, 479.0) };
-        // Lines of A are lines of B, a little displaced.
-        let candidates: Vec<Candidate> = (0..300)
+        (0..300)
             .map(|k| {
-                let (segment_a, other) = (segment(), segment());
-                let moved = |p: f64, q: f64| p + 0.03 * f64::from(k % 7) * (q - p);
-                let segment_b = Segment {
-                    x0: moved(segment_a.x0, other.x0),
-                    y0: moved(segment_a.y0, other.y0),
-                    x1: moved(segment_a.x1, other.x1),
-                    y1: moved(segment_a.y1, other.y1),
+                let segment_a = Segment {
+                    x0: 0.0,
+                    y0: between(0.0, 479.0),
+                    x1: between(9.0, 639.0),
+                    y1: between(0.0, 479.0),
                 };
+                let spread = 2.0 * f64::from(k % 11);
+                let mut moved = |x: f64, y: f64| {
+                    let p = map * Vector3::new(x, y, 1.0);
+                    [p.x / p.z + between(-spread, spread), p.y / p.z + between(-spread, spread)]
+                };
+                let ([x0, y0], [x1, y1]) =
+                    (moved(segment_a.x0, segment_a.y0), moved(segment_a.x1, segment_a.y1));
+                let segment_b = Segment { x0, y0, x1, y1 };
                 let lines = LinePair { a: segment_a.line().unwrap(), b: segment_b.line().unwrap() };
                 Candidate { lines, segment_a, segment_b, correlation: 0.5 }
             })
-            .collect();
-        let arrays = LineArrays::new(&candidates, size);
+            .collect()
+    }
 
-        let (h, inverse) = (Matrix3::identity(), Matrix3::identity());
-        let mut told = Vec::new();
-        arrays.fitting(&h, &inverse, [8.0, 12.0], |i| told.push(i));
-        let off = |line: &crate::line::Line, s: &Segment| {
+    fn map() -> Matrix3<f64> {
+        Matrix3::new(0.9, 0.2, 30.0, -0.1, 1.1, -20.0, 1e-4, -2e-4, 1.0)
+    }
+
+    #[test]
+    fn both_ends_fit_in_both_views() {
+        let (h, candidates) = (map(), candidates(&map()));
+        let inverse = h.try_inverse().unwrap();
+        let off = |line: Homogeneous, s: &Segment| {
+            let line = Line::from_homogeneous(&line).unwrap();
             line.signed_distance(s.x0, s.y0).abs().max(line.signed_distance(s.x1, s.y1).abs())
         };
-        let fits =
-            |c: &Candidate| off(&c.lines.b, &c.segment_a) <= 8.0 && off(&c.lines.a, &c.segment_b) <= 12.0;
-        assert_eq!(told, (0..300).filter(|&i| fits(&candidates[i])).collect::<Vec<_>>());
-        assert!(told.len() > 50 && told.len() < 200, "{}", told.len());
+        let fits = |i: &usize| {
+            let c = &candidates[*i];
+            off(h.transpose() * c.lines.b.homogeneous(), &c.segment_a) <= 8.0
+                && off(inverse.transpose() * c.lines.a.homogeneous(), &c.segment_b) <= 12.0
+        };
+        let mut told = Vec::new();
+        LineArrays::new(&candidates).fitting(&h, &inverse, [8.0, 12.0], |i| told.push(i));
+        assert_eq!(told, (0..300).filter(fits).collect::<Vec<_>>());
+        assert!(told.len() > 100 && told.len() < 250, "{}", told.len());
+    }
 
+    #[test]
+    fn what_is_possible_is_near_in_the_middle() {
+        let (h, candidates) = (map(), candidates(&map()));
+        let arrays = LineArrays::new(&candidates);
+        let size = ImageSize::new(640, 480).unwrap();
+        let mut sums = [0; 2];
+        for k in 0..20 {
+            // Lines through an epipole in B and the images of points of A.
+            let epipole = Vector3::new(-400.0 + 60.0 * f64::from(k), 100.0 + 20.0 * f64::from(k % 5), 1.0);
+            let Some(f) = Fundamental::from_matrix(&(epipole.cross_matrix() * h), size, size) else {
+                continue;
+            };
+            let near = |i: &usize| {
+                let c = &candidates[*i];
+                let ([ax, ay], [bx, by]) = (c.segment_a.midpoint(), c.segment_b.midpoint());
+                let line = Line::from_homogeneous(&f.line_in_b(&Vector3::new(ax, ay, 1.0))).unwrap();
+                line.signed_distance(bx, by).abs() * 0.5 * c.segment_b.length() <= WIDTHS * 300.0
+            };
+            let mut told = Vec::new();
+            arrays.possible(&f, 300.0, |i| told.push(i));
+            assert_eq!(told, (0..300).filter(near).collect::<Vec<_>>());
+            sums[0] += told.len();
+            sums[1] += 300 - told.len();
+        }
+        assert!(sums[0] > 500 && sums[1] > 500, "{sums:?}");
+    }
+
+    #[test]
+    fn the_nearest_is_neither_of_two() {
+        let candidates = candidates(&map());
+        let arrays = LineArrays::new(&candidates);
         let (e, f) = (Vector3::new(300.0, 200.0, 1.0), Vector3::new(310.0, 220.0, 1.0));
         for except in [[0, 1], [7, 250], [299, 14]] {
             let distance = |i: usize| {
@@ -245,8 +294,11 @@ mod tests {
             let others = (0..300).filter(|i| !except.contains(i));
             let expected = others.min_by(|&i, &j| distance(i).total_cmp(&distance(j)));
             assert_eq!(arrays.nearest([(e, 0.7), (f, 1.3)], except), expected);
+            assert_eq!(arrays.nearest([(e, 0.7), (f, 1.3)], [expected.unwrap(), except[1]]), {
+                let others = (0..300).filter(|i| ![expected.unwrap(), except[1]].contains(i));
+                others.min_by(|&i, &j| distance(i).total_cmp(&distance(j)))
+            });
         }
-        let two = LineArrays::new(&candidates[..2], size);
-        assert_eq!(two.nearest([(e, 1.0), (f, 1.0)], [0, 1]), None);
+        assert_eq!(LineArrays::new(&candidates[..2]).nearest([(e, 1.0), (f, 1.0)], [0, 1]), None);
     }
 }

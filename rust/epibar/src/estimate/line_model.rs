@@ -41,7 +41,7 @@ impl<'a> LineModel<'a> {
             })
             .collect();
         let cut = candidates.iter().map(|c| CutImage::new(&c.lines.b, sizes[1])).collect();
-        Self { candidates, arrays: LineArrays::new(candidates, sizes[1]), cut, cumulative, sizes }
+        Self { candidates, arrays: LineArrays::new(candidates), cut, cumulative, sizes }
     }
 
     /// One candidate with probability proportional to its correlation.
@@ -63,18 +63,22 @@ impl<'a> LineModel<'a> {
         self.arrays.nearest([(*e, se), (*f, sf)], [first, second])
     }
 
+    /// Area below which a candidate is an inlier, pixels².
+    fn limit(&self) -> f64 {
+        AREA_THRESHOLD * self.sizes[1].width as f64
+    }
+
     /// Whether a candidate is an inlier, of those that may be.
     fn is_inlier(&self, f: &Fundamental, candidate: usize) -> bool {
         let middle = point(self.candidates[candidate].segment_a.midpoint());
-        Line::from_homogeneous(&f.line_in_b(&middle)).is_some_and(|line| {
-            self.cut[candidate].area_to(&line) < AREA_THRESHOLD * self.sizes[1].width as f64
-        })
+        Line::from_homogeneous(&f.line_in_b(&middle))
+            .is_some_and(|line| self.cut[candidate].area_to(&line) < self.limit())
     }
 
     /// Which candidates are inliers.
     pub fn inliers(&self, f: &Fundamental) -> Vec<bool> {
         let mut inliers = vec![false; self.candidates.len()];
-        self.arrays.possible(f, |i| inliers[i] = self.is_inlier(f, i));
+        self.arrays.possible(f, self.limit(), |i| inliers[i] = self.is_inlier(f, i));
         inliers
     }
 
@@ -125,7 +129,7 @@ impl Estimator for LineModel<'_> {
 
     fn score(&self, model: &Fundamental) -> f64 {
         let mut count = 0;
-        self.arrays.possible(model, |i| count += usize::from(self.is_inlier(model, i)));
+        self.arrays.possible(model, self.limit(), |i| count += usize::from(self.is_inlier(model, i)));
         count as f64
     }
 }

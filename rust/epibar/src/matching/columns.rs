@@ -85,7 +85,7 @@ impl Columns {
     /// Correlations above this are certain, if above the floor, once all pairs have met whose counts let them reach `reach`.
     pub(super) fn certain(&self, reach: f32, most_rounding: f32) -> f32 {
         let scale = self.groups.iter().map(|group| group.most_scale).fold(0.0, f32::max);
-        if reach > 0.0 { rounded_up(reach, most_rounding * scale) } else { 0.0 }
+        rounded_up(reach, most_rounding * scale)
     }
 
     /// At which place the row of A stands for the row of B.

@@ -9,7 +9,8 @@
 //! `a ≤ b`. Each row meets first the columns like it, and later skips those with which it cannot reach
 //! what it and they already have. Where only the best pairs are asked for, rows meet columns in stages of that bound:
 //! once all that can correlate by more than `r` have met, mutual pairs above `r` are certain, and if they are enough the
-//! rest never meets. Where there are not enough good ones, all is done again without stages.
+//! rest never meets. Where too many pairs are alike in their counts, all is done
+//! again without stages.
 //!
 //! A constant barcode has no variance; its correlation is defined as 0 and it is never matched.
 
@@ -26,6 +27,8 @@ use crate::{Error, Result};
 const GOOD: f32 = 0.6;
 /// Pairs that can correlate by this much meet first then.
 const FIRST_REACH: f32 = 0.99;
+/// Share of pairs that may meet before it is cheaper to let all do so at once.
+const MOST_MEET: f64 = 0.12;
 /// How much further from 1 each stage reaches, at least and at most.
 const FURTHER: [f32; 2] = [1.2, 3.0];
 
@@ -78,17 +81,22 @@ fn matches_at(level: Level, a: &Barcodes, b: &Barcodes, mutual: usize, limit: us
     if limit == 0 {
         return Vec::new();
     }
+    // No row has more partners than there are.
+    let mutual = mutual.min(a.count.max(b.count)).max(1);
     let few = limit < mutual.saturating_mul(a.count.min(b.count));
     let best = few.then(|| best_above(GOOD, level, a, b, mutual, limit)).flatten();
     best.unwrap_or_else(|| {
         let columns = Columns::new(b, mutual, POSITIVE);
         let mut tasks = in_turns(a, &columns, mutual, POSITIVE);
-        tasks.par_iter_mut().for_each(|rows| rows.meet(level, 0.0));
+        tasks.par_iter_mut().for_each(|rows| {
+            rows.widen(0.0);
+            rows.meet(level);
+        });
         best_first(&tasks, limit)
     })
 }
 
-/// The best `limit`, if there are as many above the floor.
+/// The best `limit`, if there are as many above the floor, and few pairs need to meet for them.
 fn best_above(
     floor: f32,
     level: Level,
@@ -100,12 +108,17 @@ fn best_above(
     let columns = Columns::new(b, mutual, floor);
     let mut tasks = in_turns(a, &columns, mutual, floor);
     let rounding = tasks.iter().map(Rows::most_rounding).fold(0.0, f32::max);
+    let most = MOST_MEET * (a.count * columns.groups().len()) as f64;
     let mut reach = FIRST_REACH;
     while reach > floor {
-        tasks.par_iter_mut().for_each(|rows| rows.meet(level, reach));
+        let within: usize = tasks.par_iter_mut().map(|rows| rows.widen(reach)).sum();
+        if within as f64 > most {
+            return None;
+        }
+        tasks.par_iter_mut().for_each(|rows| rows.meet(level));
         let matches = best_first(&tasks, limit);
         // What is lacking can still come, and what is there can be surpassed.
-        let least = matches.get(limit - 1)?.correlation;
+        let least = matches.get(limit - 1).map_or(0.0, |worst| worst.correlation);
         if least > columns.certain(reach, rounding) {
             return Some(matches);
         }
@@ -128,6 +141,33 @@ fn best_first(tasks: &[Rows], limit: usize) -> Vec<Match> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_best_of_good_copies_need_few_meetings() {
+        // Rows of all densities, and copies of them that lack some ones: their counts are not quite the same.
+        let mut state = 7u64;
+        let mut next = |n: u64| {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
+            (state >> 33) % n
+        };
+        let (count, frames) = (3000, 400);
+        let (mut a, mut b) = (Barcodes::zeros(count, frames), Barcodes::zeros(count, frames));
+        for row in 0..count {
+            for frame in 0..frames {
+                let moving = next(100) < 4 + row as u64 % 92;
+                let at = row * a.words_per + frame / 64;
+                a.bits[at] |= u64::from(moving) << (frame % 64);
+                b.bits[at] |= u64::from(moving && next(100) >= row as u64 % 9) << (frame % 64);
+            }
+        }
+        let all = matches_at(Level::Plain, &a, &b, 3, usize::MAX);
+        for (limit, staged) in [(1, true), (300, true), (1500, true), (all.len(), false)] {
+            let best = best_above(GOOD, Level::Plain, &a, &b, 3, limit);
+            assert_eq!(best.is_some(), staged, "{limit} of {}, {}", all.len(), all[limit - 1].correlation);
+            assert!(best.is_none_or(|best| best == all[..limit]));
+        }
+        assert!(all[1499].correlation < 0.97, "{}", all[1499].correlation);
+    }
 
     #[test]
     fn every_level_finds_the_same() {

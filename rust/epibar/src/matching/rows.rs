@@ -20,8 +20,9 @@ pub(super) struct Rows<'a> {
     columns: &'a Columns,
     indices: Vec<u32>,
     stats: Vec<RowStats>,
-    /// The groups of columns that each row has met.
+    /// The groups of columns that each row has met, and those within its reach.
     met: Vec<Range<usize>>,
+    within: Vec<Range<usize>>,
     best: BestFew,
 }
 
@@ -52,8 +53,9 @@ impl<'a> Rows<'a> {
         best: BestFew,
     ) -> Self {
         let stats: Vec<RowStats> = rows.iter().map(|&i| all[i as usize]).collect();
-        let met = stats.iter().map(|row| columns.likest(row)).map(|group| group..group).collect();
-        Self { barcodes, columns, indices: rows.to_vec(), stats, met, best }
+        let met: Vec<Range<usize>> =
+            stats.iter().map(|row| columns.likest(row)).map(|group| group..group).collect();
+        Self { barcodes, columns, indices: rows.to_vec(), stats, within: met.clone(), met, best }
     }
 
     /// What rounding may add to a score, for a column with a scale of one.
@@ -62,12 +64,27 @@ impl<'a> Rows<'a> {
         self.stats.iter().map(|row| row.rounding(frames)).fold(0.0, f32::max)
     }
 
-    /// Compares the rows with the columns that they have not met and with which they can reach `reach`.
-    pub(super) fn meet(&mut self, level: Level, reach: f32) {
-        let within: Vec<Range<usize>> = (0..self.stats.len()).map(|r| self.within(r, reach)).collect();
-        if within == self.met {
+    /// Widens the reach to the columns with which correlations of `reach` are possible; tells how many groups these are in all.
+    pub(super) fn widen(&mut self, reach: f32) -> usize {
+        for (r, row) in self.stats.iter().enumerate() {
+            let (groups, within) = (self.columns.groups(), &mut self.within[r]);
+            // Next to one another, as rows and columns are in the order of odds.
+            while within.start > 0 && groups[within.start - 1].bound_of_counts(row) >= reach {
+                within.start -= 1;
+            }
+            while within.end < groups.len() && groups[within.end].bound_of_counts(row) >= reach {
+                within.end += 1;
+            }
+        }
+        self.within.iter().map(Range::len).sum()
+    }
+
+    /// Compares the rows with the columns within reach that they have not met.
+    pub(super) fn meet(&mut self, level: Level) {
+        if self.within == self.met {
             return;
         }
+        let within = self.within.clone();
         let rows: Vec<Row> = (self.indices.iter().zip(&self.stats))
             .map(|(&i, stats)| Row::new(self.barcodes.row(i as usize), self.barcodes.frames, *stats))
             .collect();
@@ -88,19 +105,6 @@ impl<'a> Rows<'a> {
             asked.tell(self.columns);
         }
         self.met = within;
-    }
-
-    /// The groups of columns with which a row can reach `reach`: next to one another, as both are in the order of odds.
-    fn within(&self, r: usize, reach: f32) -> Range<usize> {
-        let (row, groups) = (&self.stats[r], self.columns.groups());
-        let Range { mut start, mut end } = self.met[r];
-        while start > 0 && groups[start - 1].bound_of_counts(row) >= reach {
-            start -= 1;
-        }
-        while end < groups.len() && groups[end].bound_of_counts(row) >= reach {
-            end += 1;
-        }
-        start..end
     }
 
     fn compare(
@@ -166,12 +170,12 @@ mod tests {
         let mut tasks = in_turns(&a, &columns, 2, POSITIVE);
         let rounding = tasks.iter().map(Rows::most_rounding).fold(0.0, f32::max);
         let mut before = 0;
-        for reach in [0.98, 0.8, 0.5, 0.3, 0.0] {
+        for reach in [0.98, 0.8, 0.5, 0.3, 0.2] {
             let certain = columns.certain(reach, rounding);
             let mut met = 0;
             for rows in &mut tasks {
-                rows.meet(Level::Plain, reach);
-                met += rows.met.iter().map(Range::len).sum::<usize>();
+                met += rows.widen(reach);
+                rows.meet(Level::Plain);
                 for (row, met) in rows.stats.iter().zip(&rows.met) {
                     for (g, group) in columns.groups().iter().enumerate() {
                         assert!(met.contains(&g) || group.bound(150.0, row) <= certain, "{reach}");
@@ -181,6 +185,7 @@ mod tests {
             assert!(before < met, "{reach}: nobody new");
             before = met;
         }
-        assert_eq!(before, a.count * columns.groups().len());
+        let everything: usize = tasks.iter_mut().map(|rows| rows.widen(0.0)).sum();
+        assert_eq!(everything, a.count * columns.groups().len());
     }
 }

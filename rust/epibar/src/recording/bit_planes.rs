@@ -6,6 +6,8 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
+use crate::bits::gathered;
+
 /// Pixels of a tile, which are consecutive.
 pub const TILE: usize = 64;
 
@@ -98,7 +100,7 @@ fn non_zero(bytes: &[u8; TILE]) -> u64 {
         let eight = u64::from_le_bytes(eight);
         // The top bit of each byte that is not zero, then these bits side by side.
         let tops = (((eight & LOW) + LOW) | eight) & !LOW;
-        bits |= ((tops >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * i);
+        bits |= gathered(tops >> 7) << (8 * i);
     }
     bits
 }

@@ -26,21 +26,45 @@ const BAND_BYTES: usize = 512 << 10;
 const LEAST_LINES: usize = 256;
 
 /// The motion of one pixel in 512 frames: bit `i % 64` of word `i / 64` is frame `i` of the block.
-#[derive(Debug, Clone, Copy)]
-#[repr(align(64))]
-struct PixelWords([u64; BLOCK_WORDS]);
+type PixelWords = [u64; BLOCK_WORDS];
+
+/// Bytes of a cache line, in which the words of a pixel lie.
+const CACHE_LINE: usize = 64;
 
 /// The motion of all pixels in 512 frames.
-#[derive(Debug, Clone)]
+///
+/// Where nothing moves no memory is used: the system gives pages of zeros when they are first written to. That takes plain
+/// zeros, as those of an aligned type are written at once, so the first cache line is found by hand.
+#[derive(Debug)]
 pub struct PixelBlock {
     size: ImageSize,
-    pixels: Vec<PixelWords>,
+    words: Vec<u64>,
+    /// The word where a cache line begins.
+    first: usize,
+}
+
+impl Clone for PixelBlock {
+    fn clone(&self) -> Self {
+        let mut clone = Self::new(self.size);
+        clone.pixels_mut().copy_from_slice(self.pixels());
+        clone
+    }
 }
 
 impl PixelBlock {
     /// A block in which nothing moves.
     pub fn new(size: ImageSize) -> Self {
-        Self { size, pixels: vec![PixelWords([0; BLOCK_WORDS]); size.pixels()] }
+        let words = vec![0u64; size.pixels() * BLOCK_WORDS + CACHE_LINE / size_of::<u64>()];
+        let first = words.as_ptr().align_offset(CACHE_LINE).min(CACHE_LINE / size_of::<u64>());
+        Self { size, words, first }
+    }
+
+    fn pixels(&self) -> &[PixelWords] {
+        &self.words[self.first..].as_chunks().0[..self.size.pixels()]
+    }
+
+    fn pixels_mut(&mut self) -> &mut [PixelWords] {
+        &mut self.words[self.first..].as_chunks_mut().0[..self.size.pixels()]
     }
 
     /// Adds up to 512 masks, one after the other in `masks`, as the frames from 0 on.
@@ -50,7 +74,7 @@ impl PixelBlock {
     pub fn set_frames(&mut self, masks: &[u8]) {
         let per_frame = self.size.pixels();
         assert!(masks.len() <= BLOCK_FRAMES * per_frame);
-        let tasks = self.pixels.par_chunks_mut(FILL_PIXELS).enumerate();
+        let tasks = self.pixels_mut().par_chunks_mut(FILL_PIXELS).enumerate();
         tasks.for_each_init(
             || BitPlanes::new(FILL_PIXELS),
             |planes, (task, pixels)| {
@@ -60,7 +84,7 @@ impl PixelBlock {
                         planes.set_frame(bit, &mask[first..first + pixels.len()]);
                     }
                     for (tile, pixels) in pixels.chunks_mut(TILE).enumerate() {
-                        planes.take(tile, |k, frames| pixels[k].0[word] |= frames);
+                        planes.take(tile, |k, frames| pixels[k][word] |= frames);
                     }
                 }
             },
@@ -72,20 +96,23 @@ impl PixelBlock {
     /// # Panics
     /// If the planes are those of another number of pixels, or `word` is not below [`BLOCK_WORDS`].
     pub fn take(&mut self, word: usize, planes: &mut BitPlanes) {
-        planes.par_tiles_mut().zip_eq(self.pixels.par_chunks_mut(TILE)).for_each(|(mut tile, pixels)| {
-            tile.take(|k, frames| pixels[k].0[word] |= frames);
-        });
+        planes.par_tiles_mut().zip_eq(self.pixels_mut().par_chunks_mut(TILE)).for_each(
+            |(mut tile, pixels)| {
+                tile.take(|k, frames| pixels[k][word] |= frames);
+            },
+        );
     }
 
     /// Forgets all frames.
     pub fn clear(&mut self) {
-        self.pixels.fill(PixelWords([0; BLOCK_WORDS]));
+        self.words = Vec::new();
+        *self = Self::new(self.size);
     }
 
     /// Adds to each pixel of a heat map the number of frames in which it moves.
     pub fn add_heat(&self, heat: &mut [u32]) {
-        for (sum, pixel) in heat.iter_mut().zip(&self.pixels) {
-            *sum += pixel.0.iter().map(|word| word.count_ones()).sum::<u32>();
+        for (sum, pixel) in heat.iter_mut().zip(self.pixels()) {
+            *sum += pixel.iter().map(|word| word.count_ones()).sum::<u32>();
         }
     }
 
@@ -93,8 +120,9 @@ impl PixelBlock {
     #[inline]
     pub fn union_along(&self, segment: &Segment) -> [u64; BLOCK_WORDS] {
         let mut union = [0; BLOCK_WORDS];
+        let pixels = self.pixels();
         for_each_pixel(segment, self.size, |index| {
-            for (sum, word) in union.iter_mut().zip(self.pixels[index].0) {
+            for (sum, word) in union.iter_mut().zip(pixels[index]) {
                 *sum |= word;
             }
         });
@@ -133,10 +161,11 @@ impl PixelBlock {
 
     /// Follows lines as far as `inside` holds.
     fn follow(&self, lines: &mut [(Walk, &mut [u64; BLOCK_WORDS])], inside: impl Fn(i64) -> bool) {
+        let pixels = self.pixels();
         for (walk, union) in lines {
             let mut sum = **union;
             walk.visit_while(&inside, |index| {
-                for (sum, word) in sum.iter_mut().zip(self.pixels[index].0) {
+                for (sum, word) in sum.iter_mut().zip(pixels[index]) {
                     *sum |= word;
                 }
             });
@@ -165,12 +194,12 @@ mod tests {
         let mut heat = vec![0; 91];
         block.add_heat(&mut heat);
         assert_eq!(heat[..8], [1, 0, 0, 2, 1, 0, 0, 1]);
-        assert_eq!(block.pixels[3].0, [0, 1, 0, 0, 0, 0, 0, 1 << 63]);
+        assert_eq!(block.pixels()[3], [0, 1, 0, 0, 0, 0, 0, 1 << 63]);
 
         let mut same = PixelBlock::new(size);
         same.set_frames(&[mask(1), mask(2)].concat());
-        assert_eq!(same.pixels[1].0[0], 1);
-        assert_eq!(same.pixels[2].0[0], 2);
+        assert_eq!(same.pixels()[1][0], 1);
+        assert_eq!(same.pixels()[2][0], 2);
 
         block.clear();
         block.add_heat(&mut heat);
@@ -189,7 +218,7 @@ mod tests {
         };
         for _ in 0..3000 {
             let (pixel, bit) = (next(27000) as usize, next(512) as usize);
-            block.pixels[pixel].0[bit / 64] |= 1 << (bit % 64);
+            block.pixels_mut()[pixel][bit / 64] |= 1 << (bit % 64);
         }
         // Also from and to places outside the image.
         let mut end = |n: u64| next(n + 40) as f64 - 20.0;
@@ -204,6 +233,12 @@ mod tests {
 
     #[test]
     fn pixels_are_cache_lines() {
-        assert_eq!((size_of::<PixelWords>(), align_of::<PixelWords>()), (64, 64));
+        for width in [9, 13, 640] {
+            let block = PixelBlock::new(ImageSize::new(width, 7).unwrap());
+            for block in [&block, &block.clone()] {
+                assert_eq!((block.pixels().len(), size_of_val(&block.pixels()[0])), (7 * width, CACHE_LINE));
+                assert_eq!(block.pixels().as_ptr().addr() % CACHE_LINE, 0);
+            }
+        }
     }
 }
