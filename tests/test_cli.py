@@ -178,6 +178,27 @@ def test_intrinsics_of_what_is_recorded_already(masks, cameras, tmp_path, capsys
     assert "cam1.npz: recorded without intrinsics, so its lens still bends lines" in capsys.readouterr().err
 
 
+def test_cameras_that_are_found_by_their_place_are_told(masks, cameras, tmp_path, capsys):
+    renamed = tmp_path / "renamed.toml"
+    renamed.write_text(cameras.read_text().replace('name = "cam3"', 'name = "left"'))
+    # The table called "left" is the first.
+    words = ["calibrate", masks[2], masks[0], "--masks", "--out", str(tmp_path / "out"), "--lines", "6000"]
+    assert main([*words, "--intrinsics", str(renamed)]) == 0
+    (told,) = [line for line in capsys.readouterr().err.splitlines() if "of this name" in line]
+    assert told.startswith("epibar: warning: cam3: ")
+    assert "renamed.toml" in told
+    assert "'left'" in told
+
+
+def test_what_cannot_be_done_to_what_is_recorded_already(masks, tmp_path, capsys):
+    saved = str(tmp_path / "cam1.npz")
+    assert main(["record", masks[0], "--masks", "--out", saved, *FAST]) == 0
+    assert main(["inspect", saved, "--foreground", "knn"]) == 0
+    assert "so its foreground 'knn' cannot be applied" in capsys.readouterr().out
+    assert main(["inspect", saved, "--masks"]) == 2
+    assert "a saved recording, not masks; give it without --masks" in capsys.readouterr().err
+
+
 def test_an_ignore_mask_for_what_is_recorded_already(masks, tmp_path, capsys):
     saved = str(tmp_path / "cam1.npz")
     assert main(["record", masks[0], "--masks", "--out", saved, *FAST]) == 0

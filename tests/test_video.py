@@ -236,6 +236,17 @@ def test_masks_too_dark_to_count(tmp_path):
         assert "brighter than 127 (the brightest is 5)" in source.warnings[0]
 
 
+def test_a_colour_video_is_not_one_of_masks(tmp_path):
+    rng = np.random.default_rng(0)
+    for index in range(12):
+        cv2.imwrite(str(tmp_path / f"{index:02}.png"), rng.integers(40, 180, (30, 40, 3), np.uint8))
+    with (
+        MaskFrames(tmp_path, fps=5) as source,
+        pytest.raises(EpibarError, match=r"not black and white.*without --masks"),
+    ):
+        list(source)
+
+
 def test_mask_video_threshold(write_video):
     with MaskFrames(write_video("m.avi", "MJPG")) as source:
         found = np.array([mask.mean() for *_, mask in source])

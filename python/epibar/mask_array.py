@@ -63,6 +63,10 @@ class MaskArray:
         except (*DAMAGED, IndexError) as error:
             raise EpibarError(f"{self.path}: not a numpy archive that can be read ({error})") from error
         if "masks" not in keys:
+            if "core_seed" in keys:
+                raise EpibarError(
+                    f"{self.path}: a saved recording, not masks; give it without --masks (masks=True)"
+                )
             found = ", ".join(keys) or "none"
             raise EpibarError(f"{self.path}: no key 'masks' (found: {found}); use np.savez(path, masks=...)")
 

@@ -9,12 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
+from .errors import EpibarError
 from .frame_range import FrameRange
 from .frame_source import FrameSource
 from .frames import Frames
 from .mask_array import ARRAY_SUFFIXES, MaskArray
 
 __all__ = ["MaskFrames"]
+
+LOOKED_AT = 10
+"""First frames that tell whether a video is one of masks."""
+MOST_BETWEEN = 0.4
+"""Share of pixels that may be neither dark nor bright: outlines, after compression, and shadows are."""
 
 
 class MaskFrames(FrameSource[np.ndarray]):
@@ -36,7 +42,7 @@ class MaskFrames(FrameSource[np.ndarray]):
     Raises
     ------
     EpibarError
-        As for :class:`Frames`; a missing key, a wrong rank or dtype, no frames.
+        As for :class:`Frames`; a missing key, a wrong rank or dtype, no frames; pictures that are no masks.
     """
 
     def __init__(
@@ -76,8 +82,17 @@ class MaskFrames(FrameSource[np.ndarray]):
 
     def _iterate_frames(self, frames: Frames) -> Iterator[tuple[int, float, np.ndarray]]:
         brightest, moving = 0, False
+        between = []
         for index, time, frame in frames:
             grey = frame.max(axis=2)
+            if index < LOOKED_AT:
+                between.append(np.mean((grey > 64) & (grey < 192)))
+                if np.mean(between) > MOST_BETWEEN:
+                    raise EpibarError(
+                        f"{self.path}: not black and white, {100 * np.mean(between):.0f} % of its pixels are "
+                        "neither dark nor bright; give it without --masks (masks=True), or save masks as 0 "
+                        "and 255"
+                    )
             peak = int(grey.max())
             binary = peak <= 1 and frames.of_images
             mask = (grey > (0 if binary else 127)).astype(np.uint8)

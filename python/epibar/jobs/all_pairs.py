@@ -141,6 +141,13 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
         job.out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise EpibarError(f"{job.out}: cannot be made ({error.strerror})") from error
+    for camera in job.cameras:
+        lens = camera.intrinsics
+        if lens is not None and lens.name.casefold() != camera.name.casefold():
+            watch.warning(
+                f"{camera.name}: {job.intrinsics} has no camera of this name; by its place it is taken to be "
+                f"{lens.name!r}"
+            )
     if executor is None:
         with _own_threads() as (threads, reporting):
             runner = Runner(job, threads, watch, at_once=_thread_count(), reporting=reporting)

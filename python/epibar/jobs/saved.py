@@ -21,9 +21,9 @@ def is_saved(camera: Camera, options: RecordOptions) -> bool:
 def load_saved(camera: Camera, options: RecordOptions) -> Recording:
     """Load a saved recording.
 
-    What can no longer be done to it, a background, an ignore mask or another number of lines, is told in
-    its warnings, and that its distortion is taken on trust: a recording knows its camera matrix and no
-    coefficients.
+    What can no longer be done to it, a background, an ignore mask, a foreground or a number of lines other
+    than the default, is told in its warnings, and that its distortion is taken on trust: a recording knows
+    its camera matrix and no coefficients.
 
     Raises
     ------
@@ -42,6 +42,8 @@ def load_saved(camera: Camera, options: RecordOptions) -> Recording:
             )
     given = {"background": camera.background, "ignore mask": camera.ignore}
     vain = [what for what, path in given.items() if path is not None]
+    if options.foreground != RecordOptions().foreground:
+        vain.append(f"foreground {options.foreground!r}")
     if vain:
         what = " and ".join(vain)
         recording.warnings.append(

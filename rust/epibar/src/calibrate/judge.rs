@@ -205,6 +205,16 @@ fn beyond_motion(uncertainty: &Uncertainty) -> f64 {
     known.maps().map(median).into_iter().fold(0.0, f64::max)
 }
 
+/// How much suggests something, as a sentence begins.
+pub(super) fn suggestion(z: f64) -> &'static str {
+    if z < SOME_Z { "Nothing suggests" } else { "Too little suggests" }
+}
+
+/// What is told of a number that is too small must be too small as well.
+pub(super) fn not_rounded_up(z: f64) -> f64 {
+    (10.0 * z).floor() / 10.0
+}
+
 fn decide(
     case: &Case,
     evidence: &Evidence,
@@ -216,14 +226,14 @@ fn decide(
 ) -> Verdict {
     let limit = case.options.max_expected_error;
     if evidence.z < MIN_Z {
-        let found = if evidence.z < SOME_Z { "Nothing suggests" } else { "Too little suggests" };
         return Verdict::new(
             Kind::NoCommonScene,
             format!(
-                "{found} that the two cameras see the same moving things at the same time: on frames kept \
+                "{} that the two cameras see the same moving things at the same time: on frames kept \
                  aside the geometry stands {:.1} standard deviations above its own score with the clocks shifted, and {MIN_Z:.0} \
                  are needed.",
-                evidence.z
+                suggestion(evidence.z),
+                not_rounded_up(evidence.z)
             ),
         );
     }

@@ -3,7 +3,7 @@
 use super::alignment::{
     Aligned, Clock, Links, MEASURABLE_PPM, Measured, RunnerUp, TimeOffset, measure, search_offset,
 };
-use super::judge::MIN_Z;
+use super::judge::{MIN_Z, not_rounded_up, suggestion};
 use super::verdict::{Kind, Verdict};
 use super::{CalibrateOptions, Calibration, MIN_FRAMES, calibrate_at};
 use crate::Result;
@@ -203,9 +203,11 @@ fn account_for_trials(found: &mut Calibration) {
         found.verdict = Verdict {
             kind: Kind::NoCommonScene,
             reason: format!(
-                "Nothing suggests that the two cameras see the same moving things: the best of {trials} time offsets stands \
-                 {:.1} standard deviations above chance when their number is allowed for, and {MIN_Z:.0} are needed.",
-                evidence.z
+                "{} that the two cameras see the same moving things: the best of {trials} time offsets stands \
+                 {:.1} standard deviations above chance when their number is allowed for, and {MIN_Z:.0} are needed; more \
+                 motion, or a search among fewer, may do.",
+                suggestion(evidence.z),
+                not_rounded_up(evidence.z)
             ),
         };
     }
