@@ -111,6 +111,8 @@ def test_evaluate(calibrated, cameras, capsys):
     assert "cam1" in text
     assert "cam2 - cam3" in text
     assert "px" in text
+    assert main(["evaluate", str(calibrated), "--cameras", str(cameras)]) == 0
+    assert capsys.readouterr().out == text
 
 
 def test_evaluate_goes_on_after_a_pair_without_a_baseline(calibrated, cameras, tmp_path, capsys):
@@ -236,8 +238,10 @@ def test_one_broken_video_of_three(masks, tmp_path, capsys):
 
 
 def test_a_missing_file_is_named(masks, tmp_path, capsys):
-    assert main(["calibrate", masks[0], "nowhere.mp4", "--masks", "--out", str(tmp_path / "o"), *FAST]) == 2
-    assert "nowhere.mp4" in capsys.readouterr().err
+    assert main(["calibrate", masks[0], "nowhere.mp4", "--masks", "--out", str(tmp_path / "o")]) == 2
+    told = capsys.readouterr().err
+    assert "nowhere.mp4" in told
+    assert "accepted: 0 of 1 pairs; errors: 1, see above" in told.splitlines()[-1]
     assert read(tmp_path / "o")["pairs"] == []
 
 

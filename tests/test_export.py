@@ -123,7 +123,8 @@ def test_opencv_reads_its_file(folder, calibrations, tmp_path, capsys):
 
 def test_npz(folder, calibrations, scene, tmp_path):
     out = tmp_path / "pairs.npz"
-    assert main(["export", str(folder), "--format", "npz", "--out", str(out), "--all", "--quiet"]) == 0
+    given = str(folder / "calibration.json")  # as good as the folder
+    assert main(["export", given, "--format", "npz", "--out", str(out), "--all", "--quiet"]) == 0
     with np.load(out, allow_pickle=False) as found:
         assert found["cameras"].tolist() == ["cam1", "cam2", "cam3"]
         assert found["sizes"].tolist() == [list(camera.size) for camera in scene.cameras]

@@ -4,8 +4,10 @@ import importlib.util
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -195,6 +197,24 @@ def test_nobody_answers():
     ):
         pass
     assert time.monotonic() - started < 20
+
+
+def test_something_else_answers():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer():
+            connection, _ = server.accept()
+            with connection:
+                connection.sendall(b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n" * 20)
+                time.sleep(3)
+
+        threading.Thread(target=answer, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        with (
+            pytest.raises(EpibarError, match="is 'dask scheduler' running there"),
+            dask_executor(address, 2.0),
+        ):
+            pass
 
 
 def test_local_workers(masks, tmp_path):

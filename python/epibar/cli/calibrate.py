@@ -48,7 +48,9 @@ def run(args: Namespace) -> int:
     with console, nullcontext() if args.scheduler is None else dask_executor(args.scheduler) as executor:
         found = run_job(job, executor, console)
     files = "calibration.json" + (" and report.html" if job.report else "")
-    console.note(f"written: {files} in {job.out}")
+    accepted = sum(calibration.accepted for calibration in found.calibrations.values())
+    failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
+    console.note(f"accepted: {accepted} of {len(job.pairs)} pairs{failed}; written: {files} in {job.out}")
     if not job.report and (job.out / "report.html").exists():
         console.warning(f"{job.out / 'report.html'} is still that of an earlier run")
     if args.json:

@@ -39,7 +39,7 @@ def run(args: Namespace) -> int:
     """Run the command."""
     console = Console()
     path = Path(args.calibration)
-    result = Run.read(path)
+    result = Run.load(path)
     known = load_cameras(args.cameras)
     found = zip(result.cameras, result.found_in(known, args.cameras), strict=True)
     cameras = {camera.name: given.posed() for camera, given in found}

@@ -95,14 +95,15 @@ class Run:
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Run:
-        """Read what ``epibar calibrate --out folder`` wrote.
+        """Read what ``epibar calibrate --out folder`` wrote, given the folder or the calibration.json in it.
 
         Raises
         ------
         EpibarError
             A file is missing or damaged.
         """
-        return cls.read(Path(folder) / "calibration.json")
+        path = Path(folder)
+        return cls.read(path if path.is_file() else path / "calibration.json")
 
     @classmethod
     def read(cls, path: Path) -> Run:

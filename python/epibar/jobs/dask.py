@@ -242,7 +242,7 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
         else:
             try:
                 client = Client(scheduler, timeout=time_limit)
-            except (OSError, ValueError) as error:
+            except (OSError, ValueError, MemoryError) as error:  # the last where something else answers
                 raise EpibarError(
                     f"scheduler {scheduler}: no answer within {time_limit:g} s ({error}); is 'dask "
                     "scheduler' running there, and the port open?"
