@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from .errors import EpibarError
 from .frame_range import FrameRange
 from .frame_source import FrameSource
 from .frames import Frames
@@ -42,7 +41,7 @@ class MaskFrames(FrameSource[np.ndarray]):
     Raises
     ------
     EpibarError
-        As for :class:`Frames`; a missing key, a wrong rank or dtype, no frames; pictures that are no masks.
+        As for :class:`Frames`; a missing key, a wrong rank or dtype, no frames.
     """
 
     def __init__(
@@ -82,23 +81,22 @@ class MaskFrames(FrameSource[np.ndarray]):
 
     def _iterate_frames(self, frames: Frames) -> Iterator[tuple[int, float, np.ndarray]]:
         brightest, moving = 0, False
-        between = []
+        between: list[float] = []
         for index, time, frame in frames:
             grey = frame.max(axis=2)
             if index < LOOKED_AT:
-                between.append(np.mean((grey > 64) & (grey < 192)))
-                if np.mean(between) > MOST_BETWEEN:
-                    raise EpibarError(
-                        f"{self.path}: not black and white, {100 * np.mean(between):.0f} % of its pixels are "
-                        "neither dark nor bright; give it without --masks (masks=True), or save masks as 0 "
-                        "and 255"
-                    )
+                between.append(float(np.mean((grey > 64) & (grey < 192))))
             peak = int(grey.max())
             binary = peak <= 1 and frames.of_images
             mask = (grey > (0 if binary else 127)).astype(np.uint8)
             brightest, moving = max(brightest, peak), moving or bool(mask.any())
             yield index, time, mask
         self.frame_count, self.truncated = frames.frame_count, frames.truncated
+        if between and np.mean(between) > MOST_BETWEEN:
+            self._warn(
+                f"{self.path}: not black and white, {100 * np.mean(between):.0f} % of its pixels are neither "
+                "dark nor bright; if it is a colour video, give it without --masks (masks=True)"
+            )
         if brightest and not moving:
             found = f"no pixel is brighter than 127 (the brightest is {brightest})"
             self._warn(f"{self.path}: {found}; save masks as 0 and 255")
