@@ -103,11 +103,8 @@ class Run:
             A file is missing or damaged.
         """
         path = Path(folder)
-        return cls.read(path if path.is_file() else path / "calibration.json")
-
-    @classmethod
-    def read(cls, path: Path) -> Run:
-        """Read a calibration.json and the frontier points beside it; see :meth:`load`."""
+        if not path.is_file():
+            path /= "calibration.json"
         result = read_json(path)
         files = [path]
         pairs = []

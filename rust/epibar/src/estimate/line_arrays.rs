@@ -22,7 +22,7 @@ pub(super) struct LineArrays {
     lines: [[Vec<f64>; 3]; 2],
     /// x and y of one end, x and y of the other.
     ends: [[Vec<f64>; 4]; 2],
-    /// Half the length of each segment in B, pixels².
+    /// Square of half the length of each segment in B, pixels².
     half_length2: Vec<f64>,
 }
 

@@ -19,6 +19,12 @@ impl BestFew {
         Self { k, floor, entries: vec![(0.0, u32::MAX); rows * k] }
     }
 
+    /// Forgets all partners, and keeps lower scores from now on.
+    pub(super) fn start_again(&mut self, floor: f32) {
+        self.floor = floor;
+        self.entries.fill((0.0, u32::MAX));
+    }
+
     /// A score below this cannot be among the best of the row; one that is equal can, for its lower index.
     pub(super) fn threshold(&self, row: usize) -> f32 {
         self.entries[row * self.k + self.k - 1].0.max(self.floor)

@@ -6,7 +6,8 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::best::BestFew;
-use super::popcount::{GROUP, Group, Lanes, RowStats, rounded_up, words_of};
+use super::popcount::{GROUP, Group, Lanes, RowStats, words_of};
+use super::rows::Rows;
 use crate::recording::Barcodes;
 
 /// Bytes of B that are compared with all rows of a task before the next ones: they stay in the first-level cache.
@@ -54,6 +55,11 @@ impl Columns {
         Self { order, places, groups, best, groups_per_block }
     }
 
+    /// Forgets all rows of A.
+    pub(super) fn start_again(&mut self, floor: f32) {
+        self.best.iter_mut().for_each(|best| best.get_mut().expect(UNPOISONED).start_again(floor));
+    }
+
     pub(super) fn groups(&self) -> &[Group] {
         &self.groups
     }
@@ -82,10 +88,10 @@ impl Columns {
         blocks
     }
 
-    /// Correlations above this are certain, if above the floor, once all pairs have met whose counts let them reach `reach`.
-    pub(super) fn certain(&self, reach: f32, most_rounding: f32) -> f32 {
+    /// The most that rounding may add to the score of one of the rows with one of the columns.
+    pub(super) fn most_rounding(&self, tasks: &[Rows]) -> f32 {
         let scale = self.groups.iter().map(|group| group.most_scale).fold(0.0, f32::max);
-        rounded_up(reach, most_rounding * scale)
+        scale * tasks.iter().map(Rows::most_rounding).fold(0.0, f32::max)
     }
 
     /// At which place the row of A stands for the row of B.

@@ -9,8 +9,7 @@
 //! `a ≤ b`. Each row meets first the columns like it, and later skips those with which it cannot reach
 //! what it and they already have. Where only the best pairs are asked for, rows meet columns in stages of that bound:
 //! once all that can correlate by more than `r` have met, mutual pairs above `r` are certain, and if they are enough the
-//! rest never meets. Where too many pairs are alike in their counts, all is done
-//! again without stages.
+//! rest never meets. Where too many pairs are alike in their counts, all meet at once.
 //!
 //! A constant barcode has no variance; its correlation is defined as 0 and it is never matched.
 
@@ -18,7 +17,7 @@ use rayon::prelude::*;
 
 use super::best::POSITIVE;
 use super::columns::Columns;
-use super::popcount::Level;
+use super::popcount::{Level, rounded_up};
 use super::rows::{Rows, in_turns};
 use crate::recording::Barcodes;
 use crate::{Error, Result};
@@ -84,30 +83,32 @@ fn matches_at(level: Level, a: &Barcodes, b: &Barcodes, mutual: usize, limit: us
     // No row has more partners than there are.
     let mutual = mutual.min(a.count.max(b.count)).max(1);
     let few = limit < mutual.saturating_mul(a.count.min(b.count));
-    let best = few.then(|| best_above(GOOD, level, a, b, mutual, limit)).flatten();
-    best.unwrap_or_else(|| {
-        let columns = Columns::new(b, mutual, POSITIVE);
-        let mut tasks = in_turns(a, &columns, mutual, POSITIVE);
-        tasks.par_iter_mut().for_each(|rows| {
-            rows.widen(0.0);
-            rows.meet(level);
-        });
-        best_first(&tasks, limit)
-    })
+    let mut columns = Columns::new(b, mutual, if few { GOOD } else { POSITIVE });
+    if few {
+        if let Some(best) = best_above(GOOD, level, a, &columns, mutual, limit) {
+            return best;
+        }
+        columns.start_again(POSITIVE);
+    }
+    let mut tasks = in_turns(a, &columns, mutual, POSITIVE);
+    tasks.par_iter_mut().for_each(|rows| {
+        rows.widen(0.0);
+        rows.meet(level);
+    });
+    best_first(&tasks, limit)
 }
 
-/// The best `limit`, if there are as many above the floor, and few pairs need to meet for them.
+/// The best `limit`, if there are as many above the floor of the columns, and few pairs need to meet for them.
 fn best_above(
     floor: f32,
     level: Level,
     a: &Barcodes,
-    b: &Barcodes,
+    columns: &Columns,
     mutual: usize,
     limit: usize,
 ) -> Option<Vec<Match>> {
-    let columns = Columns::new(b, mutual, floor);
-    let mut tasks = in_turns(a, &columns, mutual, floor);
-    let rounding = tasks.iter().map(Rows::most_rounding).fold(0.0, f32::max);
+    let mut tasks = in_turns(a, columns, mutual, floor);
+    let rounding = columns.most_rounding(&tasks);
     let most = MOST_MEET * (a.count * columns.groups().len()) as f64;
     let mut reach = FIRST_REACH;
     while reach > floor {
@@ -117,9 +118,9 @@ fn best_above(
         }
         tasks.par_iter_mut().for_each(|rows| rows.meet(level));
         let matches = best_first(&tasks, limit);
-        // What is lacking can still come, and what is there can be surpassed.
+        // What is lacking can still come, and what is there can be surpassed by pairs that have not met.
         let least = matches.get(limit - 1).map_or(0.0, |worst| worst.correlation);
-        if least > columns.certain(reach, rounding) {
+        if least > rounded_up(reach, rounding) {
             return Some(matches);
         }
         let [near, far] = FURTHER.map(|times| 1.0 - times * (1.0 - reach));
@@ -162,7 +163,7 @@ mod tests {
         }
         let all = matches_at(Level::Plain, &a, &b, 3, usize::MAX);
         for (limit, staged) in [(1, true), (300, true), (1500, true), (all.len(), false)] {
-            let best = best_above(GOOD, Level::Plain, &a, &b, 3, limit);
+            let best = best_above(GOOD, Level::Plain, &a, &Columns::new(&b, 3, GOOD), 3, limit);
             assert_eq!(best.is_some(), staged, "{limit} of {}, {}", all.len(), all[limit - 1].correlation);
             assert!(best.is_none_or(|best| best == all[..limit]));
         }

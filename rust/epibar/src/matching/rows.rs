@@ -149,6 +149,7 @@ impl<'a> Rows<'a> {
 #[cfg(test)]
 mod tests {
     use super::super::best::POSITIVE;
+    use super::super::popcount::rounded_up;
     use super::*;
 
     #[test]
@@ -168,10 +169,10 @@ mod tests {
         let (a, b) = (barcodes(700), barcodes(900));
         let columns = Columns::new(&b, 2, POSITIVE);
         let mut tasks = in_turns(&a, &columns, 2, POSITIVE);
-        let rounding = tasks.iter().map(Rows::most_rounding).fold(0.0, f32::max);
+        let rounding = columns.most_rounding(&tasks);
         let mut before = 0;
         for reach in [0.98, 0.8, 0.5, 0.3, 0.2] {
-            let certain = columns.certain(reach, rounding);
+            let certain = rounded_up(reach, rounding);
             let mut met = 0;
             for rows in &mut tasks {
                 met += rows.widen(reach);

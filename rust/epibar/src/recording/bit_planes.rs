@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-use crate::bits::gathered;
+use crate::bits::{gathered, ones_of};
 
 /// Pixels of a tile, which are consecutive.
 pub const TILE: usize = 64;
@@ -78,15 +78,13 @@ impl BitPlanes {
 impl Tile<'_> {
     /// As [`BitPlanes::take`].
     pub fn take(&mut self, mut visit: impl FnMut(usize, u64)) {
-        let mut moving = self.0.iter().fold(0, |any, word| any | word);
+        let moving = self.0.iter().fold(0, |any, word| any | word);
         if moving == 0 {
             return;
         }
         transpose(self.0);
-        while moving != 0 {
-            let pixel = moving.trailing_zeros() as usize;
+        for pixel in ones_of(moving) {
             visit(pixel, self.0[pixel]);
-            moving &= moving - 1;
         }
         self.0.fill(0);
     }
