@@ -1,8 +1,9 @@
-"""Exact results of many pairs, held against those of another build: for changes that should change nothing.
+"""Exact results of many pairs, held against those of another build: for changes that change nothing.
 
-Prints a line for each case. ``--save FILE`` keeps the results, ``--compare FILE`` holds them against kept ones
-and exits with 1 where one differs in a single bit. Floats are kept as hexadecimal, arrays as a hash of their
-bytes. Only public names are used, so that one file runs under both builds::
+Prints a line for each case. ``--save FILE`` keeps the results, ``--compare FILE`` holds them
+against kept ones and exits with 1 where one differs in a single bit. Floats are kept as
+hexadecimal, arrays as a hash of their bytes. Only public names are used, so that one file runs
+under both builds::
 
     old/.venv/bin/python benchmarks/same_results.py --save old.json
     new/.venv/bin/python benchmarks/same_results.py --compare old.json
@@ -199,7 +200,7 @@ def _real(path: Path, masks: bool, index: int) -> Recording:
 
 
 def real(data: Path) -> Iterator[Case]:
-    """Pairs of the real recordings that are there; of each folder one without camera matrices and by lines."""
+    """Pairs of the real recordings that are there; one of each folder without matrices and by lines."""
     for folder, pattern, masks, pairs in REAL:
         first = data / folder / pattern.format(pairs[0][0])
         if not first.exists():
