@@ -20,7 +20,7 @@ from epibar.report.html.lines import hull_barcodes
 from epibar.report.html.moments import choose_moments
 from epibar.report.html.words import ADVICE, TITLES, advice
 
-VERDICTS = Path(__file__).parent.parent / "rust/epibar/src/calibrate/verdict.rs"
+VERDICTS = Path(__file__).parent.parent / "rust/epibar/src/verify/verdict.rs"
 
 
 class Page(HTMLParser):

@@ -1,8 +1,6 @@
 //! Two recordings in, one calibration out.
 
-use epibar::calibrate::TimeOffset;
-use epibar::matching::Candidate;
-use epibar::{CalibrateOptions, Line, Method};
+use epibar::{CalibrateOptions, CandidatePair, FrontierPoint, Line, Method, TimeOffset};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -48,21 +46,18 @@ pub fn calibrate(
         }
     };
     let cameras = camera_matrices(cameras)?;
-    let mut options = CalibrateOptions {
-        method,
-        seed,
-        time_offset: time_offset.map_or(TimeOffset::Search { seconds: search_seconds }, TimeOffset::Known),
-        upright,
-        cameras,
-        draws,
-        max_expected_error,
-        ..CalibrateOptions::default()
-    };
-    options.candidates.limit = candidates;
-    options.candidates.reserve = options.candidates.reserve.max(candidates);
+    let mut options = CalibrateOptions::new()
+        .method(method)
+        .seed(seed)
+        .time_offset(time_offset.map_or(TimeOffset::Search { seconds: search_seconds }, TimeOffset::Known))
+        .upright(upright)
+        .candidates(candidates)
+        .draws(draws)
+        .max_expected_error(max_expected_error);
+    options.cameras = cameras;
     let mut watch = PythonWatch::new(progress);
     let (a, b) = (&a.inner, &b.inner);
-    let found = py.detach(|| epibar::calibrate(a, b, &options, &mut watch));
+    let found = py.detach(|| epibar::calibrate_watched(a, b, &options, &mut watch));
     match (found, watch.raised) {
         (Ok(inner), None) => Ok(Calibration { inner }),
         (_, Some(raised)) => Err(raised),
@@ -74,10 +69,13 @@ impl Calibration {
     fn lines<'py>(
         &self,
         py: Python<'py>,
-        of: impl Fn(&Candidate) -> Line,
+        of: impl Fn(&CandidatePair) -> Line,
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let best = self.inner.candidates.best();
-        rows(py, best.iter().map(of).map(|l| [l.a, l.b, l.c]))
+        rows(py, self.inner.candidates.iter().map(of).map(|l| [l.a(), l.b(), l.c()]))
+    }
+
+    fn points<T>(&self, of: impl Fn(&FrontierPoint) -> T) -> Vec<T> {
+        self.inner.frontier_points.iter().map(of).collect()
     }
 }
 
@@ -95,7 +93,7 @@ impl Calibration {
 
     #[getter]
     fn kind(&self) -> &'static str {
-        self.inner.verdict.kind.word()
+        self.inner.verdict.kind.name()
     }
 
     #[getter]
@@ -105,7 +103,7 @@ impl Calibration {
 
     #[getter]
     fn expected_error(&self) -> Option<f64> {
-        Some(self.inner.expected_error).filter(|e| e.is_finite())
+        self.inner.expected_error
     }
 
     #[getter]
@@ -141,34 +139,33 @@ impl Calibration {
 
     #[getter]
     fn source(&self) -> &'static str {
-        self.inner.source
+        self.inner.source.map_or("none", epibar::Source::name)
     }
 
     #[getter]
     fn lines_a<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.lines(py, |c| c.lines.a)
+        self.lines(py, |c| c.a)
     }
 
     #[getter]
     fn lines_b<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        self.lines(py, |c| c.lines.b)
+        self.lines(py, |c| c.b)
     }
 
     #[getter]
     fn correlation<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let values: Vec<f64> = self.inner.candidates.best().iter().map(|c| c.correlation).collect();
+        let values: Vec<f64> = self.inner.candidates.iter().map(|c| c.correlation).collect();
         values.into_pyarray(py)
     }
 
     #[getter]
     fn inliers<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
-        self.inner.inliers.clone().into_pyarray(py)
+        self.inner.candidates.iter().map(|c| c.inlier).collect::<Vec<_>>().into_pyarray(py)
     }
 
     #[getter]
     fn frontier_frame<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        let values: Vec<i64> = self.inner.frontier_points.iter().map(|p| i64::from(p.frame)).collect();
-        values.into_pyarray(py)
+        self.points(|p| i64::from(p.frame)).into_pyarray(py)
     }
 
     #[getter]
@@ -184,27 +181,22 @@ impl Calibration {
     /// Symmetric epipolar distances, pixels.
     #[getter]
     fn frontier_residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let f = self.inner.fundamental;
-        let distance = |p: &epibar::estimate::frontier::FrontierPoint| {
-            f.map_or(f64::NAN, |f| epibar::geometry::symmetric_epipolar_distance(&f, p.a, p.b))
-        };
-        let values: Vec<f64> = self.inner.frontier_points.iter().map(distance).collect();
-        values.into_pyarray(py)
+        self.points(|p| p.residual).into_pyarray(py)
     }
 
     #[getter]
     fn counts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let counts = PyDict::new(py);
-        let found = &self.inner;
+        let found = &self.inner.counts;
         for (name, value) in [
             ("frames", found.frames),
-            ("informative_a", found.candidates.informative_a),
-            ("informative_b", found.candidates.informative_b),
-            ("on_motion_lines", found.candidates.on_motion_lines),
-            ("mutual_pairs", found.candidates.pairs.len()),
-            ("candidates", found.candidates.best().len()),
-            ("line_inliers", found.inliers.iter().filter(|i| **i).count()),
-            ("frontier_points", found.frontier_points.len()),
+            ("informative_a", found.informative_a),
+            ("informative_b", found.informative_b),
+            ("on_motion_lines", found.on_motion_lines),
+            ("mutual_pairs", found.mutual_pairs),
+            ("candidates", found.candidates),
+            ("line_inliers", found.line_inliers),
+            ("frontier_points", found.frontier_points),
         ] {
             counts.set_item(name, value)?;
         }
@@ -227,7 +219,7 @@ impl Calibration {
                 entry.set_item("evidence_share", rival.share)?;
                 entry.set_item("evidence_z", rival.z)?;
                 entry.set_item("distance", rival.distance)?;
-                entry.set_item("source", rival.source)?;
+                entry.set_item("source", rival.source.name())?;
                 Ok(entry)
             })
             .collect()
@@ -260,7 +252,7 @@ impl Calibration {
     #[getter]
     fn shift_curve<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
         let shifts: Vec<f64> = self.inner.shift_curve.iter().map(|s| s.shift as f64).collect();
-        let scores: Vec<f64> = self.inner.shift_curve.iter().map(|s| s.score.total()).collect();
+        let scores: Vec<f64> = self.inner.shift_curve.iter().map(|s| s.score).collect();
         (shifts.into_pyarray(py), scores.into_pyarray(py))
     }
 }

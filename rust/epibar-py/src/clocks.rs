@@ -1,6 +1,6 @@
 //! Which frame of B shows the moment of a frame of A.
 
-use epibar::calibrate::Clock;
+use epibar::internals::Clock;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::recording::Recording;
 /// Seconds from one frame to the next.
 #[pyfunction]
 pub fn frame_interval(recording: &Recording) -> f64 {
-    epibar::calibrate::frame_interval(&recording.inner)
+    recording.inner.frame_interval()
 }
 
 /// Seconds by B's clock for each second by A's.
@@ -44,5 +44,5 @@ pub fn common_frames<'py>(
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let (a, b) = (&a.inner, &b.inner);
     let pairs = enter(py, || Ok(Clock::of_frames(time_offset, frames_per_frame, a, b).common_frames(a, b)))?;
-    rows(py, pairs.into_iter().map(|(i, j)| [i64::from(i), i64::from(j)]))
+    rows(py, pairs.into_iter().map(|p| [i64::from(p.a), i64::from(p.b)]))
 }

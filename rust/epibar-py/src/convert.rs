@@ -1,7 +1,7 @@
 //! Between numpy (row-major) and the crate's types, each direction in one place.
 
-use epibar::estimate::essential::CameraMatrices;
-use nalgebra::Matrix3;
+use epibar::CameraMatrices;
+use epibar::nalgebra::Matrix3;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyValueError};
@@ -40,10 +40,9 @@ pub type PythonMatrices<'py> = (PyReadonlyArrayDyn<'py, f64>, PyReadonlyArrayDyn
 /// Both camera matrices, where they are known.
 pub fn camera_matrices(cameras: Option<PythonMatrices<'_>>) -> PyResult<Option<CameraMatrices>> {
     let both = |(a, b): PythonMatrices<'_>| {
-        Ok(CameraMatrices {
-            a: matrix_of("the camera matrix of A", &a)?,
-            b: matrix_of("the camera matrix of B", &b)?,
-        })
+        let a = matrix_of("the camera matrix of A", &a)?;
+        let b = matrix_of("the camera matrix of B", &b)?;
+        CameraMatrices::new(a, b).map_err(|error| to_python_error(&error))
     };
     cameras.map(both).transpose()
 }

@@ -1,11 +1,6 @@
 //! A matrix that the caller already has, against what moved.
 
-use epibar::Fundamental;
-use epibar::calibrate::common_frames;
-use epibar::estimate::evidence::evidence;
-use epibar::estimate::frontier::{FrontierOptions, compare};
-use epibar::estimate::refine::polish;
-use epibar::estimate::views::Views;
+use epibar::{ExamineOptions, Fundamental};
 use numpy::{IntoPyArray, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -30,19 +25,16 @@ pub fn examine<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let cameras = camera_matrices(cameras)?;
     let (a, b) = (&a.inner, &b.inner);
-    let given = Fundamental::from_matrix(&matrix_of("F", &f)?, a.size, b.size)
+    let given = Fundamental::from_matrix(&matrix_of("F", &f)?, a.size(), b.size())
         .ok_or_else(|| PyValueError::new_err("F must be finite and of rank 2"))?;
-    let (f, comparison, total) = enter(py, || {
-        let views = Views::new(a, b, &common_frames(a, b, time_offset)).with_cameras(cameras);
-        let f = if refined { polish(&views, &given, upright) } else { given };
-        let comparison = compare(&views, &f, &FrontierOptions { radius, upright, shift: 0 });
-        let total = evidence(&views, &f, upright).total;
-        Ok((f, comparison, total))
-    })?;
+    let mut options =
+        ExamineOptions::new().radius(radius).time_offset(time_offset).upright(upright).refine(refined);
+    options.cameras = cameras;
+    let examined = enter(py, || epibar::examine(a, b, &given, &options))?;
     let found = PyDict::new(py);
-    found.set_item("F", matrix(f.matrix()).into_pyarray(py))?;
-    found.set_item("evidence", total)?;
-    for (name, class) in [("tops", comparison.score.tops), ("bottoms", comparison.score.bottoms)] {
+    found.set_item("F", matrix(examined.fundamental.matrix()).into_pyarray(py))?;
+    found.set_item("evidence", examined.score)?;
+    for (name, class) in [("tops", examined.tops), ("bottoms", examined.bottoms)] {
         let entry = PyDict::new(py);
         entry.set_item("tangents", class.tangents)?;
         entry.set_item("matches", class.matches)?;
@@ -50,12 +42,11 @@ pub fn examine<'py>(
         entry.set_item("excess", class.excess)?;
         found.set_item(name, entry)?;
     }
-    let points = &comparison.points;
+    let points = &examined.frontier_points;
     let frame: Vec<i64> = points.iter().map(|p| i64::from(p.frame)).collect();
-    let distance: Vec<f64> = points.iter().map(|p| p.distance).collect();
     found.set_item("frame", frame.into_pyarray(py))?;
     found.set_item("a", rows(py, points.iter().map(|p| p.a))?)?;
     found.set_item("b", rows(py, points.iter().map(|p| p.b))?)?;
-    found.set_item("distance", distance.into_pyarray(py))?;
+    found.set_item("distance", examined.distances.into_pyarray(py))?;
     Ok(found)
 }

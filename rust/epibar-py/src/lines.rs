@@ -1,6 +1,6 @@
 //! Barcodes, their matches, and motion lines.
 
-use epibar::matching::{MotionLineOptions, mutual_matches};
+use epibar::internals::{MotionLineOptions, barcodes_of_segments, mutual_matches};
 use epibar::{Barcodes, ImageSize, Segment};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -26,13 +26,13 @@ pub fn barcodes<'py>(
     let size = ImageSize::new(masks.shape()[2], masks.shape()[1]).map_err(|error| to_python_error(&error))?;
     let segments: Vec<Segment> =
         ends.chunks_exact(4).map(|s| Segment { x0: s[0], y0: s[1], x1: s[2], y1: s[3] }).collect();
-    let found = enter(py, || epibar::barcodes_of_segments(pixels, frames, size, &segments))?;
-    bits(py, found)
+    let found = enter(py, || barcodes_of_segments(pixels, frames, size, &segments))?;
+    bits(py, &found)
 }
 
 /// Barcodes as an (n, words) array.
-pub fn bits(py: Python<'_>, barcodes: Barcodes) -> PyResult<Bound<'_, PyArray2<u64>>> {
-    Array2::from_shape_vec((barcodes.count, barcodes.words_per), barcodes.bits)
+pub fn bits<'py>(py: Python<'py>, barcodes: &Barcodes) -> PyResult<Bound<'py, PyArray2<u64>>> {
+    Array2::from_shape_vec((barcodes.count(), barcodes.words_per()), barcodes.words().to_vec())
         .map(|array| array.into_pyarray(py))
         .map_err(|error| PyValueError::new_err(error.to_string()))
 }
@@ -51,7 +51,7 @@ pub fn as_barcodes(name: &str, bits: &PyReadonlyArrayDyn<'_, u64>, frames: usize
     if tail != 0 && words.chunks_exact(words_per).any(|row| row[words_per - 1] >> tail != 0) {
         return Err(PyValueError::new_err(format!("{name} has bits set beyond its {frames} frames")));
     }
-    Ok(Barcodes { count, frames, words_per, bits: words.to_vec() })
+    Barcodes::from_words(count, frames, words.to_vec()).map_err(|error| to_python_error(&error))
 }
 
 type Matches<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);
@@ -67,7 +67,8 @@ pub fn match_barcodes<'py>(
     limit: usize,
 ) -> PyResult<Matches<'py>> {
     let (a, b) = (as_barcodes("bits_a", &bits_a, frames)?, as_barcodes("bits_b", &bits_b, frames)?);
-    let found = enter(py, || mutual_matches(&a, &b, mutual, limit))?;
+    let mut found = enter(py, || mutual_matches(&a, &b, mutual))?;
+    found.truncate(limit);
     let index_a: Vec<i64> = found.iter().map(|m| i64::from(m.a)).collect();
     let index_b: Vec<i64> = found.iter().map(|m| i64::from(m.b)).collect();
     let correlation: Vec<f64> = found.iter().map(|m| f64::from(m.correlation)).collect();
@@ -77,6 +78,6 @@ pub fn match_barcodes<'py>(
 /// Motion lines of a recording, (n, 3).
 #[pyfunction]
 pub fn motion_lines<'py>(py: Python<'py>, rec: &Recording) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let found = enter(py, || Ok(epibar::matching::motion_lines(&rec.inner, &MotionLineOptions::default())))?;
-    rows(py, found.into_iter().map(|l| [l.a, l.b, l.c]))
+    let found = enter(py, || Ok(epibar::internals::motion_lines(&rec.inner, &MotionLineOptions::default())))?;
+    rows(py, found.into_iter().map(|l| [l.a(), l.b(), l.c()]))
 }

@@ -1,6 +1,7 @@
 //! Recorder and Recording.
 
-use epibar::{Barcodes, ImageSize, Informative, RecorderOptions, Segment, Silhouettes};
+use epibar::internals::{Components, Informative};
+use epibar::{ImageSize, RecorderOptions, RecordingParts, Segment};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
@@ -10,7 +11,6 @@ use pyo3::types::PyDict;
 
 use crate::convert::{enter, rows, slice, to_python_error};
 use crate::lines::{as_barcodes, bits};
-use epibar::recording::components::Components;
 
 /// Takes masks frame by frame.
 #[pyclass(module = "epibar._core")]
@@ -36,7 +36,7 @@ impl Recorder {
         visible: Option<PyReadonlyArrayDyn<'_, u8>>,
     ) -> PyResult<Self> {
         let size = ImageSize::new(width, height).map_err(|error| to_python_error(&error))?;
-        let options = RecorderOptions { lines, seed, min_component_area };
+        let options = RecorderOptions::new().lines(lines).seed(seed).min_component_area(min_component_area);
         let mut inner = epibar::Recorder::new(size, options).map_err(|error| to_python_error(&error))?;
         if let Some(visible) = visible {
             let pixels = slice("visible", &visible, 2)?;
@@ -101,12 +101,12 @@ pub struct Recording {
 impl Recording {
     #[getter]
     fn width(&self) -> usize {
-        self.inner.size.width
+        self.inner.size().width()
     }
 
     #[getter]
     fn height(&self) -> usize {
-        self.inner.size.height
+        self.inner.size().height()
     }
 
     #[getter]
@@ -116,45 +116,45 @@ impl Recording {
 
     #[getter]
     fn seed(&self) -> u64 {
-        self.inner.seed
+        self.inner.seed()
     }
 
     #[getter]
     fn informative(&self) -> usize {
-        self.inner.barcodes.informative(&Informative::default()).len()
+        self.inner.barcodes().informative(&Informative::default()).len()
     }
 
     #[getter]
     fn times<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.inner.times.clone().into_pyarray(py)
+        self.inner.times().to_vec().into_pyarray(py)
     }
 
     #[getter]
     fn segments<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        rows(py, self.inner.segments.iter().map(|s| [s.x0, s.y0, s.x1, s.y1]))
+        rows(py, self.inner.segments().iter().map(|s| [s.x0, s.y0, s.x1, s.y1]))
     }
 
     #[getter]
     fn barcodes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u64>>> {
-        bits(py, self.inner.barcodes.clone())
+        bits(py, self.inner.barcodes())
     }
 
     #[getter]
     fn heat<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let size = self.inner.size;
-        self.inner.heat.clone().into_pyarray(py).reshape([size.height, size.width])
+        let size = self.inner.size();
+        self.inner.heat().to_vec().into_pyarray(py).reshape([size.height(), size.width()])
     }
 
     #[getter]
     fn moving_pixels<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
-        self.inner.moving_pixels.clone().into_pyarray(py)
+        self.inner.moving_pixels().to_vec().into_pyarray(py)
     }
 
     #[getter]
     fn visible<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u8>>>> {
-        let size = self.inner.size;
-        let area = self.inner.visible.as_ref();
-        area.map(|pixels| pixels.to_vec().into_pyarray(py).reshape([size.height, size.width])).transpose()
+        let size = self.inner.size();
+        let area = self.inner.visible();
+        area.map(|pixels| pixels.to_vec().into_pyarray(py).reshape([size.height(), size.width()])).transpose()
     }
 
     fn hulls<'py>(&self, py: Python<'py>, frame: usize) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
@@ -164,7 +164,7 @@ impl Recording {
                 self.inner.frames() - 1
             )));
         }
-        let silhouettes = &self.inner.silhouettes;
+        let silhouettes = self.inner.silhouettes();
         silhouettes
             .hulls(frame)
             .map(|hull| rows(py, silhouettes.hull(hull).iter().map(|p| p.map(f64::from))))
@@ -172,24 +172,23 @@ impl Recording {
     }
 
     fn to_arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let silhouettes = &self.inner.silhouettes;
+        let parts = RecordingParts::from(self.inner.clone());
         let arrays = PyDict::new(py);
-        let size = [self.inner.size.width as u64, self.inner.size.height as u64];
-        arrays.set_item("size", size.to_vec().into_pyarray(py))?;
-        arrays.set_item("seed", vec![self.inner.seed].into_pyarray(py))?;
-        arrays.set_item("times", self.times(py))?;
+        arrays.set_item("size", parts.size.map(|side| side as u64).to_vec().into_pyarray(py))?;
+        arrays.set_item("seed", vec![parts.seed].into_pyarray(py))?;
+        arrays.set_item("times", parts.times.into_pyarray(py))?;
         arrays.set_item("segments", self.segments(py)?)?;
         arrays.set_item("barcodes", self.barcodes(py)?)?;
         arrays.set_item("heat", self.heat(py)?)?;
-        arrays.set_item("moving_pixels", self.moving_pixels(py))?;
+        arrays.set_item("moving_pixels", parts.moving_pixels.into_pyarray(py))?;
         if let Some(visible) = self.visible(py)? {
             arrays.set_item("visible", visible)?;
         }
-        arrays.set_item("frame_start", silhouettes.frame_start.clone().into_pyarray(py))?;
-        arrays.set_item("hull_start", silhouettes.hull_start.clone().into_pyarray(py))?;
-        arrays.set_item("hull_points", rows(py, silhouettes.points.iter().copied())?)?;
-        arrays.set_item("hull_area", silhouettes.area.clone().into_pyarray(py))?;
-        arrays.set_item("hull_border", silhouettes.border.clone().into_pyarray(py))?;
+        arrays.set_item("frame_start", parts.frame_start.into_pyarray(py))?;
+        arrays.set_item("hull_start", parts.hull_start.into_pyarray(py))?;
+        arrays.set_item("hull_points", rows(py, parts.hull_points.iter().copied())?)?;
+        arrays.set_item("hull_area", parts.hull_area.into_pyarray(py))?;
+        arrays.set_item("hull_border", parts.hull_border.into_pyarray(py))?;
         Ok(arrays)
     }
 
@@ -200,37 +199,34 @@ impl Recording {
         let ([width, height], [seed]) = (size.as_slice(), seed.as_slice()) else {
             return Err(PyValueError::new_err("the stored recording is damaged: size or seed"));
         };
-        let size =
-            ImageSize::new(*width as usize, *height as usize).map_err(|error| to_python_error(&error))?;
         let times: Vec<f64> = flat(arrays, "times", 1)?;
         let words = array::<u64>(arrays, "barcodes")?;
-        let barcodes: Barcodes = as_barcodes("barcodes", &words.readonly(), times.len())?;
+        let barcodes = as_barcodes("barcodes", &words.readonly(), times.len())?;
         let segments = flat::<f64>(arrays, "segments", 2)?
             .chunks_exact(4)
             .map(|s| Segment { x0: s[0], y0: s[1], x1: s[2], y1: s[3] })
             .collect();
-        let silhouettes = Silhouettes {
-            frame_start: flat(arrays, "frame_start", 1)?,
-            hull_start: flat(arrays, "hull_start", 1)?,
-            points: flat::<u16>(arrays, "hull_points", 2)?.chunks_exact(2).map(|p| [p[0], p[1]]).collect(),
-            area: flat(arrays, "hull_area", 1)?,
-            border: flat(arrays, "hull_border", 1)?,
-        };
         let visible =
             if arrays.contains("visible")? { Some(flat::<u8>(arrays, "visible", 2)?) } else { None };
-        let inner = epibar::Recording {
-            size,
+        let parts = RecordingParts {
+            size: [*width as usize, *height as usize],
             times,
             segments,
-            barcodes,
-            silhouettes,
+            barcodes: barcodes.words().to_vec(),
+            frame_start: flat(arrays, "frame_start", 1)?,
+            hull_start: flat(arrays, "hull_start", 1)?,
+            hull_points: flat::<u16>(arrays, "hull_points", 2)?
+                .chunks_exact(2)
+                .map(|p| [p[0], p[1]])
+                .collect(),
+            hull_area: flat(arrays, "hull_area", 1)?,
+            hull_border: flat(arrays, "hull_border", 1)?,
             heat: flat(arrays, "heat", 2)?,
             moving_pixels: flat(arrays, "moving_pixels", 1)?,
-            visible: visible.map(Into::into),
+            visible,
             seed: *seed,
         };
-        enter(py, || inner.validate())?;
-        Ok(Self { inner })
+        Ok(Self { inner: enter(py, || epibar::Recording::try_from(parts))? })
     }
 }
 

@@ -1,14 +1,11 @@
 //! Scores of matrices that the caller already has, many at a time.
 
-use epibar::calibrate::common_frames;
-use epibar::estimate::frontier::{FrontierOptions, FrontierScore, frontier_score};
-use epibar::estimate::line_model::LineModel;
-use epibar::estimate::ransac::Estimator;
-use epibar::estimate::views::{Views, busy_frames};
-use epibar::geometry::LinePair;
-use epibar::matching::Candidate;
+use epibar::internals::{
+    Candidate, Estimator, FrontierScore, LineModel, LinePair, Views, busy_frames, common_frames,
+    frontier_score,
+};
+use epibar::nalgebra::{Matrix3, Vector3};
 use epibar::{Error, Fundamental, ImageSize, Line};
-use nalgebra::{Matrix3, Vector3};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -58,11 +55,11 @@ pub fn score_tangents<'py>(
     frames: usize,
 ) -> PyResult<Evidence<'py>> {
     let (a, b) = (&a.inner, &b.inner);
-    let models = fundamentals(&matrices, [a.size, b.size])?;
+    let models = fundamentals(&matrices, [a.size(), b.size()])?;
     let scores = enter(py, || {
-        let views = Views::new(a, b, &busy_frames(a, b, &common_frames(a, b, time_offset), frames));
-        let options = FrontierOptions { radius, upright, shift: 0 };
-        Ok(models.par_iter().map(|f| frontier_score(&views, f, &options)).collect::<Vec<_>>())
+        let busy = busy_frames(a, b, &common_frames(a, b, time_offset), frames);
+        let views = Views::new(a, b, &busy).with_upright(upright);
+        Ok(models.par_iter().map(|f| frontier_score(&views, f, radius)).collect::<Vec<_>>())
     })?;
     let excess: Vec<f64> = scores.iter().map(FrontierScore::total).collect();
     let matches: Vec<i64> = scores.iter().map(|score| score.matches() as i64).collect();

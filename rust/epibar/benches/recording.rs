@@ -9,10 +9,8 @@ use std::hint::black_box;
 
 use common::flying::Scene;
 use criterion::{Criterion, criterion_group, criterion_main};
-use epibar::recording::block::{BLOCK_FRAMES, PixelBlock};
-use epibar::recording::components::Components;
-use epibar::recording::hull::convex_hull;
-use epibar::{Recorder, RecorderOptions, Recording, border_segments};
+use epibar::internals::{BLOCK_FRAMES, Components, PixelBlock, border_segments, convex_hull};
+use epibar::{Recorder, RecorderOptions, Recording};
 
 fn record(scene: &Scene, masks: &[Vec<u8>]) -> Recording {
     let mut recorder = Recorder::new(scene.cameras[0].size, RecorderOptions::default()).unwrap();

@@ -7,10 +7,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use epibar::recording::block::{BLOCK_FRAMES, PixelBlock};
-use epibar::recording::components::Components;
-use epibar::recording::hull::convex_hull;
-use epibar::{ImageSize, Recorder, RecorderOptions, border_segments};
+use epibar::internals::{BLOCK_FRAMES, Components, PixelBlock, border_segments, convex_hull};
+use epibar::{ImageSize, Recorder, RecorderOptions};
 use rayon::prelude::*;
 
 const RUNS: usize = 5;
@@ -49,7 +47,7 @@ fn main() {
     let pixels: usize =
         segments.iter().map(|s| (s.x1 - s.x0).abs().max((s.y1 - s.y0).abs()) as usize + 1).sum();
     let recorder = least(|| {
-        let options = RecorderOptions { lines, ..Default::default() };
+        let options = RecorderOptions::new().lines(lines);
         let mut recorder = Recorder::new(size, options).expect("a size");
         for (frame, mask) in frames.iter().enumerate() {
             recorder.push(mask, frame as f64).expect("a mask");
@@ -169,10 +167,10 @@ fn squares(frame: usize, size: ImageSize) -> Vec<u8> {
     let bounce = |position: usize, room: usize| room - (position % (2 * room)).abs_diff(room);
     let mut mask = vec![0; size.pixels()];
     for i in 0..20 {
-        let x = bounce(i * 97 + frame * (1 + i % 5), size.width - 40);
-        let y = bounce(i * 61 + frame * (1 + i % 3), size.height - 40);
+        let x = bounce(i * 97 + frame * (1 + i % 5), size.width() - 40);
+        let y = bounce(i * 61 + frame * (1 + i % 3), size.height() - 40);
         for y in y..y + 40 {
-            mask[y * size.width + x..y * size.width + x + 40].fill(1);
+            mask[y * size.width() + x..y * size.width() + x + 40].fill(1);
         }
     }
     mask

@@ -4,10 +4,11 @@
 //! are used to draw the masks and, in the end, to say how far off the result is; the calibration sees
 //! masks only.
 
-use epibar::estimate::ransac::Unwatched;
-use epibar::geometry::symmetric_epipolar_distance;
-use epibar::{CalibrateOptions, Fundamental, ImageSize, Recorder, RecorderOptions, Recording, calibrate};
-use nalgebra::{Matrix3, Vector3};
+use epibar::nalgebra::{Matrix3, Vector3};
+use epibar::{
+    CalibrateOptions, Fundamental, ImageSize, Recorder, RecorderOptions, Recording, calibrate,
+    symmetric_epipolar_distance,
+};
 use std::time::Instant;
 
 const FRAMES: usize = 300;
@@ -25,13 +26,15 @@ fn main() -> epibar::Result<()> {
     let [a, b] = [record(&cameras[0], &balls)?, record(&cameras[1], &balls)?];
     println!("drawn and recorded in {:.1} s", started.elapsed().as_secs_f64());
     let started = Instant::now();
-    let calibration = calibrate(&a, &b, &CalibrateOptions::default(), &mut Unwatched)?;
+    let calibration = calibrate(&a, &b, &CalibrateOptions::default())?;
     println!("calibrated in {:.1} s\n", started.elapsed().as_secs_f64());
 
-    println!("{}: {}", calibration.verdict.kind.word(), calibration.verdict.reason);
+    println!("{}: {}", calibration.verdict.kind.name(), calibration.verdict.reason);
     if let Some(f) = calibration.fundamental {
         println!("\nF, such that x_bᵀ F x_a = 0:{:12.3e}", f.matrix());
-        println!("expected error            {:6.3} px", calibration.expected_error);
+        if let Some(expected) = calibration.expected_error {
+            println!("expected error            {expected:6.3} px");
+        }
         println!("error against the truth   {:6.3} px", error(&f, &cameras, &balls));
     }
     Ok(())
@@ -72,11 +75,11 @@ impl Camera {
             (at - reach).max(0.0) as usize..((at + reach + 1.0).max(0.0) as usize).min(size)
         };
         let back = self.k.try_inverse().unwrap_or_else(Matrix3::identity);
-        for row in range(y, self.size.height) {
-            for column in range(x, self.size.width) {
+        for row in range(y, self.size.height()) {
+            for column in range(x, self.size.width()) {
                 let ray = (back * Vector3::new(column as f64, row as f64, 1.0)).normalize();
                 if (centre - ray * ray.dot(&centre)).norm() < ball.radius {
-                    mask[row * self.size.width + column] = 255;
+                    mask[row * self.size.width() + column] = 255;
                 }
             }
         }
@@ -114,7 +117,7 @@ impl Ball {
 }
 
 fn record(camera: &Camera, balls: &[Ball]) -> epibar::Result<Recording> {
-    let mut recorder = Recorder::new(camera.size, RecorderOptions { lines: 6000, ..Default::default() })?;
+    let mut recorder = Recorder::new(camera.size, RecorderOptions::new().lines(6000))?;
     for frame in 0..FRAMES {
         let mut mask = vec![0; camera.size.pixels()];
         for ball in balls {

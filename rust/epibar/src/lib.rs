@@ -5,34 +5,31 @@
 //! *Fundamental Matrices from Moving Objects Using Line Motion Barcodes* (Kasten, Ben-Artzi, Peleg and Werman,
 //! ECCV 2016; "the paper") and by frontier points, which go further.
 //!
-//! In the order of the data:
+//! A [`Recorder`] takes the masks of one camera, frame by frame; its [`Recording`] holds lines with their motion
+//! barcodes, silhouettes and a heat map, and no image. [`calibrate`] takes two recordings, and its [`Calibration`] has
+//! the matrix, a [`Verdict`] whether it can be relied on, and the numbers behind it. [`examine`] asks what speaks for a
+//! matrix that you already have.
 //!
-//! 1. [`recording`]: one camera. A [`Recorder`] takes masks frame by frame; the [`Recording`] holds lines with their
-//!    motion barcodes, silhouettes and a heat map, and no image.
-//! 2. [`matching`]: two cameras, lines only. Which line of A moves like which line of B.
-//! 3. [`geometry`]: fundamental matrices, pencils of lines, epipolar tangents, distances.
-//! 4. [`estimate`]: hypotheses, scores, refinement.
-//! 5. [`verify`]: is it true, and how far off may it be.
-//! 6. [`mod@calibrate`]: the whole job, two recordings in and one [`Calibration`] out.
+//! Conventions: points are `(x, y)` in pixels with pixel centres at integers, `x_bᵀ F x_a = 0`, and one seed for
+//! everything random. No result depends on the number of threads.
 //!
 //! Balls that fly before two cameras far away and at a right angle to one another: a ball is a disc at the same height
 //! in both, and the epipolar lines are horizontal.
 //!
 //! ```
 //! use epibar::{CalibrateOptions, ImageSize, Recorder, RecorderOptions, Recording, calibrate};
-//! use epibar::estimate::ransac::Unwatched;
-//! use epibar::geometry::symmetric_epipolar_distance;
+//! use epibar::symmetric_epipolar_distance;
 //!
 //! /// What a camera sees of the balls: how high they fly is common to both cameras, where across the image is not.
 //! fn record(size: ImageSize, across: fn(f64) -> f64) -> epibar::Result<Recording> {
-//!     let mut recorder = Recorder::new(size, RecorderOptions { lines: 2000, ..Default::default() })?;
+//!     let mut recorder = Recorder::new(size, RecorderOptions::new().lines(2000))?;
 //!     for frame in 0..200 {
 //!         let mut mask = vec![0; size.pixels()];
 //!         for ball in 0..4 {
 //!             let phase = 0.05 * f64::from(frame) * (1.0 + 0.3 * f64::from(ball)) + f64::from(ball);
 //!             let (u, v, radius) = (across(phase), 70.0 + 45.0 * phase.cos(), 6.0 + f64::from(ball));
 //!             for (pixel, value) in mask.iter_mut().enumerate() {
-//!                 let (x, y) = ((pixel % size.width) as f64, (pixel / size.width) as f64);
+//!                 let (x, y) = ((pixel % size.width()) as f64, (pixel / size.width()) as f64);
 //!                 *value |= u8::from((x - u).hypot(y - v) < radius);
 //!             }
 //!         }
@@ -44,8 +41,8 @@
 //! # fn main() -> epibar::Result<()> {
 //! let a = record(ImageSize::new(160, 140)?, |phase| 80.0 + 60.0 * (1.7 * phase).sin())?;
 //! let b = record(ImageSize::new(180, 140)?, |phase| 90.0 + 65.0 * (2.3 * phase).cos())?;
-//! let calibration = calibrate(&a, &b, &CalibrateOptions::default(), &mut Unwatched)?;
-//! assert!(calibration.verdict.accepted(), "{}", calibration.verdict.reason);
+//! let calibration = calibrate(&a, &b, &CalibrateOptions::default())?;
+//! assert!(calibration.accepted(), "{}", calibration.verdict.reason);
 //! let f = calibration.fundamental.unwrap();
 //! assert!(symmetric_epipolar_distance(&f, [40.0, 50.0], [120.0, 50.0]) < 0.5);
 //! # Ok(())
@@ -53,21 +50,38 @@
 //! ```
 
 mod bits;
-pub mod calibrate;
-pub mod error;
-pub mod estimate;
-pub mod geometry;
-pub mod line;
-pub mod matching;
-pub mod planarity;
-pub mod recording;
-pub mod verify;
+mod calibrate;
+mod calibration;
+mod clock;
+mod error;
+mod examine;
+mod frontier;
+mod geometry;
+mod hypotheses;
+mod image;
+#[doc(hidden)]
+pub mod internals;
+mod lines;
+mod matching;
+mod options;
+mod random;
+mod recording;
+mod refine;
+mod search;
+mod verify;
+mod watch;
 
-pub use calibrate::{CalibrateOptions, Calibration, Method, calibrate};
+pub use nalgebra;
+
+pub use calibrate::{calibrate, calibrate_watched};
+pub use calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
+pub use clock::{RunnerUp, TimeOffset, Timing};
 pub use error::{Error, Result};
-pub use geometry::Fundamental;
-pub use line::{ImageSize, Line, Segment};
-pub use recording::{
-    Barcodes, Informative, Recorder, RecorderOptions, Recording, Silhouettes, barcodes_of_segments,
-    border_segments,
-};
+pub use examine::{ExamineOptions, Examined, TangentCounts, examine};
+pub use geometry::{CameraMatrices, Fundamental, sampson_distance, symmetric_epipolar_distance};
+pub use hypotheses::Source;
+pub use image::{ImageSize, Line, Segment};
+pub use options::{CalibrateOptions, Method};
+pub use recording::{Barcodes, Recorder, RecorderOptions, Recording, RecordingParts, Silhouettes};
+pub use verify::{ErrorMap, Evidence, Kind, Rival, Verdict};
+pub use watch::{Stage, Unwatched, Watch};

@@ -5,11 +5,8 @@ mod common;
 use common::cameras::{Camera, error, fundamental, fundamental_matrix, points, random_pair};
 use common::flying;
 use common::masks::Random;
-use epibar::geometry::{
-    LinePair, PencilHomography, epipolar_tangents, sampson_distance, symmetric_epipolar_distance,
-};
-use epibar::line::area_between;
-use epibar::{Fundamental, ImageSize, Line};
+use epibar::internals::{LinePair, PencilHomography, area_between, epipolar_tangents};
+use epibar::{Fundamental, ImageSize, Line, sampson_distance, symmetric_epipolar_distance};
 use nalgebra::{Matrix3, Vector3};
 
 fn line(homogeneous: &Vector3<f64>) -> Line {
@@ -101,7 +98,7 @@ fn no_fundamental_matrix() {
     assert!(of(infinite).is_none());
     let rank_one = Vector3::new(0.3, -0.2, 40.0) * Vector3::new(0.1, 0.7, -90.0).transpose();
     assert!(of(rank_one).is_none());
-    assert!(Fundamental::from_parts(Matrix3::identity(), Vector3::zeros(), Vector3::x()).is_none());
+    assert!(Fundamental::from_rank_two(&rank_one).is_none());
 }
 
 /// Three epipolar line pairs: those of three points.
@@ -124,7 +121,7 @@ fn three_epipolar_line_pairs_give_the_matrix() {
         // A pencil of nearly equal lines has digits to lose.
         let spread = (0..3).map(|i| {
             let (p, q) = (&pairs[i].a, &pairs[(i + 1) % 3].a);
-            (p.a * q.b - p.b * q.a).abs()
+            (p.a() * q.b() - p.b() * q.a()).abs()
         });
         if spread.fold(f64::INFINITY, f64::min) < 0.02 {
             continue;
@@ -174,7 +171,7 @@ fn the_pencil_gives_what_any_homography_of_it_gives() {
             .map(|&p| e.cross(&at(p)))
             .map(|l| LinePair { a: line(&l), b: line(&(lines_map * l)) })
             .collect();
-        let crossing = |p: &Line, q: &Line| (p.a * q.b - p.b * q.a).abs();
+        let crossing = |p: &Line, q: &Line| (p.a() * q.b() - p.b() * q.a()).abs();
         let apart = (0..3).map(|i| crossing(&pairs[i].a, &pairs[(i + 1) % 3].a));
         if apart.fold(f64::INFINITY, f64::min) < 0.02 {
             continue;
@@ -187,7 +184,7 @@ fn the_pencil_gives_what_any_homography_of_it_gives() {
         let other = lines_map + Vector3::new(2e-3, -1e-3, 0.4) * e.transpose();
         let other = e_b.cross_matrix() * other.try_inverse().unwrap().transpose();
         assert!(difference(&found, &other, 300.0) < 1e-7);
-        // More pairs than three: the least squares of consistent ones is the same.
+        // More pairs than three: the least squares of consistent ones agree.
         let mut more = pairs.clone();
         more.extend([[100.0, 300.0], [500.0, 10.0]].iter().map(|&p| {
             let l = e.cross(&at(p));
@@ -235,7 +232,7 @@ fn area_between_lines_is_what_counting_gives() {
                 random.between(0.0, std::f64::consts::TAU),
             );
             let (a, b) = (turn.cos(), turn.sin());
-            Line { a, b, c: -a * through[0] - b * through[1] }
+            line(&Vector3::new(a, b, -a * through[0] - b * through[1]))
         });
         let mut differ = 0;
         let (columns, rows) = (63 * FINE, 44 * FINE);
@@ -251,13 +248,13 @@ fn area_between_lines_is_what_counting_gives() {
         let area = area_between(&p, &q, size);
         // Counting errs by a fraction of a cell along some 200 px of lines.
         assert!((area - counted).abs() < 3.0, "{area} {counted} {p:?} {q:?}");
-        let back = Line { a: -q.a, b: -q.b, c: -q.c };
+        let back = line(&-q.homogeneous());
         assert!((area_between(&q, &p, size) - area).abs() < 1e-9);
         assert!((area_between(&p, &back, size) - area).abs() < 1e-9);
     }
     assert!(crossing > 200, "most pairs must divide the image: {crossing}");
-    let outside = Line { a: 1.0, b: 0.0, c: 5.0 };
-    let inside = Line { a: 1.0, b: 0.0, c: -5.0 };
+    let outside = line(&Vector3::new(1.0, 0.0, 5.0));
+    let inside = line(&Vector3::new(1.0, 0.0, -5.0));
     assert!((area_between(&outside, &inside, size) - total).abs() < 1e-9);
 }
 
@@ -310,7 +307,7 @@ fn tangents_from_epipoles_anywhere() {
 
 #[test]
 fn distances_by_hand() {
-    let of = |m| Fundamental::from_parts(m, Vector3::x(), Vector3::x()).unwrap();
+    let of = |m| Fundamental::from_rank_two(&m).unwrap();
     let close = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-12, "{value} {expected}");
     // Rectified cameras: y_a = y_b.
     let rectified = of(Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0));
@@ -328,7 +325,7 @@ fn distances_by_hand() {
     close(line(&halved.line_in_a(&at(b))).signed_distance(a[0], a[1]).abs(), 6.0);
     // The epipole itself has no epipolar line.
     let e = Vector3::z();
-    let around = Fundamental::from_parts(e.cross_matrix(), e, e).unwrap();
+    let around = Fundamental::from_rank_two(&e.cross_matrix()).unwrap();
     assert!(symmetric_epipolar_distance(&around, [0.0, 0.0], [3.0, 4.0]).is_infinite());
     assert!(symmetric_epipolar_distance(&around, [3.0, 4.0], [0.0, 0.0]).is_infinite());
     close(symmetric_epipolar_distance(&around, [3.0, 4.0], [6.0, 8.0]), 0.0);

@@ -3,21 +3,15 @@
 mod common;
 
 use common::masks::{self, Mask, Random, blob, noise};
-use epibar::recording::{components::Components, hull::convex_hull, traversal};
-use epibar::{Barcodes, ImageSize, Recorder, RecorderOptions, Recording, Segment, barcodes_of_segments};
+use epibar::internals::{Components, barcodes_of_segments, convex_hull, traversal};
+use epibar::{Barcodes, ImageSize, Line, Recorder, RecorderOptions, Recording, RecordingParts, Segment};
 
 /// The barcodes by definition: frame by frame, pixel by pixel.
 fn naive_barcodes(masks: &[Mask], size: ImageSize, segments: &[Segment]) -> Barcodes {
-    let mut barcodes = Barcodes::zeros(segments.len(), masks.len());
-    for (i, segment) in segments.iter().enumerate() {
-        let pixels = traversal::pixels(segment, size);
-        for (frame, mask) in masks.iter().enumerate() {
-            if pixels.iter().any(|(x, y)| mask[y * size.width + x] != 0) {
-                barcodes.bits[i * barcodes.words_per + frame / 64] |= 1 << (frame % 64);
-            }
-        }
-    }
-    barcodes
+    let pixels: Vec<_> = segments.iter().map(|segment| traversal::pixels(segment, size)).collect();
+    Barcodes::from_fn(segments.len(), masks.len(), |i, frame| {
+        pixels[i].iter().any(|(x, y)| masks[frame][y * size.width() + x] != 0)
+    })
 }
 
 fn record(masks: &[Mask], size: ImageSize, options: RecorderOptions) -> Recording {
@@ -29,7 +23,7 @@ fn record(masks: &[Mask], size: ImageSize, options: RecorderOptions) -> Recordin
 }
 
 fn options(lines: usize) -> RecorderOptions {
-    RecorderOptions { lines, ..Default::default() }
+    RecorderOptions::new().lines(lines)
 }
 
 #[test]
@@ -41,19 +35,20 @@ fn packed_barcodes_are_the_naive_ones() {
         let size = ImageSize::new(width, height).unwrap();
         let masks: Vec<Mask> = (0..frames).map(|_| noise(size, density, &mut random)).collect();
         let recording = record(&masks, size, options(60));
-        let expected = naive_barcodes(&masks, size, &recording.segments);
+        let expected = naive_barcodes(&masks, size, recording.segments());
         let ones: u32 = (0..60).map(|i| expected.ones(i)).sum();
         assert!(ones > 0 && (ones as usize) < 60 * frames, "both bits must occur");
-        assert_eq!(recording.barcodes, expected, "{frames} frames");
+        assert_eq!(*recording.barcodes(), expected, "{frames} frames");
         let whole = masks.concat();
-        let again = barcodes_of_segments(&whole, frames, size, &recording.segments).unwrap();
+        let again = barcodes_of_segments(&whole, frames, size, recording.segments()).unwrap();
         assert_eq!(again, expected, "{frames} frames");
 
         let heat = |pixel: usize| masks.iter().filter(|mask| mask[pixel] != 0).count() as u32;
-        assert!((0..size.pixels()).map(heat).eq(recording.heat.iter().copied()));
+        assert!((0..size.pixels()).map(heat).eq(recording.heat().iter().copied()));
         let moving = |mask: &Mask| mask.iter().filter(|&&v| v != 0).count() as u32;
-        assert!(masks.iter().map(moving).eq(recording.moving_pixels.iter().copied()));
-        recording.validate().unwrap();
+        assert!(masks.iter().map(moving).eq(recording.moving_pixels().iter().copied()));
+        let parts = RecordingParts::from(recording.clone());
+        assert_eq!(Recording::try_from(parts).unwrap(), recording);
     }
 }
 
@@ -104,14 +99,14 @@ fn components_equal_a_flood_fill() {
         for component in found.components() {
             let mut pixels = Vec::new();
             for run in found.runs_of(component) {
-                let row = usize::from(run.y) * size.width;
+                let row = usize::from(run.y) * size.width();
                 pixels.extend(row + usize::from(run.x_first)..=row + usize::from(run.x_last));
             }
             assert_eq!(pixels.len(), component.area as usize);
-            let columns = || pixels.iter().map(|pixel| (pixel % size.width) as u16);
+            let columns = || pixels.iter().map(|pixel| (pixel % size.width()) as u16);
             assert_eq!(columns().min(), Some(component.x_min));
             assert_eq!(columns().max(), Some(component.x_max));
-            let row = |pixel: usize| (pixel / size.width) as u16;
+            let row = |pixel: usize| (pixel / size.width()) as u16;
             assert_eq!(row(pixels[0]), component.y_min);
             assert_eq!(row(pixels[pixels.len() - 1]), component.y_max);
             ours.push(pixels);
@@ -151,6 +146,20 @@ fn hulls_equal_brute_force() {
     }
 }
 
+/// The frames in which a hull comes within `half_width` pixels of the line, packed as in [`Barcodes`]. A negative half
+/// width asks for a hull that reaches that far on both sides of the line.
+fn barcode_of_line(recording: &Recording, line: &Line, half_width: f64) -> Vec<u64> {
+    let silhouettes = recording.silhouettes();
+    let meets = |hull: usize| {
+        let distances = silhouettes.hull(hull).iter().map(|p| line.signed_distance(p[0].into(), p[1].into()));
+        let (low, high) =
+            distances.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), d| (l.min(d), h.max(d)));
+        low <= half_width && high >= -half_width
+    };
+    let found = Barcodes::from_fn(1, recording.frames(), |_, frame| silhouettes.hulls(frame).any(meets));
+    found.words().to_vec()
+}
+
 /// Traversal against hulls, both ways.
 ///
 /// The ends of the lines are integer, so a traversed pixel is at most ½ px from its line: a set bit implies
@@ -163,15 +172,15 @@ fn barcodes_from_pixels_and_from_hulls_agree() {
     let mut random = Random(5);
     let size = ImageSize::new(90, 70).unwrap();
     let masks: Vec<Mask> = (0..150).map(|_| blob(size, &mut random)).collect();
-    let keep_all = RecorderOptions { min_component_area: 1, ..options(800) };
+    let keep_all = options(800).min_component_area(1);
     let recording = record(&masks, size, keep_all);
     let (mut set, mut certain) = (0, 0);
-    for (i, segment) in recording.segments.iter().enumerate() {
+    for (i, segment) in recording.segments().iter().enumerate() {
         let line = segment.line().unwrap();
-        let near = recording.silhouettes.barcode_of_line(&line, 0.5 + 1e-9);
+        let near = barcode_of_line(&recording, &line, 0.5 + 1e-9);
         // A negative half width asks for that distance on both sides.
-        let crossed = recording.silhouettes.barcode_of_line(&line, -0.5 - 1e-9);
-        for (word, traversed) in recording.barcodes.row(i).iter().enumerate() {
+        let crossed = barcode_of_line(&recording, &line, -0.5 - 1e-9);
+        for (word, traversed) in recording.barcodes().row(i).iter().enumerate() {
             assert_eq!(traversed & !near[word], 0, "a traversed pixel without a hull");
             assert_eq!(crossed[word] & !traversed, 0, "a hull across a line without a pixel");
             set += traversed.count_ones();
@@ -193,8 +202,8 @@ fn the_number_of_threads_does_not_matter() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let recording = record(&masks, size, options(1500));
-            let again = barcodes_of_segments(&whole, masks.len(), size, &recording.segments).unwrap();
-            assert_eq!(again, recording.barcodes);
+            let again = barcodes_of_segments(&whole, masks.len(), size, recording.segments()).unwrap();
+            assert_eq!(again, *recording.barcodes());
             recording
         })
     };
@@ -213,12 +222,12 @@ fn each_frame_stands_for_itself() {
     let reversed: Vec<Mask> = masks.iter().rev().cloned().collect();
     let backwards = record(&reversed, size, options(200));
     let order: Vec<u32> = (0..600).rev().collect();
-    assert_eq!(backwards.barcodes, forwards.barcodes.select_frames(&order));
-    assert_ne!(backwards.barcodes, forwards.barcodes);
-    assert_eq!(backwards.heat, forwards.heat);
+    assert_eq!(*backwards.barcodes(), forwards.barcodes().select_frames(&order));
+    assert_ne!(backwards.barcodes(), forwards.barcodes());
+    assert_eq!(backwards.heat(), forwards.heat());
     let hulls = |recording: &Recording, frame: usize| -> Vec<Vec<[u16; 2]>> {
-        let hulls = recording.silhouettes.hulls(frame);
-        hulls.map(|i| recording.silhouettes.hull(i).to_vec()).collect()
+        let hulls = recording.silhouettes().hulls(frame);
+        hulls.map(|i| recording.silhouettes().hull(i).to_vec()).collect()
     };
     for frame in 0..600 {
         assert_eq!(hulls(&forwards, frame), hulls(&backwards, 599 - frame));
@@ -228,7 +237,7 @@ fn each_frame_stands_for_itself() {
     let brighter: Vec<Mask> = masks.iter().map(bright).collect();
     let more = record(&brighter, size, options(300));
     let first: Vec<u32> = (0..200).collect();
-    assert_eq!(more.barcodes.select_rows(&first), forwards.barcodes);
+    assert_eq!(more.barcodes().select_rows(&first), *forwards.barcodes());
 }
 
 #[test]
@@ -237,11 +246,11 @@ fn small_components_are_no_silhouettes_but_still_move() {
     let mut mask = vec![0; 600];
     mask[5 * 30 + 5..5 * 30 + 16].fill(1);
     for (min_component_area, silhouettes) in [(12, 0), (11, 1), (1, 1), (0, 1)] {
-        let options = RecorderOptions { min_component_area, ..options(400) };
+        let options = options(400).min_component_area(min_component_area);
         let recording = record(std::slice::from_ref(&mask), size, options);
-        assert_eq!(recording.silhouettes.len(), silhouettes);
-        assert_eq!(recording.moving_pixels, [11]);
-        assert!((0..400).any(|i| recording.barcodes.ones(i) == 1));
+        assert_eq!(recording.silhouettes().len(), silhouettes);
+        assert_eq!(recording.moving_pixels(), [11]);
+        assert!((0..400).any(|i| recording.barcodes().ones(i) == 1));
     }
 }
 

@@ -6,9 +6,10 @@ use std::sync::OnceLock;
 
 use common::cameras::error;
 use common::flying::Scene;
-use epibar::calibrate::{Clock, Kind, TimeOffset, common_frames, frame_interval, search_offset};
-use epibar::estimate::ransac::Unwatched;
-use epibar::{CalibrateOptions, Calibration, Recording, calibrate};
+use epibar::internals::{Clock, FramePair, common_frames, find_offset};
+use epibar::{
+    CalibrateOptions, Calibration, Kind, Recording, RecordingParts, TimeOffset, Unwatched, calibrate,
+};
 
 const LINES: usize = 4000;
 const FRAMES: usize = 240;
@@ -24,8 +25,7 @@ fn shared() -> &'static (Scene, [Recording; 2]) {
 }
 
 fn run(a: &Recording, b: &Recording, time_offset: TimeOffset) -> Calibration {
-    let options = CalibrateOptions { draws: 2500, time_offset, ..Default::default() };
-    calibrate(a, b, &options, &mut Unwatched).unwrap()
+    calibrate(a, b, &CalibrateOptions::new().draws(2500).time_offset(time_offset)).unwrap()
 }
 
 /// Moments from `start` on, `step` frames of the scene apart.
@@ -43,7 +43,7 @@ fn barcodes_find_the_offset_to_a_frame_or_so() {
     let (_, [_, b]) = shared();
     let late = late();
     for (a, b, expected) in [(&late, b, 9.0), (b, &late, -9.0)] {
-        let found = search_offset(a, b, 1.0, &mut Unwatched).unwrap().unwrap();
+        let found = find_offset(a, b, 1.0, &mut Unwatched).unwrap().unwrap();
         assert!((found.offset - expected).abs() < 1.5, "{found:?} for {expected}");
         assert_eq!(found.trials, 51);
         let second = found.runner_up.unwrap();
@@ -51,14 +51,14 @@ fn barcodes_find_the_offset_to_a_frame_or_so() {
     }
     // Nothing to compare at any shift.
     let short = shared().0.record_frames(0, LINES, 0..5);
-    assert_eq!(search_offset(&short, b, 1.0, &mut Unwatched).unwrap(), None);
+    assert_eq!(find_offset(&short, b, 1.0, &mut Unwatched).unwrap(), None);
 }
 
 #[test]
 fn a_known_offset_gives_the_geometry() {
     let (scene, [_, b]) = shared();
     let found = run(&late(), b, TimeOffset::Known(9.0));
-    assert!(found.verdict.accepted() && found.frames == FRAMES - 9, "{:?}", found.verdict);
+    assert!(found.verdict.accepted() && found.counts.frames == FRAMES - 9, "{:?}", found.verdict);
     assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.3);
     assert!(found.timing.offset_error.is_nan() && found.timing.trials == 1);
     assert!((found.timing.frames_per_frame - 1.0).abs() < 1e-12);
@@ -134,7 +134,12 @@ fn unequal_lengths_use_their_overlap() {
     let (scene, [_, b]) = shared();
     let a = scene.record_frames(0, LINES, 60..200);
     let found = run(&a, b, TimeOffset::Search { seconds: 4.0 });
-    assert!(found.verdict.accepted() && found.frames == 140, "{:?} {}", found.verdict, found.frames);
+    assert!(
+        found.verdict.accepted() && found.counts.frames == 140,
+        "{:?} {}",
+        found.verdict,
+        found.counts.frames
+    );
     assert!((found.timing.offset - 60.0).abs() < 0.05, "{:?}", found.timing);
     assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.5);
     assert!(found.frontier_points.iter().all(|p| p.frame < 140));
@@ -154,30 +159,30 @@ fn unrelated_recordings_have_no_offset() {
 #[test]
 fn frames_meet_by_time() {
     let (scene, [a, b]) = shared();
-    let frames = |pairs: &[(u32, u32)]| (pairs.len(), pairs[0], pairs[pairs.len() - 1]);
+    let ends = |p: FramePair| (p.a, p.b);
+    let frames = |pairs: &[FramePair]| (pairs.len(), ends(pairs[0]), ends(pairs[pairs.len() - 1]));
     assert_eq!(frames(&common_frames(a, b, 0.0)), (240, (0, 0), (239, 239)));
     assert_eq!(frames(&common_frames(a, b, 30.0)), (210, (0, 30), (209, 239)));
     assert_eq!(frames(&common_frames(a, b, -30.0)), (210, (30, 0), (239, 209)));
     assert!(common_frames(a, b, 300.0).is_empty());
     // Clocks that start elsewhere: each counts from its own first frame.
-    let mut shifted = a.clone();
-    shifted.times.iter_mut().for_each(|time| *time += 1000.0);
+    let shifted = at_times(a, |k| a.times()[k] + 1000.0);
     assert_eq!(common_frames(&shifted, b, 5.0), common_frames(a, b, 5.0));
     // Half the rate in A: its frame i is B's frame 2 i.
-    let mut slow = scene.record_frames(0, 1, 0..50);
-    slow.times.iter_mut().for_each(|time| *time *= 2.0);
+    let slow = scene.record_frames(0, 1, 0..50);
+    let slow = at_times(&slow, |k| 2.0 * slow.times()[k]);
     let pairs = common_frames(&slow, b, 0.0);
-    assert!(pairs.len() == 50 && pairs.iter().all(|&(i, j)| j == 2 * i), "{pairs:?}");
+    assert!(pairs.len() == 50 && pairs.iter().all(|p| p.b == 2 * p.a), "{pairs:?}");
     let back = common_frames(b, &slow, 0.0);
-    assert!(back.iter().all(|&(i, j)| i.abs_diff(2 * j) <= 1), "{back:?}");
-    assert!((0..49).all(|j| back.contains(&(2 * j, j))), "{back:?}");
+    assert!(back.iter().all(|p| p.a.abs_diff(2 * p.b) <= 1), "{back:?}");
+    assert!((0..49).all(|j| back.contains(&FramePair { a: 2 * j, b: j })), "{back:?}");
 }
 
-/// A recording of the same frames at other times.
+/// A recording of these frames at other times.
 fn at_times(recording: &Recording, time: impl Fn(usize) -> f64) -> Recording {
-    let mut other = recording.clone();
-    other.times = (0..other.frames()).map(time).collect();
-    other
+    let mut parts = RecordingParts::from(recording.clone());
+    parts.times = (0..recording.frames()).map(time).collect();
+    parts.try_into().unwrap()
 }
 
 #[test]
@@ -203,10 +208,10 @@ fn positions_follow_the_frame_times() {
     assert!((drifting.positions(a, b)[100] - 101.6).abs() < 1e-9);
     // Time stamps in whole milliseconds are no frame rate of their own.
     let rounded = at_times(b, |k| (k as f64 * 1000.0 / 30.0).round() / 1000.0);
-    assert!((frame_interval(&rounded) * 30.0 - 1.0).abs() < 1e-4);
+    assert!((rounded.frame_interval() * 30.0 - 1.0).abs() < 1e-4);
     // Frames 100 to 109 of B are missing: what A saw then has no place in B.
     let torn = at_times(b, |k| (if k < 100 { k } else { k + 10 }) as f64 / 25.0);
-    assert!((frame_interval(&torn) * 25.0 - 1.0).abs() < 1e-9);
+    assert!((torn.frame_interval() * 25.0 - 1.0).abs() < 1e-9);
     let positions = Clock::at(0.0).positions(a, &torn);
     assert!((positions[99] - 99.0).abs() < 1e-6 && (positions[110] - 100.0).abs() < 1e-6);
     assert!(positions[101..109].iter().all(|p| p.is_nan()), "{:?}", &positions[99..111]);

@@ -1,7 +1,6 @@
 //! A view that ends before the image does: no tangents at its edge.
 
-use epibar::estimate::frontier::{FrontierOptions, FrontierPoint, compare};
-use epibar::estimate::views::Views;
+use epibar::internals::{FramePair, TangentMatch, Views, compare};
 use epibar::{Error, Fundamental, ImageSize, Recorder, RecorderOptions, Recording};
 use nalgebra::Matrix3;
 
@@ -17,8 +16,8 @@ fn size(right: i64) -> ImageSize {
 /// A disc that comes out from behind the corner, at the same height in both images.
 fn record(right: i64, with_visible: bool) -> Recording {
     let size = size(right);
-    let at = |pixel: usize| ((pixel % size.width) as i64 - right, (pixel / size.width) as i64);
-    let mut recorder = Recorder::new(size, RecorderOptions { lines: 50, ..Default::default() }).unwrap();
+    let at = |pixel: usize| ((pixel % size.width()) as i64 - right, (pixel / size.width()) as i64);
+    let mut recorder = Recorder::new(size, RecorderOptions::new().lines(50)).unwrap();
     if with_visible {
         // A square of 5 x 5 pixels leaves out those with a hidden pixel four steps towards the corner.
         let visible: Vec<u8> =
@@ -37,11 +36,11 @@ fn record(right: i64, with_visible: bool) -> Recording {
 }
 
 /// Frontier points of A and B under the matrix of equal heights.
-fn frontier_points(a: &Recording, b: &Recording) -> Vec<FrontierPoint> {
+fn frontier_points(a: &Recording, b: &Recording) -> Vec<TangentMatch> {
     let matrix = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
-    let f = Fundamental::from_matrix(&matrix, a.size, b.size).unwrap();
-    let pairs: Vec<(u32, u32)> = (0..90).map(|i| (i, i)).collect();
-    compare(&Views::new(a, b, &pairs), &f, &FrontierOptions { radius: 2.0, upright: true, shift: 0 }).points
+    let f = Fundamental::from_matrix(&matrix, a.size(), b.size()).unwrap();
+    let pairs: Vec<FramePair> = (0..90).map(|i| FramePair { a: i, b: i }).collect();
+    compare(&Views::new(a, b, &pairs), &f, 2.0).matches
 }
 
 /// Pixels between a point of A and the edge of what is seen.
@@ -64,7 +63,7 @@ fn no_tangent_where_a_corner_hides_the_object() {
     assert!(kept.len() + at_edge + 10 >= all.len(), "{} of {} are left", kept.len(), all.len());
 
     // A silhouette is cut where one of its vertices is at the edge.
-    let cut = |r: &Recording| r.silhouettes.border.iter().filter(|&&cut| cut).count();
+    let cut = |r: &Recording| (0..r.silhouettes().len()).filter(|&h| r.silhouettes().is_cut(h)).count();
     assert_eq!(cut(&a), cut(&b));
     assert!((20..80).contains(&cut(&a)), "{} of 90 are cut", cut(&a));
     assert!(cut(&record(0, false)) < cut(&a));
@@ -72,7 +71,7 @@ fn no_tangent_where_a_corner_hides_the_object() {
 
 #[test]
 fn an_area_of_another_size_is_refused() {
-    let recorder = || Recorder::new(size(0), RecorderOptions { lines: 5, ..Default::default() }).unwrap();
+    let recorder = || Recorder::new(size(0), RecorderOptions::new().lines(5)).unwrap();
     let error = recorder().with_visible(&[1; 100]).unwrap_err();
     assert!(matches!(error, Error::Length { left: 100, right: 19_200, .. }));
     assert!(error.to_string().starts_with("visible "), "{error}");
@@ -85,10 +84,10 @@ fn an_area_of_another_size_is_refused() {
 #[test]
 fn what_is_all_visible_is_not_kept() {
     let kept = |visible: &[u8]| {
-        let recorder = Recorder::new(size(0), RecorderOptions { lines: 5, ..Default::default() }).unwrap();
+        let recorder = Recorder::new(size(0), RecorderOptions::new().lines(5)).unwrap();
         let mut recorder = recorder.with_visible(visible).unwrap();
         recorder.push(&vec![0; 19_200], 0.0).unwrap();
-        recorder.finish().unwrap().visible
+        recorder.finish().unwrap().visible().map(<[u8]>::to_vec)
     };
     assert_eq!(kept(&vec![255; 19_200]), None);
     let mut visible = vec![255; 19_200];

@@ -1,9 +1,10 @@
 //! Fundamental matrices from point matches, for hypotheses where points are only about right.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector, Vector3};
 
 use super::fundamental::{Fundamental, normaliser};
-use crate::line::ImageSize;
+use super::least_matrix::least_matrix;
+use crate::image::ImageSize;
 
 /// The normalised eight-point algorithm (Hartley 1997) over eight or more matches, pixels.
 ///
@@ -22,12 +23,6 @@ pub fn eight_point(matches: &[([f64; 2], [f64; 2])], sizes: [ImageSize; 2]) -> O
     }
     let normalised = least_matrix(&normal)?;
     Fundamental::from_matrix(&(tb.transpose() * normalised * ta), sizes[0], sizes[1])
-}
-
-/// The 3×3 matrix, row by row, of unit norm for which a quadratic form is least.
-pub(crate) fn least_matrix(form: &SMatrix<f64, 9, 9>) -> Option<Matrix3<f64>> {
-    let eigen = form.try_symmetric_eigen(1e-14, 300)?;
-    Some(Matrix3::from_row_slice(eigen.eigenvectors.column(eigen.eigenvalues.imin()).as_slice()))
 }
 
 #[cfg(test)]

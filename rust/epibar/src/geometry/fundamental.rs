@@ -6,7 +6,7 @@
 
 use nalgebra::Matrix3;
 
-use crate::line::{Homogeneous, ImageSize};
+use crate::image::{Homogeneous, ImageSize};
 
 /// A fundamental matrix `F`, `x_bᵀ F x_a = 0`, Frobenius norm 1, with its right and left null vectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,11 +38,33 @@ pub(crate) fn denormaliser(size: ImageSize) -> Matrix3<f64> {
     Matrix3::new(scale, 0.0, 0.5 * size.x_max(), 0.0, scale, 0.5 * size.y_max(), 0.0, 0.0, 1.0)
 }
 
+/// The vector that a matrix of rank 2 sends to nought, `None` where the rank is another.
+///
+/// Each pair of rows has it as their cross product; the longest of the three loses fewest digits. The third entry of a
+/// point in pixels is smaller than the others by the size of the image, so columns are brought to one scale first.
+fn null_vector(matrix: &Matrix3<f64>) -> Option<Homogeneous> {
+    const PIXELS: f64 = 1000.0;
+    const RANK_TWO: f64 = 1e-6;
+    let scaled = matrix * Matrix3::from_diagonal(&Homogeneous::new(PIXELS, PIXELS, 1.0));
+    let rows = [0, 1, 2].map(|i| scaled.row(i).transpose());
+    let rows = rows.map(|row| row.try_normalize(0.0).unwrap_or(row));
+    let crosses = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| rows[i].cross(&rows[j]));
+    let longest = crosses.into_iter().max_by(|p, q| p.norm().total_cmp(&q.norm()))?;
+    let null = longest.try_normalize(1e-9)?;
+    let of_rank_two = rows.iter().all(|row| row.dot(&null).abs() < RANK_TWO);
+    (of_rank_two && null.iter().all(|v| v.is_finite()))
+        .then(|| Homogeneous::new(PIXELS * null.x, PIXELS * null.y, null.z))
+}
+
 impl Fundamental {
-    /// From a matrix in pixels that is already of rank 2, with known epipoles.
+    /// From a matrix in pixels that is already of rank 2, with its epipoles, which nobody checks.
     ///
     /// `None` where an entry is not finite or the matrix is zero.
-    pub fn from_parts(matrix: Matrix3<f64>, epipole_a: Homogeneous, epipole_b: Homogeneous) -> Option<Self> {
+    pub(crate) fn from_parts(
+        matrix: Matrix3<f64>,
+        epipole_a: Homogeneous,
+        epipole_b: Homogeneous,
+    ) -> Option<Self> {
         let norm = matrix.norm();
         let (na, nb) = (epipole_a.norm(), epipole_b.norm());
         let ok = [norm, na, nb].iter().all(|v| v.is_finite() && *v > 0.0);
@@ -75,6 +97,16 @@ impl Fundamental {
         Self::from_parts(tb.transpose() * rank_two * ta, epipole_a, epipole_b)
     }
 
+    /// From a matrix in pixels that is of rank 2 up to rounding, such as one that was saved: its entries are kept but for
+    /// their scale.
+    ///
+    /// `None` where an entry is not finite, or the rank is not 2.
+    pub fn from_rank_two(matrix: &Matrix3<f64>) -> Option<Self> {
+        let epipole_a = null_vector(matrix)?;
+        let epipole_b = null_vector(&matrix.transpose())?;
+        Self::from_parts(*matrix, epipole_a, epipole_b)
+    }
+
     /// The matrix, pixels, Frobenius norm 1.
     pub fn matrix(&self) -> &Matrix3<f64> {
         &self.matrix
@@ -104,5 +136,37 @@ impl Fundamental {
     #[must_use]
     pub fn transposed(&self) -> Self {
         Self { matrix: self.matrix.transpose(), epipole_a: self.epipole_b, epipole_b: self.epipole_a }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_saved_matrix_is_what_it_was() {
+        let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(1920, 1080).unwrap()];
+        for k in 0..50 {
+            let entry = |i: usize, j: usize| {
+                ((3 * i + 7 * j + 11 * k) as f64).sin() * [1e-3, 1e-3, 1.0][i] * [1e-3, 1e-3, 1.0][j]
+            };
+            let f = Fundamental::from_matrix(&Matrix3::from_fn(entry), sizes[0], sizes[1]).unwrap();
+            let saved = Fundamental::from_rank_two(f.matrix()).unwrap();
+            assert!((saved.matrix() - f.matrix()).norm() < 1e-15);
+            assert!(
+                saved.epipole_a().cross(f.epipole_a()).norm() < 1e-9,
+                "{} {}",
+                saved.epipole_a(),
+                f.epipole_a()
+            );
+            assert!(saved.epipole_b().cross(f.epipole_b()).norm() < 1e-9);
+        }
+        let rank_one = Homogeneous::new(0.3, -0.2, 40.0) * Homogeneous::new(0.1, 0.7, -90.0).transpose();
+        for bad in [Matrix3::identity(), Matrix3::zeros(), rank_one, Matrix3::from_element(f64::NAN)] {
+            assert!(Fundamental::from_rank_two(&bad).is_none(), "{bad}");
+        }
+        assert!(
+            Fundamental::from_parts(Matrix3::identity(), Homogeneous::zeros(), Homogeneous::x()).is_none()
+        );
     }
 }

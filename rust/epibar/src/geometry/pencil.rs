@@ -11,7 +11,7 @@
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Matrix4, Vector3};
 
 use super::fundamental::{Fundamental, denormaliser, normaliser};
-use crate::line::{Homogeneous, ImageSize, Line};
+use crate::image::{Homogeneous, ImageSize, Line};
 
 /// A line of A and the line of B that it may correspond to.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,4 @@
-//! Epipolar tangents of a convex silhouette (Cipolla and Giblin 2000; DESIGN §6).
+//! Epipolar tangents of a convex silhouette (Cipolla and Giblin 2000).
 //!
 //! A plane through both camera centres that touches an object touches it at a frontier point, which both
 //! cameras see: there the line through the epipole is tangent to the silhouette in either view.
@@ -7,7 +7,7 @@
 //! of the edge the epipole lies; the polygon is touched where this sign changes. Homogeneous `e` makes no
 //! difference between near, far and infinite epipoles. Inside the polygon there is no change and no tangent.
 
-use crate::line::Homogeneous;
+use crate::image::Homogeneous;
 
 /// A vertex where a line through the epipole touches a hull.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,13 +4,13 @@
 //! removed → the best 1,000. The pairs beyond the best are kept in reserve, because where people walk on a
 //! floor the most alike pairs are those of the floor and the epipolar ones come later.
 
-use super::correlation::mutual_matches;
 use super::densify::more_lines;
 use super::motion_lines::{MotionLineOptions, motion_lines, overlaps};
+use super::mutual::mutual_matches;
 use crate::Result;
 use crate::geometry::LinePair;
-use crate::line::{Line, Segment};
-use crate::recording::{Barcodes, Informative, Recording};
+use crate::image::{Line, Segment};
+use crate::recording::{Barcodes, FramePair, Informative, Recording};
 
 /// How candidates are chosen; the defaults are the paper's numbers.
 #[derive(Debug, Clone)]
@@ -19,7 +19,7 @@ pub struct CandidateOptions {
     pub mutual: usize,
     /// How many of the best pairs are candidates (paper §2: 1,000).
     pub limit: usize,
-    /// How many pairs are kept in all, candidates first (4,000: DESIGN §6).
+    /// How many pairs are kept in all, candidates first.
     pub reserve: usize,
     /// The pairs in reserve are in the mutual top `mutual_reserve` of each other.
     pub mutual_reserve: usize,
@@ -63,7 +63,7 @@ pub struct Candidate {
 pub struct Candidates {
     /// Pairs, best correlation first: the first [`Candidates::limit`] are the candidates of the paper.
     pub pairs: Vec<Candidate>,
-    /// How many of `pairs` count as candidates; the rest is reserve.
+    /// How many of `pairs` are candidates; the rest is reserve.
     pub limit: usize,
     /// Informative lines of A.
     pub informative_a: usize,
@@ -87,11 +87,11 @@ struct InformativeLines {
 }
 
 /// The informative ones among the recording's lines, and as many more near them as `densify` asks for, with their
-/// barcodes at the `counted` places of `frames`.
+/// barcodes at the `compared` places of `frames`.
 fn informative_lines(
     recording: &Recording,
     frames: &[u32],
-    counted: &[u32],
+    compared: &[u32],
     options: &CandidateOptions,
     salt: u64,
 ) -> InformativeLines {
@@ -107,41 +107,30 @@ fn informative_lines(
         barcodes.count += kept.len();
         barcodes.bits.extend(bits.select_rows(&kept).bits);
     }
-    InformativeLines { segments, barcodes: barcodes.select_frames(counted) }
+    InformativeLines { segments, barcodes: barcodes.select_frames(compared) }
 }
 
-/// Finds candidates between two recordings whose frames correspond by `frame_pairs` (frame of A, frame of B).
+/// Finds candidates between two recordings whose frames correspond by `common`.
+///
+/// Lines are informative over all of `common` and compared at some of them, `compared`, in the same order: frames that are
+/// not compared have a say in what each camera is taken to see, but none in what the two see together.
 ///
 /// # Errors
-/// Those of [`mutual_matches`].
+/// [`Error::Argument`](crate::Error::Argument) where `mutual` and `mutual_reserve` are 0.
 pub fn find_candidates(
     a: &Recording,
     b: &Recording,
-    frame_pairs: &[(u32, u32)],
+    common: &[FramePair],
+    compared: &[FramePair],
     options: &CandidateOptions,
 ) -> Result<Candidates> {
-    find_candidates_among(a, b, frame_pairs, frame_pairs, options)
-}
-
-/// The same with lines that are informative over all of `frame_pairs`, compared at some of them only, `counted`.
-///
-/// Frames that are not counted have a say in what each camera is taken to see, but none in what the two see together.
-///
-/// # Errors
-/// Those of [`mutual_matches`].
-pub fn find_candidates_among(
-    a: &Recording,
-    b: &Recording,
-    frame_pairs: &[(u32, u32)],
-    counted: &[(u32, u32)],
-    options: &CandidateOptions,
-) -> Result<Candidates> {
-    let counted: Vec<u32> = counted.iter().map(|c| frame_pairs.partition_point(|p| p < c) as u32).collect();
-    let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = frame_pairs.iter().copied().unzip();
-    let lines_a = informative_lines(a, &frames_a, &counted, options, 1);
-    let lines_b = informative_lines(b, &frames_b, &counted, options, 2);
+    let compared: Vec<u32> = compared.iter().map(|c| common.partition_point(|p| p < c) as u32).collect();
+    let frames_a: Vec<u32> = common.iter().map(|p| p.a).collect();
+    let frames_b: Vec<u32> = common.iter().map(|p| p.b).collect();
+    let lines_a = informative_lines(a, &frames_a, &compared, options, 1);
+    let lines_b = informative_lines(b, &frames_b, &compared, options, 2);
     let deep = options.mutual.max(options.mutual_reserve);
-    let mut matches = mutual_matches(&lines_a.barcodes, &lines_b.barcodes, deep, usize::MAX)?;
+    let mut matches = mutual_matches(&lines_a.barcodes, &lines_b.barcodes, deep)?;
     // The paper's candidates first, each part best correlation first (the sort is stable).
     matches.sort_by_key(|m| m.rank as usize >= options.mutual);
     let paths =

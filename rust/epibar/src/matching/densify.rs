@@ -8,8 +8,8 @@
 use rand::RngExt;
 
 use super::hull_barcodes::hull_barcodes;
-use crate::estimate::ransac::generator;
-use crate::line::{ImageSize, Line, Segment};
+use crate::image::{ImageSize, Line, Segment};
+use crate::random::generator;
 use crate::recording::{Barcodes, Recording};
 
 /// How far an end moves at most, as a share of the border.

@@ -10,18 +10,18 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::bits::{ones_of, word_of};
-use crate::line::Line;
+use crate::image::Line;
 use crate::recording::{Barcodes, Silhouettes};
 
 /// A hull this near a line is met by the pixels of the line (half a pixel along the minor axis at most).
 const HALF_WIDTH: f64 = 0.35;
-/// Directions of lines that are told apart, fewest and most: a table pays where some tens of lines share it.
+/// Directions of lines that have a table of their own, fewest and most: a table pays where some tens of lines share it.
 const DIRECTIONS: [usize; 2] = [16, 256];
 /// About so many lines share a table.
 const SHARED: usize = 32;
 /// Pixels that rounding may cost a distance, generously.
 const ROUNDING: f64 = 1e-6;
-/// Hulls in one word of answers.
+/// Hulls whose bits are one word.
 const WORD: usize = 64;
 
 /// Hulls, frame after frame.
@@ -108,15 +108,15 @@ fn direction(line: &Line, directions: usize) -> usize {
     (line.b.atan2(line.a) / TAU * directions as f64).round().rem_euclid(directions as f64) as usize
 }
 
-/// The barcode of a line.
-struct Met<'a> {
+/// Pass: the barcode of a line.
+struct BarcodePass<'a> {
     hulls: &'a Hulls,
     reach: &'a Reach,
     line: &'a Line,
     row: &'a mut [u64],
 }
 
-impl WithSimd for Met<'_> {
+impl WithSimd for BarcodePass<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -180,7 +180,7 @@ fn barcodes_of(hulls: &Hulls, frames: usize, lines: &[Line], directions: usize) 
             let arch = Arch::new();
             let reach = Reach::new(hulls, direction, directions);
             for (line, row) in lines {
-                arch.dispatch(Met { hulls, reach: &reach, line, row });
+                arch.dispatch(BarcodePass { hulls, reach: &reach, line, row });
             }
         },
     );
@@ -192,8 +192,8 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use crate::estimate::ransac::generator;
-    use crate::line::Homogeneous;
+    use crate::image::Homogeneous;
+    use crate::random::generator;
 
     #[test]
     fn a_line_meets_a_hull_with_vertices_on_both_sides() {

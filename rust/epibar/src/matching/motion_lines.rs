@@ -5,7 +5,8 @@
 //! such a path as a bright ridge: a Hough transform weighted with the heat, normalised by the length of each
 //! line inside the image, has a peak there. A peak counts where the ridge is both hot and narrow.
 
-use crate::line::{ImageSize, Line, Segment, area_between};
+use crate::geometry::area_between;
+use crate::image::{ImageSize, Line, Segment};
 use crate::recording::Recording;
 
 /// What makes a ridge of the heat map a motion line.

@@ -5,24 +5,63 @@
 
 use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::traversal::is_walkable;
-use crate::line::{ImageSize, Segment};
+use crate::image::{ImageSize, Segment};
 use crate::{Error, Result};
 use rayon::prelude::*;
 
 /// The barcodes of many lines over the same frames, packed into words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Barcodes {
-    /// Number of lines.
-    pub count: usize,
-    /// Number of frames.
-    pub frames: usize,
-    /// Words per line: `frames / 64`, rounded up.
-    pub words_per: usize,
+    pub(crate) count: usize,
+    pub(crate) frames: usize,
+    pub(crate) words_per: usize,
     /// `count × words_per` words, line after line.
-    pub bits: Vec<u64>,
+    pub(crate) bits: Vec<u64>,
 }
 
 impl Barcodes {
+    /// Of words, line after line: bit `i % 64` of word `i / 64` of a line is frame `i`.
+    ///
+    /// # Errors
+    /// [`Error::Damaged`] where there are too many words or too few, or bits behind the last frame.
+    pub fn from_words(count: usize, frames: usize, words: Vec<u64>) -> Result<Self> {
+        let barcodes = Self { count, frames, words_per: frames.div_ceil(64), bits: words };
+        barcodes.validate()?;
+        Ok(barcodes)
+    }
+
+    /// Something moves on line `i` in frame `k` where `moves(i, k)`; asked line by line.
+    pub fn from_fn(count: usize, frames: usize, mut moves: impl FnMut(usize, usize) -> bool) -> Self {
+        let mut barcodes = Self::zeros(count, frames);
+        for line in 0..count {
+            let row = &mut barcodes.bits[line * barcodes.words_per..(line + 1) * barcodes.words_per];
+            for frame in 0..frames {
+                row[frame / 64] |= u64::from(moves(line, frame)) << (frame % 64);
+            }
+        }
+        barcodes
+    }
+
+    /// Number of lines.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// Words per line: `frames / 64`, rounded up.
+    pub fn words_per(&self) -> usize {
+        self.words_per
+    }
+
+    /// All words, line after line.
+    pub fn words(&self) -> &[u64] {
+        &self.bits
+    }
+
     /// Barcodes of lines on which nothing moves.
     pub fn zeros(count: usize, frames: usize) -> Self {
         let words_per = frames.div_ceil(64);

@@ -6,7 +6,7 @@
 
 use super::bit_planes::{BitPlanes, TILE};
 use super::traversal::{Walk, for_each_pixel};
-use crate::line::{ImageSize, Segment};
+use crate::image::{ImageSize, Segment};
 use rayon::prelude::*;
 
 /// Frames per block.

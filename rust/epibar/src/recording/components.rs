@@ -3,7 +3,7 @@
 //! Only runs are ever touched: a frame with a few walkers in it has a few hundred of them, and
 //! finding them is one pass over the bytes.
 
-use crate::line::ImageSize;
+use crate::image::ImageSize;
 
 /// Bytes looked at together when searching for the end of a run; a multiple of every vector width.
 const STRIDE: usize = 32;

@@ -5,9 +5,10 @@
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
 //!    [`silhouettes`] keeps the hulls.
-//! 3. [`bit_planes`] turns masks into words of time, [`block`] packs 512 frames into one cache line per pixel, and [`traversal`] walks the lines over it:
-//!    the OR along a line is its motion [`barcode`].
-//! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`].
+//! 3. [`bit_planes`] turns masks into words of time, [`block`] packs 512 frames into one cache line per pixel, and
+//!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
+//! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
+//! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends.
 //!
 //! Points are `(x, y)` in pixels, pixel centres at integers; bit `i` of a barcode is frame `i`.
 
@@ -16,49 +17,101 @@ pub mod bit_planes;
 pub mod block;
 pub mod components;
 pub mod hull;
+pub mod parts;
 pub mod recorder;
 pub mod sampling;
 pub mod silhouettes;
+pub mod tracker;
 pub mod traversal;
-mod validate;
 pub mod visible;
 
-pub use barcode::{Barcodes, Informative, barcodes_of_segments};
+pub use barcode::{Barcodes, Informative};
+pub use parts::RecordingParts;
 pub use recorder::{Recorder, RecorderOptions};
 pub use sampling::border_segments;
 pub use silhouettes::Silhouettes;
 
-use crate::line::{ImageSize, Segment};
+use crate::image::{ImageSize, Segment};
 use std::sync::Arc;
 
+/// A frame of A and a frame of B that show one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FramePair {
+    /// Frame of A, from 0.
+    pub a: u32,
+    /// Frame of B, from 0.
+    pub b: u32,
+}
+
+/// Frames further apart than so many frame intervals have others missing between them.
+pub(crate) const LONG_STEP: f64 = 1.6;
+
 /// What one camera saw move. It holds no image, and no frame of it is needed again.
+///
+/// Made by a [`Recorder`], or of [`RecordingParts`]; the parts of one always fit together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    /// Size of the images.
-    pub size: ImageSize,
-    /// Time of each frame in seconds, increasing.
-    pub times: Vec<f64>,
-    /// The lines, from border to border.
-    pub segments: Vec<Segment>,
-    /// In which frames something moves on which line.
-    pub barcodes: Barcodes,
-    /// The convex hulls of what moves.
-    pub silhouettes: Silhouettes,
-    /// For each pixel, row-major, the number of frames in which it moves.
-    pub heat: Vec<u32>,
-    /// For each frame the number of moving pixels.
-    pub moving_pixels: Vec<u32>,
-    /// For each pixel, row-major, 0 where the camera does not see what moves; `None` where it sees all of the
-    /// image. Silhouettes that end there have no tangents there.
-    pub visible: Option<Arc<[u8]>>,
-    /// The seed of the lines.
-    pub seed: u64,
+    pub(crate) size: ImageSize,
+    pub(crate) times: Vec<f64>,
+    pub(crate) segments: Vec<Segment>,
+    pub(crate) barcodes: Barcodes,
+    pub(crate) silhouettes: Silhouettes,
+    pub(crate) heat: Vec<u32>,
+    pub(crate) moving_pixels: Vec<u32>,
+    pub(crate) visible: Option<Arc<[u8]>>,
+    pub(crate) seed: u64,
 }
 
 impl Recording {
-    /// Number of frames.
+    /// Size of the images.
+    pub fn size(&self) -> ImageSize {
+        self.size
+    }
+
+    /// Number of frames, at least 1.
     pub fn frames(&self) -> usize {
         self.times.len()
+    }
+
+    /// Time of each frame in seconds, increasing.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// The lines, from border to border of the image.
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// In which frames something moves on which line.
+    pub fn barcodes(&self) -> &Barcodes {
+        &self.barcodes
+    }
+
+    /// The convex hulls of what moves.
+    pub fn silhouettes(&self) -> &Silhouettes {
+        &self.silhouettes
+    }
+
+    /// For each pixel, row-major, the number of frames in which it moves.
+    pub fn heat(&self) -> &[u32] {
+        &self.heat
+    }
+
+    /// For each frame the number of moving pixels.
+    pub fn moving_pixels(&self) -> &[u32] {
+        &self.moving_pixels
+    }
+
+    /// For each pixel, row-major, 0 where the camera does not see what moves; `None` where it sees all of the image.
+    /// Silhouettes that end there have no tangents there.
+    pub fn visible(&self) -> Option<&[u8]> {
+        self.visible.as_deref()
+    }
+
+    /// Seed of the lines.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// Frames per second, from the median time between frames, which neither a dropped frame nor
@@ -78,5 +131,17 @@ impl Recording {
             upper
         };
         2.0 / (lower + upper)
+    }
+
+    /// Seconds from one frame to the next, over the whole recording: neither a dropped frame nor time stamps in whole
+    /// milliseconds move it. One second for fewer than two frames.
+    pub fn frame_interval(&self) -> f64 {
+        let times = &self.times;
+        let step = 1.0 / self.frame_rate();
+        if !step.is_finite() {
+            return 1.0;
+        }
+        let steps: f64 = times.windows(2).map(|t| ((t[1] - t[0]) / step).round().max(1.0)).sum();
+        (times[times.len() - 1] - times[0]) / steps
     }
 }

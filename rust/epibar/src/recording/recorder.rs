@@ -8,7 +8,7 @@ use super::bit_planes::BitPlanes;
 use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
 use super::{Barcodes, Recording, Silhouettes, border_segments};
-use crate::line::{ImageSize, Segment};
+use crate::image::{ImageSize, Segment};
 use crate::{Error, Result};
 use std::sync::Arc;
 
@@ -17,6 +17,7 @@ const MAX_LINES: usize = 10_000_000;
 
 /// How to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct RecorderOptions {
     /// Number of lines, 1 to 10,000,000. True candidates grow with it: on twenty flying cubes
     /// 10,000 lines gave 19–29 % true ones, 40,000 gave 67–82 %.
@@ -37,6 +38,31 @@ impl Default for RecorderOptions {
     }
 }
 
+impl RecorderOptions {
+    /// The defaults.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// With a number of [lines](Self::lines).
+    #[must_use]
+    pub fn lines(self, lines: usize) -> Self {
+        Self { lines, ..self }
+    }
+
+    /// With a [seed](Self::seed).
+    #[must_use]
+    pub fn seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
+    /// With a [least area of a silhouette](Self::min_component_area), pixels.
+    #[must_use]
+    pub fn min_component_area(self, pixels: usize) -> Self {
+        Self { min_component_area: pixels, ..self }
+    }
+}
+
 /// Takes the masks of one camera, one after the other.
 ///
 /// ```
@@ -44,7 +70,7 @@ impl Default for RecorderOptions {
 ///
 /// # fn main() -> epibar::Result<()> {
 /// let size = ImageSize::new(64, 48)?;
-/// let mut recorder = Recorder::new(size, RecorderOptions { lines: 500, ..Default::default() })?;
+/// let mut recorder = Recorder::new(size, RecorderOptions::new().lines(500))?;
 /// for frame in 0..40 {
 ///     // A square of 8 × 8 pixels that moves to the right by a pixel per frame.
 ///     let mut mask = vec![0; size.pixels()];
@@ -55,8 +81,8 @@ impl Default for RecorderOptions {
 /// }
 /// let recording = recorder.finish()?;
 /// assert_eq!(recording.frames(), 40);
-/// assert_eq!(recording.barcodes.count, 500);
-/// assert_eq!(recording.silhouettes.hull(0), [[0, 20], [7, 20], [7, 27], [0, 27]]);
+/// assert_eq!(recording.barcodes().count(), 500);
+/// assert_eq!(recording.silhouettes().hull(0), [[0, 20], [7, 20], [7, 27], [0, 27]]);
 /// # Ok(())
 /// # }
 /// ```

@@ -4,9 +4,8 @@
 //! draws from its own generator, made of the seed and `i` alone: the first lines of a larger set are
 //! the lines of a smaller one, and no thread count changes them.
 
-use crate::line::{ImageSize, Segment};
-use rand::{Rng, SeedableRng};
-use rand_pcg::Pcg64Mcg;
+use crate::image::{ImageSize, Segment};
+use crate::random::{below, line_generator};
 
 /// `count` segments from border to border.
 ///
@@ -17,12 +16,11 @@ pub fn border_segments(size: ImageSize, count: usize, seed: u64) -> Vec<Segment>
     if size.width < 2 || size.height < 2 {
         return Vec::new();
     }
-    let stream = splitmix(seed);
-    (0..count as u64).map(|index| border_segment(size, splitmix(stream ^ index))).collect()
+    (0..count as u64).map(|index| border_segment(size, seed, index)).collect()
 }
 
-fn border_segment(size: ImageSize, seed: u64) -> Segment {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
+fn border_segment(size: ImageSize, seed: u64, index: u64) -> Segment {
+    let mut random = line_generator(seed, index);
     let perimeter = 2 * (size.width - 1 + size.height - 1);
     loop {
         let [p, q] = [(); 2].map(|()| border_pixel(size, below(&mut random, perimeter)));
@@ -49,20 +47,6 @@ fn border_pixel(size: ImageSize, position: usize) -> [usize; 2] {
 fn share_side(size: ImageSize, p: [usize; 2], q: [usize; 2]) -> bool {
     let ends = [size.width - 1, size.height - 1];
     (0..2).any(|axis| p[axis] == q[axis] && (p[axis] == 0 || p[axis] == ends[axis]))
-}
-
-/// Uniform below `n`. Written out because the crates of random numbers may change how they do it, and
-/// a seed must give the same lines for ever; the bias of `n / 2⁶⁴` is immaterial.
-fn below(random: &mut Pcg64Mcg, n: usize) -> usize {
-    ((u128::from(random.next_u64()) * n as u128) >> 64) as usize
-}
-
-/// The finaliser of `SplitMix64` (Steele, Lea and Flood 2014): a bijection that scatters neighbours.
-fn splitmix(value: u64) -> u64 {
-    let mut z = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

@@ -1,12 +1,12 @@
 //! Silhouettes: the convex hulls of what moves, frame by frame.
 //!
 //! Stored flat: frame → hulls → points through two tables of offsets. They give the barcode of any
-//! line without the pixels, and the epipolar tangents of §6 of the design.
+//! line without the pixels, and epipolar tangents.
 
 use super::components::Components;
 use super::hull::convex_hull;
 use super::visible::on_border;
-use crate::line::{ImageSize, Line};
+use crate::image::ImageSize;
 use crate::{Error, Result};
 use std::ops::Range;
 
@@ -14,16 +14,16 @@ use std::ops::Range;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Silhouettes {
     /// For each frame its first hull, and the number of hulls as the last entry.
-    pub frame_start: Vec<u32>,
+    pub(crate) frame_start: Vec<u32>,
     /// For each hull its first point, and the number of points as the last entry.
-    pub hull_start: Vec<u32>,
+    pub(crate) hull_start: Vec<u32>,
     /// Vertices `[x, y]` in the order of [`convex_hull`].
-    pub points: Vec<[u16; 2]>,
+    pub(crate) points: Vec<[u16; 2]>,
     /// Pixels of the component of each hull.
-    pub area: Vec<u32>,
+    pub(crate) area: Vec<u32>,
     /// Whether a vertex of each hull is where the view ends: its tangents there are the view's, not the
     /// object's.
-    pub border: Vec<bool>,
+    pub(crate) border: Vec<bool>,
 }
 
 impl Default for Silhouettes {
@@ -70,30 +70,20 @@ impl Silhouettes {
         &self.points[self.hull_start[i] as usize..self.hull_start[i + 1] as usize]
     }
 
-    /// The frames in which a hull comes within `half_width` pixels of the line, packed as in
-    /// [`Barcodes`](super::Barcodes). A negative half width asks for a hull that reaches that far on
-    /// both sides of the line.
+    /// Pixels of the connected component of a hull.
     ///
-    /// This is the barcode of any line, whether it was traversed or not, and an oracle for the
-    /// traversal: over integer segments and with every component kept, a traversed bit implies a hull within ½ px,
-    /// and a 4-connected component with points more than ½ px away on both sides implies the bit.
-    pub fn barcode_of_line(&self, line: &Line, half_width: f64) -> Vec<u64> {
-        let mut row = vec![0; self.frames().div_ceil(64)];
-        for frame in 0..self.frames() {
-            let met = self.hulls(frame).any(|hull| self.meets(hull, line, half_width));
-            row[frame / 64] |= u64::from(met) << (frame % 64);
-        }
-        row
+    /// # Panics
+    /// If there is no such hull.
+    pub fn area(&self, i: usize) -> u32 {
+        self.area[i]
     }
 
-    fn meets(&self, hull: usize, line: &Line, half_width: f64) -> bool {
-        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-        for &[x, y] in self.hull(hull) {
-            let distance = line.signed_distance(f64::from(x), f64::from(y));
-            low = low.min(distance);
-            high = high.max(distance);
-        }
-        low <= half_width && high >= -half_width
+    /// Whether a vertex of a hull lies where the view ends: its tangents there are the view's, not the object's.
+    ///
+    /// # Panics
+    /// If there is no such hull.
+    pub fn is_cut(&self, i: usize) -> bool {
+        self.border[i]
     }
 
     /// Adds a frame with those components that have `min_area` pixels.
@@ -130,10 +120,9 @@ fn offset(value: usize) -> Result<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Vector3;
 
     #[test]
-    fn a_line_meets_a_hull_within_its_half_width() {
+    fn frames_have_the_hulls_of_their_components() {
         let size = ImageSize::new(20, 10).unwrap();
         let mut silhouettes = Silhouettes::default();
         let mut found = Components::new();
@@ -149,19 +138,6 @@ mod tests {
         assert_eq!((silhouettes.frames(), silhouettes.len()), (3, 2));
         assert_eq!(silhouettes.hulls(1), 1..1);
         assert_eq!(silhouettes.hull(1), [[8, 3], [11, 3], [11, 5], [8, 5]]);
-        assert_eq!((silhouettes.area[1], silhouettes.border[1]), (12, false));
-
-        let horizontal = |y: f64| Line::from_homogeneous(&Vector3::new(0.0, -1.0, y)).unwrap();
-        for (y, half_width, expected) in [
-            (4.0, 0.0, 0b101),
-            (5.0, 0.0, 0b101),
-            (5.4, 0.5, 0b101),
-            (2.6, 0.5, 0b101),
-            (5.6, 0.5, 0),
-            (2.4, 0.5, 0),
-        ] {
-            let row = silhouettes.barcode_of_line(&horizontal(y), half_width);
-            assert_eq!(row, [expected], "y = {y}");
-        }
+        assert_eq!((silhouettes.area(1), silhouettes.is_cut(1)), (12, false));
     }
 }

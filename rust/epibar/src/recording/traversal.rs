@@ -13,7 +13,7 @@
 //! of a line therefore shares a pixel with it; two blobs that touch at a corner only may let a line
 //! slip through between them.
 
-use crate::line::{ImageSize, Segment};
+use crate::image::{ImageSize, Segment};
 
 /// Coordinates beyond this overflow the integer walk: over 30,000 times the largest image.
 const REACH: f64 = (1_i64 << 29) as f64;

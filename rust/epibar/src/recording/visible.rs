@@ -4,7 +4,7 @@
 //! view ends at the border of the image, and earlier where an undistorted image has corners that the lens did not
 //! look into, or where motion is not counted.
 
-use crate::line::ImageSize;
+use crate::image::ImageSize;
 
 /// Whether a point of a silhouette is where the view ends: on the border of the image, or on a pixel that is not
 /// visible. `visible` is row-major, 0 where it is not; `None` where every pixel is.

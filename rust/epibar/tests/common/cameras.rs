@@ -65,7 +65,7 @@ pub fn fundamental_matrix(a: &Camera, b: &Camera) -> Matrix3<f64> {
     matrix / matrix.norm()
 }
 
-/// The same as a [`Fundamental`].
+/// [`fundamental_matrix`] as a [`Fundamental`].
 pub fn fundamental(a: &Camera, b: &Camera) -> Fundamental {
     Fundamental::from_matrix(&fundamental_matrix(a, b), a.size, b.size).unwrap()
 }
@@ -101,6 +101,6 @@ pub fn points(cameras: &[Camera; 2], count: usize, random: &mut Random) -> Vec<(
 /// Mean symmetric epipolar distance over the volume, pixels.
 pub fn error(f: &Fundamental, cameras: &[Camera; 2]) -> f64 {
     let points = points(cameras, 400, &mut Random(99));
-    let distance = |(a, b): &_| epibar::geometry::symmetric_epipolar_distance(f, *a, *b);
+    let distance = |(a, b): &_| epibar::symmetric_epipolar_distance(f, *a, *b);
     points.iter().map(distance).sum::<f64>() / points.len() as f64
 }

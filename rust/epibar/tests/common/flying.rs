@@ -81,7 +81,7 @@ impl Scene {
             let corners: Option<Vec<[f64; 2]>> =
                 body.corners(frame).iter().map(|corner| camera.project(corner)).collect();
             if let Some(corners) = corners {
-                fill(&mut mask, camera.size.width, &hull(corners));
+                fill(&mut mask, camera.size.width(), &hull(corners));
             }
         }
         mask
@@ -94,7 +94,7 @@ impl Scene {
 
     /// The recording of a part of the frames.
     pub fn record_frames(&self, camera: usize, lines: usize, frames: Range<usize>) -> Recording {
-        let options = RecorderOptions { lines, seed: camera as u64, ..Default::default() };
+        let options = RecorderOptions::new().lines(lines).seed(camera as u64);
         let mut recorder = Recorder::new(self.cameras[camera].size, options).unwrap();
         for frame in frames {
             recorder.push(&self.mask(camera, frame), frame as f64 / 25.0).unwrap();
@@ -105,7 +105,7 @@ impl Scene {
     /// The recording of a camera that films at a rate of its own: its frame `k` shows the moment `moments(k)`, in
     /// frames of the scene.
     pub fn record_moments(&self, camera: usize, lines: usize, fps: f64, moments: &[f64]) -> Recording {
-        let options = RecorderOptions { lines, seed: camera as u64, ..Default::default() };
+        let options = RecorderOptions::new().lines(lines).seed(camera as u64);
         let mut recorder = Recorder::new(self.cameras[camera].size, options).unwrap();
         for (k, &moment) in moments.iter().enumerate() {
             recorder.push(&self.mask_at(camera, moment), k as f64 / fps).unwrap();

@@ -29,11 +29,11 @@ pub fn noise(size: ImageSize, percent: usize, random: &mut Random) -> Mask {
 /// A 4-connected blob: a few overlapping discs along a random walk, convex when there is one.
 pub fn blob(size: ImageSize, random: &mut Random) -> Mask {
     let mut mask = vec![0; size.pixels()];
-    let (mut x, mut y) = (random.below(size.width) as i64, random.below(size.height) as i64);
+    let (mut x, mut y) = (random.below(size.width()) as i64, random.below(size.height()) as i64);
     for _ in 0..=random.below(4) {
         let radius = 1 + random.below(6) as i64;
         for (pixel, value) in mask.iter_mut().enumerate() {
-            let (dx, dy) = ((pixel % size.width) as i64 - x, (pixel / size.width) as i64 - y);
+            let (dx, dy) = ((pixel % size.width()) as i64 - x, (pixel / size.width()) as i64 - y);
             if dx * dx + dy * dy <= radius * radius {
                 *value = 1;
             }
@@ -41,9 +41,9 @@ pub fn blob(size: ImageSize, random: &mut Random) -> Mask {
         // The next centre is a pixel of this disc, along one axis so that discs stay joined at a side.
         let step = random.below(2 * radius as usize + 1) as i64 - radius;
         if random.below(2) == 0 {
-            x = (x + step).clamp(0, size.width as i64 - 1);
+            x = (x + step).clamp(0, size.width() as i64 - 1);
         } else {
-            y = (y + step).clamp(0, size.height as i64 - 1);
+            y = (y + step).clamp(0, size.height() as i64 - 1);
         }
     }
     mask
@@ -60,10 +60,10 @@ pub fn flood_fill(mask: &[u8], size: ImageSize) -> Vec<Vec<usize>> {
         left[start] = 0;
         let (mut component, mut front) = (vec![start], vec![start]);
         while let Some(pixel) = front.pop() {
-            let (x, y) = (pixel % size.width, pixel / size.width);
-            for near_y in y.saturating_sub(1)..=(y + 1).min(size.height - 1) {
-                for near_x in x.saturating_sub(1)..=(x + 1).min(size.width - 1) {
-                    let near = near_y * size.width + near_x;
+            let (x, y) = (pixel % size.width(), pixel / size.width());
+            for near_y in y.saturating_sub(1)..=(y + 1).min(size.height() - 1) {
+                for near_x in x.saturating_sub(1)..=(x + 1).min(size.width() - 1) {
+                    let near = near_y * size.width() + near_x;
                     if std::mem::take(&mut left[near]) != 0 {
                         component.push(near);
                         front.push(near);

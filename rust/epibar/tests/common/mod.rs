@@ -5,3 +5,10 @@
 pub mod cameras;
 pub mod flying;
 pub mod masks;
+
+use epibar::internals::FramePair;
+
+/// The first frames of both cameras, each with the one of the same number.
+pub fn pairs(frames: u32) -> Vec<FramePair> {
+    (0..frames).map(|k| FramePair { a: k, b: k }).collect()
+}

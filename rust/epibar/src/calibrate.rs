@@ -1,0 +1,241 @@
+//! The whole job: two recordings in, one calibration out.
+//!
+//! The clocks are aligned; on one time line candidates are found, an `F` is searched with them, refined, and verified. What
+//! it says of the clocks may call for another time line, and then all is done again.
+
+use crate::Result;
+use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
+use crate::clock::{Aligned, Clocks, Timing};
+use crate::frontier::{Up, Views, busy_frames, up::up_of};
+use crate::hypotheses::{Draws, LineModel};
+use crate::lines;
+use crate::matching::{Candidates, find_candidates};
+use crate::options::{CalibrateOptions, Method};
+use crate::recording::{FramePair, Recording};
+use crate::search::{Found, Ground, SearchOptions, search, settle};
+use crate::verify::split::{self, Split};
+use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
+use crate::verify::{Case, Verdict, Verified, early, verify};
+use crate::watch::{Stage, Unwatched, Watch, report};
+
+/// Finds the fundamental matrix between two cameras.
+///
+/// Refusing is a result, not an error: see [`Calibration::verdict`]. The result depends on the recordings and the
+/// options, not on the number of threads.
+///
+/// # Errors
+/// [`Error::Argument`](crate::Error::Argument) for options out of range.
+pub fn calibrate(a: &Recording, b: &Recording, options: &CalibrateOptions) -> Result<Calibration> {
+    calibrate_watched(a, b, options, &mut Unwatched)
+}
+
+/// [`calibrate`] with progress, and a way to stop: `watch` is asked between batches of work.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted) where `watch` says so, [`Error::Argument`](crate::Error::Argument)
+/// for options out of range.
+pub fn calibrate_watched(
+    a: &Recording,
+    b: &Recording,
+    options: &CalibrateOptions,
+    watch: &mut dyn Watch,
+) -> Result<Calibration> {
+    options.check()?;
+    let mut clocks = Clocks::new(a, b, options.time_offset, options.upright, watch)?;
+    loop {
+        let found = calibrate_at(&clocks.aligned(), options, watch)?;
+        let credible = found.fundamental.filter(|_| found.evidence.z >= MIN_Z_FOR_CLOCK);
+        if let Some(timing) = clocks.learn(credible) {
+            return Ok(found.with_timing(timing));
+        }
+    }
+}
+
+/// By a known clock.
+fn calibrate_at(aligned: &Aligned, options: &CalibrateOptions, watch: &mut dyn Watch) -> Result<Calibration> {
+    let common = aligned.frame_pairs();
+    if let Some(verdict) = early::too_few_frames(common.len()) {
+        return Ok(refused(verdict, aligned, &Candidates::default(), &common, options));
+    }
+    report(watch, Stage::Candidates, 0.0)?;
+    let pair = Pair::new(aligned, common, options);
+    let candidates = pair.candidates()?;
+    if let Some(verdict) = early::too_little_motion(&candidates, pair.busy.len()) {
+        return Ok(refused(verdict, aligned, &candidates, &pair.common, options));
+    }
+    let seen = Seen::new(&pair);
+    let found = match options.method {
+        Method::Frontier => pair.by_tangents(&seen, &candidates, watch)?,
+        Method::Lines => pair.by_lines(&seen, &candidates, watch)?,
+    };
+    let Some(winner) = found.solutions.first() else {
+        return Ok(refused(early::no_hypothesis(), aligned, &candidates, &pair.common, options));
+    };
+    let verified = verify(&seen.case(&pair, &found), &winner.fundamental);
+    Ok(pair.calibration(&seen, &candidates, &found, verified))
+}
+
+/// A refusal before there is anything to verify.
+fn refused(
+    verdict: Verdict,
+    aligned: &Aligned,
+    candidates: &Candidates,
+    common: &[FramePair],
+    options: &CalibrateOptions,
+) -> Calibration {
+    let timing = Timing::of(aligned.clock(), aligned.a(), aligned.b());
+    let candidate_pairs = with_inliers(candidates, std::iter::repeat(false));
+    let counts = counts(candidates, &candidate_pairs, common.len(), 0);
+    let nothing = Calibration::refused(verdict, timing, options.method, options.seed);
+    Calibration { candidates: candidate_pairs, counts, ..nothing }
+}
+
+/// Two recordings on one time line, and which of their frames are for what.
+struct Pair<'a> {
+    aligned: &'a Aligned<'a>,
+    options: &'a CalibrateOptions,
+    /// All common frames, and those in which both cameras see something.
+    common: Vec<FramePair>,
+    busy: Vec<FramePair>,
+    split: Split,
+}
+
+impl<'a> Pair<'a> {
+    fn new(aligned: &'a Aligned<'a>, common: Vec<FramePair>, options: &'a CalibrateOptions) -> Self {
+        let (a, b) = (aligned.a(), aligned.b());
+        let busy = busy_frames(a, b, &common, usize::MAX);
+        let split = Split::new(&common, &busy, split::stay(a, b, &common));
+        Self { aligned, options, common, busy, split }
+    }
+
+    /// Candidates of the answer: tangents are searched on the fitted frames alone, lines on all.
+    fn candidates(&self) -> Result<Candidates> {
+        match self.options.method {
+            Method::Frontier => self.candidates_of(&self.split.fitted),
+            Method::Lines => self.candidates_of(&self.common),
+        }
+    }
+
+    fn candidates_of(&self, compared: &[FramePair]) -> Result<Candidates> {
+        let (a, b) = (self.aligned.a(), self.aligned.b());
+        find_candidates(a, b, &self.common, compared, &self.options.candidate_options())
+    }
+
+    /// The method of frontier points: search on the fitted frames, then refine on all.
+    fn by_tangents(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
+        let defaults = SearchOptions::default();
+        let draws = Draws { lines: self.options.draws, ..defaults.draws };
+        let some = |limit| {
+            let busy = busy_frames(self.aligned.a(), self.aligned.b(), &self.split.fitted_busy, limit);
+            seen.views_of(self, &busy)
+        };
+        let ground = Ground::new(&seen.fitted, some, SearchOptions { draws, ..defaults });
+        let searched = search(&ground, candidates, self.options.seed, watch)?;
+        settle(&ground, &seen.all, searched, watch)
+    }
+
+    /// The method of the paper.
+    fn by_lines(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
+        let fitted = self.candidates_of(&self.split.fitted)?;
+        let CalibrateOptions { draws, seed, .. } = *self.options;
+        lines::search(candidates, &fitted, seen.all.sizes(), draws, seed, watch)
+    }
+
+    fn calibration(
+        &self,
+        seen: &Seen,
+        candidates: &Candidates,
+        found: &Found,
+        verified: Verified,
+    ) -> Calibration {
+        let (a, b) = (self.aligned.a(), self.aligned.b());
+        let timing = Timing::of(self.aligned.clock(), a, b);
+        let nothing = Calibration::refused(verified.verdict, timing, self.options.method, self.options.seed);
+        let Some(winner) = found.solutions.first() else { return nothing };
+        let f = &winner.fundamental;
+        let inliers = LineModel::new(candidates.best(), seen.all.sizes()).inliers(f);
+        let candidate_pairs = with_inliers(candidates, inliers.into_iter());
+        let of_a = |p: &crate::frontier::TangentMatch| self.common[p.frame.index()].a;
+        let points = verified.matches.iter().map(|p| FrontierPoint::new(of_a(p), p.a, p.b, f));
+        let frontier_points: Vec<FrontierPoint> = points.collect();
+        let curve = verified.curve.scores.iter();
+        let floor = found.floor.as_ref().filter(|floor| floor.is_supported(candidates.best().len()));
+        Calibration {
+            fundamental: Some(*f),
+            expected_error: Some(verified.expected_error).filter(|e| e.is_finite()),
+            error_maps: verified.uncertainty.map(|u| u.maps()),
+            counts: counts(candidates, &candidate_pairs, self.common.len(), frontier_points.len()),
+            candidates: candidate_pairs,
+            frontier_points,
+            floor: floor.map(|floor| floor.homography),
+            rivals: verified.rivals,
+            evidence: verified.evidence,
+            shift_curve: curve.map(|s| ShiftScore { shift: s.shift, score: s.score.total() }).collect(),
+            tested: found.fitted,
+            source: Some(winner.source),
+            ..nothing
+        }
+    }
+}
+
+/// The silhouettes of both cameras.
+struct Seen {
+    up: [Up; 2],
+    all: Views,
+    fitted: Views,
+    busy: Views,
+}
+
+impl Seen {
+    fn new(pair: &Pair) -> Self {
+        let recordings = [pair.aligned.a(), pair.aligned.b()];
+        let up = recordings.map(|r| if pair.options.upright { Up::IMAGE } else { up_of(r) });
+        let of = |frames: &[FramePair]| Self::views(pair, up, frames);
+        Self { up, all: of(&pair.common), fitted: of(&pair.split.fitted_busy), busy: of(&pair.busy) }
+    }
+
+    fn views(pair: &Pair, up: [Up; 2], frames: &[FramePair]) -> Views {
+        // The paper's method knows nothing of camera matrices.
+        let cameras = pair.options.cameras.filter(|_| pair.options.method == Method::Frontier);
+        pair.aligned.views(frames).with_up(up).with_cameras(cameras)
+    }
+
+    fn views_of(&self, pair: &Pair, frames: &[FramePair]) -> Views {
+        Self::views(pair, self.up, frames)
+    }
+
+    fn case<'s>(&'s self, pair: &'s Pair, found: &'s Found) -> Case<'s> {
+        Case {
+            views: &self.all,
+            busy_views: &self.busy,
+            fitted_views: &self.fitted,
+            split: &pair.split,
+            found,
+            max_expected_error: pair.options.max_expected_error,
+            frame_rate: pair.aligned.a().frame_rate(),
+        }
+    }
+}
+
+fn with_inliers(candidates: &Candidates, inliers: impl Iterator<Item = bool>) -> Vec<CandidatePair> {
+    let pair = |(c, inlier): (&crate::matching::Candidate, bool)| CandidatePair {
+        a: c.lines.a,
+        b: c.lines.b,
+        correlation: c.correlation,
+        inlier,
+    };
+    candidates.best().iter().zip(inliers).map(pair).collect()
+}
+
+fn counts(candidates: &Candidates, pairs: &[CandidatePair], frames: usize, frontier_points: usize) -> Counts {
+    Counts {
+        frames,
+        informative_a: candidates.informative_a,
+        informative_b: candidates.informative_b,
+        on_motion_lines: candidates.on_motion_lines,
+        mutual_pairs: candidates.pairs.len(),
+        candidates: pairs.len(),
+        line_inliers: pairs.iter().filter(|pair| pair.inlier).count(),
+        frontier_points,
+    }
+}

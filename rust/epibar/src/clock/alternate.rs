@@ -1,0 +1,167 @@
+//! The clocks and the geometry, in turn: one cannot be had without the other.
+
+use super::aligned::Aligned;
+use super::clock::Clock;
+use super::offset::{FoundOffset, find_offset};
+use super::sharpen::{Measured, sharpen};
+use super::timing::{TimeOffset, Timing};
+use crate::Result;
+use crate::frontier::{busy_frames, symmetric_score};
+use crate::geometry::Fundamental;
+use crate::recording::Recording;
+use crate::recording::tracker::Links;
+use crate::watch::Watch;
+
+/// Offsets that differ by less than this, frames, give the same geometry.
+const SAME_OFFSET: f64 = 0.05;
+/// An offset with a larger standard error, frames, is not known any better than before.
+const MAX_OFFSET_ERROR: f64 = 0.25;
+/// Frames for a first geometry.
+const SOME_FRAMES: usize = 300;
+/// Fewest common frames at which an offset is looked at.
+const MIN_FRAMES: usize = 16;
+
+/// Two recordings and what is known of their clocks, while geometries for them are found.
+///
+/// Ask for the recordings on one time line ([`Clocks::aligned`]), find a geometry, and tell it ([`Clocks::learn`]), until
+/// that answers.
+pub struct Clocks<'a> {
+    a: &'a Recording,
+    b: &'a Recording,
+    links: Links,
+    upright: bool,
+    clock: Clock,
+    found: Option<FoundOffset>,
+    next: Next,
+}
+
+/// What the next geometry is for.
+#[derive(Debug, Clone, Copy)]
+enum Next {
+    /// The offset is given: the geometry shows whether the rates differ.
+    Drift,
+    /// The offset is given, and the rate is in the clock that was measured.
+    WithDrift(Measured),
+    /// The offset was searched, to a frame or two: a geometry from some of the frames is enough to sharpen it with.
+    First,
+    /// The answer takes all frames. `sharp`: the clock has been sharpened; `last`: what is found now is final.
+    Again { sharp: bool, last: bool },
+}
+
+impl<'a> Clocks<'a> {
+    /// From an offset that is given, or is searched by barcodes. `upright`: both cameras are the right way up.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted).
+    pub fn new(
+        a: &'a Recording,
+        b: &'a Recording,
+        offset: TimeOffset,
+        upright: bool,
+        watch: &mut dyn Watch,
+    ) -> Result<Self> {
+        let (clock, found, next) = match offset {
+            TimeOffset::Known(offset) => (Clock::at(offset), None, Next::Drift),
+            TimeOffset::Search { seconds } => {
+                let found = find_offset(a, b, seconds, watch)?;
+                (Clock::at(found.map_or(0.0, |s| s.offset)), found, Next::First)
+            }
+        };
+        Ok(Self { a, b, links: Links::new(b), upright, clock, found, next })
+    }
+
+    /// Both recordings on the time line for which a geometry is wanted.
+    pub fn aligned(&self) -> Aligned<'_> {
+        let aligned = self.aligned_at(self.clock);
+        if matches!(self.next, Next::First) { aligned.thinned(SOME_FRAMES) } else { aligned }
+    }
+
+    /// Takes the geometry that was found, if there is evidence for it that the recordings show the same moments at all.
+    /// `None`: the clock is better known now, and a geometry is wanted for it.
+    pub fn learn(&mut self, f: Option<Fundamental>) -> Option<Timing> {
+        let clock = self.clock;
+        let mut timing = Timing::of(clock, self.a, self.b);
+        match self.next {
+            Next::Drift => {
+                if let Some(measured) = f.and_then(|f| self.measured(clock, &f)) {
+                    let rate = measured.clock.rate;
+                    if rate != 1.0 {
+                        self.clock = Clock { rate, ..clock };
+                        self.next = Next::WithDrift(measured);
+                        return None;
+                    }
+                    timing.set_drift(&measured);
+                }
+            }
+            Next::WithDrift(measured) => timing.set_drift(&measured),
+            Next::First => {
+                let measured = f.and_then(|f| self.sharpened(&f, false));
+                self.next = Next::Again { sharp: measured.is_some(), last: false };
+                self.clock = measured.map_or(clock, |m| m.clock);
+                return None;
+            }
+            Next::Again { sharp, last } => {
+                if let Some(measured) = f.and_then(|f| self.sharpened(&f, sharp)) {
+                    let settled = last || self.moved(measured.clock) < SAME_OFFSET;
+                    if !settled {
+                        self.clock = measured.clock;
+                        self.next = Next::Again { sharp: true, last: true };
+                        return None;
+                    }
+                    timing.offset = measured.clock.offset;
+                    timing.frames_per_frame = measured.clock.frames_per_frame(self.a, self.b);
+                    timing.offset_error = measured.offset_error;
+                    timing.set_drift(&measured);
+                }
+            }
+        }
+        if let Some(found) = self.found {
+            timing.runner_up = found.runner_up;
+            timing.trials = found.trials;
+        }
+        Some(timing)
+    }
+
+    fn aligned_at(&self, clock: Clock) -> Aligned<'_> {
+        Aligned::new(self.a, self.b, &self.links, clock)
+    }
+
+    /// What the recordings say of a clock that is about right, with a geometry that is.
+    fn measured(&self, clock: Clock, f: &Fundamental) -> Option<Measured> {
+        sharpen(self.a, self.b, &self.links, clock, f, self.upright)
+            .filter(|m| m.offset_error < MAX_OFFSET_ERROR)
+    }
+
+    /// [`Clocks::measured`] from the clock, or from the best of those some whole frames away where it is not yet sharp.
+    fn sharpened(&self, f: &Fundamental, sharp: bool) -> Option<Measured> {
+        let near = if sharp { self.clock } else { self.nearest_frame(f) };
+        self.measured(near, f)
+    }
+
+    /// By how many frames of B a clock differs, at the end of the recording where it differs more.
+    fn moved(&self, now: Clock) -> f64 {
+        let end =
+            |clock: Clock| clock.offset + self.a.frames() as f64 * clock.frames_per_frame(self.a, self.b);
+        (now.offset - self.clock.offset).abs().max((end(now) - end(self.clock)).abs())
+    }
+
+    /// The clock moved by whole frames to where `f` has the highest score: barcodes find the offset to a frame or two.
+    fn nearest_frame(&self, f: &Fundamental) -> Clock {
+        const REACH: i32 = 4;
+        const FRAMES: usize = 400;
+        let moved = |k: i32| Clock { offset: self.clock.offset + f64::from(k), ..self.clock };
+        let score = |k: i32| {
+            let aligned = self.aligned_at(moved(k));
+            let pairs = aligned.frame_pairs();
+            if pairs.len() < MIN_FRAMES {
+                return f64::NEG_INFINITY;
+            }
+            let busy = busy_frames(self.a, self.b, &pairs, FRAMES);
+            symmetric_score(&aligned.views(&busy).with_upright(self.upright), f).total
+        };
+        let by_score = (-REACH..=REACH).map(|k| (score(k), k));
+        by_score
+            .max_by(|p, q| p.0.total_cmp(&q.0).then(q.1.abs().cmp(&p.1.abs())))
+            .map_or(self.clock, |(_, k)| moved(k))
+    }
+}

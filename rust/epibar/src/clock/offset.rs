@@ -1,0 +1,179 @@
+//! The offset before any `F` is known: barcodes of the two cameras correlate at the true shift.
+
+use rayon::prelude::*;
+
+use super::clock::common_frames;
+use super::timing::RunnerUp;
+use crate::Result;
+use crate::matching::mutual_matches;
+use crate::recording::{Barcodes, Informative, Recording};
+use crate::watch::{Stage, Watch, report};
+
+/// What the barcodes say of the offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FoundOffset {
+    /// The shift whose best pairs of lines correlate most, frames of B.
+    pub offset: f64,
+    /// The best shift that is not beside it.
+    pub runner_up: Option<RunnerUp>,
+    /// How many shifts were tried.
+    pub trials: usize,
+}
+
+/// Lines of each camera with which every shift is tried, and with which the best of those are weighed.
+const LINES: [usize; 2] = [700, 2500];
+/// How many of the best mutual pairs speak for a shift.
+const BEST: usize = 25;
+/// Frames of A that take part: those of the busiest stretch of so many.
+const FRAMES: usize = 3000;
+/// Shifts tried first are this far apart, seconds: less than an object needs to cross a line.
+const STEP_SECONDS: f64 = 0.08;
+/// Barcodes are not more alike than this: outlines are of pixels.
+const MAX_CORRELATION: f64 = 0.98;
+/// Shifts within so many seconds of the best are not a different offset.
+const APART_SECONDS: f64 = 1.0;
+/// The best of the shifts tried first that are weighed.
+const WEIGHED: usize = 48;
+/// The best of these that are looked at frame by frame, within so many steps.
+const REFINED: usize = 3;
+const REFINED_STEPS: i64 = 3;
+
+/// The offset, in frames of B, at which the best barcode correlations stand highest.
+///
+/// Every few frames with few lines, the best of these with many, and every frame about the best of those. `None`
+/// where no shift leaves enough to compare.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn find_offset(
+    a: &Recording,
+    b: &Recording,
+    seconds: f64,
+    watch: &mut dyn Watch,
+) -> Result<Option<FoundOffset>> {
+    let rate = 1.0 / b.frame_interval();
+    let reach = (seconds * rate).ceil() as i64;
+    let step = ((STEP_SECONDS * rate) as i64).max(1);
+    let coarse: Vec<i64> = (-reach..=reach).filter(|s| s % step == 0).collect();
+    let mut going = |done: f64| report(watch, Stage::TimeOffset, done);
+    let few = Shifts::new(a, b, LINES[0]);
+    let mut tried = Vec::with_capacity(coarse.len());
+    for batch in coarse.chunks(32) {
+        going(0.7 * tried.len() as f64 / coarse.len() as f64)?;
+        tried.extend(few.scores(batch)?);
+    }
+    let many = Shifts::new(a, b, LINES[1]);
+    let mut weighed: Vec<(f64, i64)> = Vec::new();
+    for batch in best(&tried, WEIGHED).chunks(8) {
+        going(0.7 + 0.2 * weighed.len() as f64 / WEIGHED as f64)?;
+        weighed.extend(many.scores(batch)?);
+    }
+    going(0.9)?;
+    let known: Vec<i64> = weighed.iter().map(|(_, s)| *s).collect();
+    let near = best(&weighed, REFINED).into_iter().flat_map(|s| {
+        let within = REFINED_STEPS * step;
+        (s - within..=s + within).filter(|t| t.abs() <= reach && !known.contains(t))
+    });
+    let mut near: Vec<i64> = near.collect();
+    near.sort_unstable();
+    near.dedup();
+    weighed.extend(many.scores(&near)?);
+
+    let Some(&offset) = best(&weighed, 1).first() else { return Ok(None) };
+    let score_of =
+        |shift: i64| weighed.iter().find(|(_, s)| *s == shift).map_or(f64::NAN, |(score, _)| *score);
+    let apart = (APART_SECONDS * rate).ceil() as i64;
+    let others: Vec<(f64, i64)> =
+        weighed.iter().copied().filter(|(_, s)| (s - offset).abs() > apart).collect();
+    let runner_up = best(&others, 1)
+        .first()
+        .map(|&s| RunnerUp { offset: s as f64, share: score_of(s) / score_of(offset) });
+    Ok(Some(FoundOffset { offset: offset as f64, runner_up, trials: 2 * reach as usize + 1 }))
+}
+
+/// The shifts with the highest finite scores, best first; of equals the smaller.
+fn best(scored: &[(f64, i64)], count: usize) -> Vec<i64> {
+    let mut sorted: Vec<_> = scored.iter().filter(|(score, _)| score.is_finite()).collect();
+    sorted.sort_by(|p, q| q.0.total_cmp(&p.0).then(p.1.abs().cmp(&q.1.abs())).then(p.1.cmp(&q.1)));
+    sorted.into_iter().take(count).map(|(_, shift)| *shift).collect()
+}
+
+/// What every shift is scored with.
+struct Shifts<'a> {
+    a: &'a Recording,
+    b: &'a Recording,
+    lines_a: Barcodes,
+    lines_b: Barcodes,
+    /// Frames of A that take part.
+    stretch: std::ops::Range<u32>,
+}
+
+impl<'a> Shifts<'a> {
+    fn new(a: &'a Recording, b: &'a Recording, lines: usize) -> Self {
+        let stretch = busiest(a);
+        let frames: Vec<u32> = stretch.clone().collect();
+        let rows_a = a.barcodes.select_frames(&frames).informative(&Informative::default());
+        let rows_b = b.barcodes.informative(&Informative::default());
+        Self { a, b, lines_a: thinned(a, rows_a, lines), lines_b: thinned(b, rows_b, lines), stretch }
+    }
+
+    fn scores(&self, shifts: &[i64]) -> Result<Vec<(f64, i64)>> {
+        shifts.par_iter().map(|&shift| Ok((self.score(shift)?, shift))).collect()
+    }
+
+    /// How well the best pairs of lines agree at a shift; −∞ where too few frames are common.
+    ///
+    /// The mean of Fisher's z. What a line sees between two changes is one observation, however many frames it lasts:
+    /// a pair of lines that change but seldom, or a short overlap, correlates by chance.
+    fn score(&self, shift: i64) -> Result<f64> {
+        let mut pairs = common_frames(self.a, self.b, shift as f64);
+        pairs.retain(|p| self.stretch.contains(&p.a));
+        let least = (self.stretch.len().min(self.b.frames()) / 3).max(16);
+        if pairs.len() < least {
+            return Ok(f64::NEG_INFINITY);
+        }
+        let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = pairs.iter().map(|p| (p.a, p.b)).unzip();
+        let (bits_a, changes_a) = informative(&self.lines_a, &frames_a);
+        let (bits_b, changes_b) = informative(&self.lines_b, &frames_b);
+        let mut z: Vec<f64> = mutual_matches(&bits_a, &bits_b, 1)?
+            .into_iter()
+            .map(|m| {
+                let changes = changes_a[m.a as usize].min(changes_b[m.b as usize]);
+                let observations = f64::from(changes.saturating_sub(3));
+                f64::from(m.correlation).min(MAX_CORRELATION).atanh() * observations.sqrt()
+            })
+            .collect();
+        z.sort_by(|p, q| q.total_cmp(p));
+        Ok(z.iter().take(BEST).sum::<f64>() / BEST as f64)
+    }
+}
+
+/// Those lines that are informative over some frames, over these frames, and how often each changes.
+fn informative(lines: &Barcodes, frames: &[u32]) -> (Barcodes, Vec<u32>) {
+    let bits = lines.select_frames(frames);
+    let bits = bits.select_rows(&bits.informative(&Informative::default()));
+    let changes = (0..bits.count).map(|i| bits.transitions(i)).collect();
+    (bits, changes)
+}
+
+/// Some of a recording's lines, thinned evenly.
+fn thinned(recording: &Recording, rows: Vec<u32>, limit: usize) -> Barcodes {
+    let step = rows.len().div_ceil(limit).max(1);
+    recording.barcodes.select_rows(&rows.into_iter().step_by(step).collect::<Vec<_>>())
+}
+
+/// The stretch of at most [`FRAMES`] frames in which most frames show something that moves.
+fn busiest(recording: &Recording) -> std::ops::Range<u32> {
+    let frames = recording.frames();
+    let length = frames.min(FRAMES);
+    let busy = |frame: usize| usize::from(!recording.silhouettes.hulls(frame).is_empty());
+    let mut count: usize = (0..length).map(busy).sum();
+    let (mut most, mut start) = (count, 0);
+    for first in 1..=frames - length {
+        count = count + busy(first + length - 1) - busy(first - 1);
+        if count > most {
+            (most, start) = (count, first);
+        }
+    }
+    start as u32..(start + length) as u32
+}

@@ -1,0 +1,105 @@
+//! Tangents that meet, and scores summed over them.
+
+use std::ops::AddAssign;
+
+/// What a silhouette's tangent is the edge of: below a *top* is its object, above a *bottom*.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Class {
+    /// The object lies below (larger y).
+    Top,
+    /// The object lies above.
+    Bottom,
+}
+
+/// Index of a pair of frames among those of some [`Views`](super::Views): neither a frame of A nor one of B.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct CommonFrame(pub u32);
+
+impl CommonFrame {
+    /// The index.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// A tangent point of A and the one of B that it meets: images of one frontier point, if `F` is right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TangentMatch {
+    /// When.
+    pub frame: CommonFrame,
+    /// Point in A, pixels.
+    pub a: [f64; 2],
+    /// Point in B, pixels.
+    pub b: [f64; 2],
+    /// Sampson distance, pixels.
+    pub distance: f64,
+    /// `−ln` of the chance of a match this near.
+    pub surprise: f64,
+    /// Top or bottom, as seen in A.
+    pub class: Class,
+}
+
+/// Robust standard deviation of the distances, pixels; NaN of no matches.
+pub fn robust_deviation(matches: &[TangentMatch]) -> f64 {
+    let mut distances: Vec<f64> = matches.iter().map(|p| p.distance).collect();
+    if distances.is_empty() {
+        return f64::NAN;
+    }
+    let middle = distances.len() / 2;
+    1.4826 * *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// Score of one class of tangents.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ClassScore {
+    /// Tangents of A in the frames used.
+    pub tangents: usize,
+    /// Those that met a tangent of B.
+    pub matches: usize,
+    /// How many would by chance.
+    pub expected: f64,
+    /// Excess over chance, each match weighed by how unlikely it was.
+    pub excess: f64,
+}
+
+/// Score of an `F`, class by class.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrontierScore {
+    /// Tangents with the object below.
+    pub tops: ClassScore,
+    /// Tangents with the object above.
+    pub bottoms: ClassScore,
+}
+
+impl AddAssign for ClassScore {
+    fn add_assign(&mut self, other: Self) {
+        self.tangents += other.tangents;
+        self.matches += other.matches;
+        self.expected += other.expected;
+        self.excess += other.excess;
+    }
+}
+
+impl AddAssign for FrontierScore {
+    fn add_assign(&mut self, other: Self) {
+        self.tops += other.tops;
+        self.bottoms += other.bottoms;
+    }
+}
+
+impl FrontierScore {
+    /// Excess over chance of both classes together.
+    pub fn total(&self) -> f64 {
+        self.tops.excess + self.bottoms.excess
+    }
+
+    /// Matches of both classes.
+    pub fn matches(&self) -> usize {
+        self.tops.matches + self.bottoms.matches
+    }
+
+    /// Tangents of both classes.
+    pub fn tangents(&self) -> usize {
+        self.tops.tangents + self.bottoms.tangents
+    }
+}

@@ -1,0 +1,22 @@
+//! Epipolar tangents of two cameras' silhouettes, and the score of an `F` by how they meet.
+//!
+//! [`views`] holds the silhouettes of both cameras on one time line and [`up`] tells which way they stand; [`score`]
+//! compares their tangents under an `F`, [`symmetric`] takes both cameras in turn at the radius that suits the masks,
+//! [`preview`] scores many hypotheses on few frames, and [`volume`] tells how far two geometries are apart where things
+//! moved.
+
+mod edges;
+pub mod matches;
+pub mod preview;
+pub mod score;
+pub mod symmetric;
+pub mod up;
+pub mod views;
+pub mod volume;
+
+pub use matches::{Class, ClassScore, CommonFrame, FrontierScore, TangentMatch};
+pub use preview::Scorer;
+pub use score::{Comparer, compare, frontier_score};
+pub use symmetric::symmetric_score;
+pub use up::Up;
+pub use views::{View, Views, busy_frames};

@@ -1,0 +1,150 @@
+//! The score of a geometry, both cameras' tangents taken in turn, at the radius that suits the masks.
+
+use super::score::Comparer;
+use super::views::Views;
+use crate::geometry::Fundamental;
+
+/// Radii, in pixels of a 640×480 image, at which tangents are weighed.
+const RADII: [f64; 4] = [1.5, 3.0, 6.0, 10.0];
+/// The one within which matches tell the sign of the map of rays.
+const SIGN_RADIUS: f64 = RADII[2];
+
+/// Score of an `F` at one radius.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SymmetricScore {
+    /// Mean of the score from A to B and from B to A.
+    pub total: f64,
+    /// The radius, pixels.
+    pub radius: f64,
+}
+
+/// Comparisons from A to B and from B to A, one after the other, so that they share their buffers; the first is the
+/// last one made.
+fn both_ways<T>(views: &Views, f: &Fundamental, of: impl Fn(&mut Comparer) -> T) -> (T, T, Comparer) {
+    let back = of(&mut Comparer::reversed(views, f));
+    let mut comparer = Comparer::new(views, f);
+    (of(&mut comparer), back, comparer)
+}
+
+/// The score at the radius that gives most: masks are clean or coarse, and the best radius is theirs.
+pub fn symmetric_score(views: &Views, f: &Fundamental) -> SymmetricScore {
+    symmetric_score_with(views, f).0
+}
+
+/// [`symmetric_score`], and the comparison from A to B that it was found with.
+pub fn symmetric_score_with(views: &Views, f: &Fundamental) -> (SymmetricScore, Comparer) {
+    let scale = views.pixel_scale();
+    let radii = RADII.map(|r| r * scale);
+    let (there, back, comparer) = both_ways(views, f, |comparer| {
+        let mut paired = comparer.pair(0, SIGN_RADIUS * scale);
+        radii.map(|radius| paired.weigh(radius).score().total())
+    });
+    let mut best = SymmetricScore { total: f64::NEG_INFINITY, radius: radii[0] };
+    for ((radius, there), back) in radii.into_iter().zip(there).zip(back) {
+        let total = 0.5 * (there + back);
+        if total > best.total {
+            best = SymmetricScore { total, radius };
+        }
+    }
+    (best, comparer)
+}
+
+/// Score of each frame at a radius, pixels; at that of [`symmetric_score`] it sums to its total.
+pub fn score_by_frame(views: &Views, f: &Fundamental, radius: f64) -> Vec<f64> {
+    let sign_radius = SIGN_RADIUS * views.pixel_scale();
+    let of = |comparer: &mut Comparer| comparer.pair(0, sign_radius).weigh(radius).per_frame();
+    let (there, back, _) = both_ways(views, f, of);
+    there.iter().zip(&back).map(|(p, q)| 0.5 * (p + q)).collect()
+}
+
+/// Shifts of the clocks that tell what the score is by chance.
+const CHANCE_SHIFTS: usize = 5;
+
+/// Shifts that are even parts of the recording.
+fn chance_shifts(frames: usize) -> [usize; CHANCE_SHIFTS] {
+    std::array::from_fn(|k| (k + 1) * frames / (CHANCE_SHIFTS + 1))
+}
+
+/// Mean score at `radius` with the clocks shifted, not below nought.
+///
+/// The score's own model of chance takes moments as independent; where the same places are busy all the time
+/// a wrong geometry may beat it, and does so at every shift.
+pub fn chance_level(comparer: &mut Comparer, frames: usize, radius: f64) -> f64 {
+    let shifts = chance_shifts(frames).into_iter();
+    let sum: f64 = shifts.map(|shift| comparer.pair(shift, radius).weigh(radius).score().total()).sum();
+    (sum / CHANCE_SHIFTS as f64).max(0.0)
+}
+
+/// Scores of tops and of bottoms from A to B, less those of chance where positive, at the radius that suits the masks.
+pub fn class_scores(views: &Views, f: &Fundamental) -> [f64; 2] {
+    let (weighed, mut comparer) = symmetric_score_with(views, f);
+    let mut at = |shift: usize, radius: f64| {
+        let score = comparer.pair(shift, radius).weigh(weighed.radius).score();
+        [score.tops.excess, score.bottoms.excess]
+    };
+    let own = at(0, SIGN_RADIUS * views.pixel_scale());
+    let chance = chance_shifts(views.frames()).map(|shift| at(shift, weighed.radius));
+    let mean = |class: usize| (chance.iter().map(|c| c[class]).sum::<f64>() / CHANCE_SHIFTS as f64).max(0.0);
+    [own[0] - mean(0), own[1] - mean(1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Matrix3, Rotation3, Vector3};
+    use rand::RngExt;
+
+    use super::*;
+    use crate::frontier::views::View;
+    use crate::image::ImageSize;
+    use crate::random::generator;
+    use crate::recording::FramePair;
+
+    /// Walkers 1.7 m tall on a floor 3 m below two cameras; returns the views, the rotation and the translation from A to B.
+    fn walkers(camera: &Matrix3<f64>, size: ImageSize) -> (Views, Rotation3<f64>, Vector3<f64>) {
+        let rotation = Rotation3::from_euler_angles(0.0, -1.2, 0.0);
+        let translation = Vector3::new(6.0, 0.0, 5.0);
+        let mut random = generator(5, 0);
+        let mut frames: [Vec<Vec<Vec<[f64; 2]>>>; 2] = [Vec::new(), Vec::new()];
+        for _ in 0..200 {
+            let mut seen: [Vec<Vec<[f64; 2]>>; 2] = [Vec::new(), Vec::new()];
+            for _ in 0..3 {
+                let foot = Vector3::new(random.random_range(-2.5..2.5), 3.0, random.random_range(5.0..10.0));
+                for (view, hulls) in seen.iter_mut().enumerate() {
+                    let pixel = |up: f64| {
+                        let world = foot - Vector3::new(0.0, up, 0.0);
+                        let p = camera * if view == 0 { world } else { rotation * world + translation };
+                        [p.x / p.z, p.y / p.z]
+                    };
+                    let ([x, low], [_, middle], [_, high]) = (pixel(0.0), pixel(0.9), pixel(1.7));
+                    let half = 0.15 * (low - high);
+                    hulls.push(vec![[x, high], [x + half, middle], [x, low], [x - half, middle]]);
+                }
+            }
+            for (all, seen) in frames.iter_mut().zip(seen) {
+                all.push(seen);
+            }
+        }
+        let [a, b] = frames.map(|frames| View::made_up(size, &frames));
+        let views = Views::of(a, b, (0..200).map(|k| FramePair { a: k, b: k }).collect());
+        (views, rotation, translation)
+    }
+
+    #[test]
+    fn the_floor_with_a_wrong_epipole_has_one_class_alone() {
+        let size = ImageSize::new(640, 480).unwrap();
+        let camera = Matrix3::new(400.0, 0.0, 320.0, 0.0, 400.0, 240.0, 0.0, 0.0, 1.0);
+        let (views, rotation, translation) = walkers(&camera, size);
+        let inverse = camera.try_inverse().unwrap();
+        let of = |m: Matrix3<f64>| Fundamental::from_matrix(&m, size, size).unwrap();
+        let truth = of(inverse.transpose() * translation.cross_matrix() * rotation.matrix() * inverse);
+        // The floor is y = 3: X ↦ R X + t nᵀX / 3 with n = (0, 1, 0).
+        let floor = camera * (rotation.matrix() + translation * Vector3::y().transpose() / 3.0) * inverse;
+        let wrong = of(Vector3::new(900.0, -700.0, 1.0).cross_matrix() * floor);
+
+        let [tops, bottoms] = class_scores(&views, &truth);
+        assert!(tops > 0.5 * bottoms && bottoms > 0.5 * tops, "{tops} {bottoms}");
+        let [tops, bottoms] = class_scores(&views, &wrong);
+        assert!(bottoms > 100.0 && tops < 0.1 * bottoms, "{tops} {bottoms}");
+        assert!(symmetric_score(&views, &truth).total > symmetric_score(&views, &wrong).total);
+    }
+}

@@ -1,0 +1,252 @@
+//! Silhouettes of two cameras on one time line, ready for epipolar tangents.
+
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::edges::Edges;
+use super::up::Up;
+use crate::geometry::{CameraMatrices, TangentPoint, epipolar_tangents};
+use crate::image::{Homogeneous, ImageSize};
+use crate::recording::{FramePair, Recording, visible};
+
+/// Hulls of one camera, frame by frame, vertices as floating point.
+#[derive(Debug, Clone)]
+pub struct View {
+    /// Size of the image.
+    pub size: ImageSize,
+    /// Where up is in the image, unit length: what tops and bottoms refer to.
+    pub up: [f64; 2],
+    /// For each frame its first hull, and the number of hulls as the last entry.
+    frame_start: Vec<u32>,
+    /// For each hull its first vertex, and the number of vertices as the last entry.
+    hull_start: Vec<u32>,
+    /// Vertices, pixels.
+    vertices: Vec<[f64; 2]>,
+    /// Vertices again, NaN where the view ends.
+    touchable: Vec<[f64; 2]>,
+    edges: Edges,
+    /// For each pixel 0 where nothing is seen to move; `None` where all is visible.
+    visible: Option<Arc<[u8]>>,
+}
+
+impl View {
+    /// From the hulls of each frame, each of at least three vertices.
+    fn new<'h>(
+        size: ImageSize,
+        visible: Option<&Arc<[u8]>>,
+        frames: impl Iterator<Item = Vec<Cow<'h, [[f64; 2]]>>>,
+    ) -> Self {
+        let mut view = Self {
+            size,
+            up: Up::IMAGE.direction,
+            frame_start: vec![0],
+            hull_start: vec![0],
+            vertices: Vec::new(),
+            touchable: Vec::new(),
+            edges: Edges::default(),
+            visible: visible.cloned(),
+        };
+        for hulls in frames {
+            for hull in hulls {
+                let cut = |p: &[f64; 2]| visible::on_border(view.size, view.visible.as_deref(), *p);
+                view.touchable.extend(hull.iter().map(|p| if cut(p) { [f64::NAN; 2] } else { *p }));
+                view.edges.push(&hull);
+                view.vertices.extend_from_slice(&hull);
+                view.hull_start.push(view.vertices.len() as u32);
+            }
+            view.frame_start.push((view.hull_start.len() - 1) as u32);
+        }
+        view
+    }
+
+    /// The frames of a recording.
+    fn of_frames(recording: &Recording, frames: impl Iterator<Item = u32>) -> Self {
+        let silhouettes = &recording.silhouettes;
+        let hulls = |frame: u32| {
+            let all = silhouettes.hulls(frame as usize).map(|hull| silhouettes.hull(hull));
+            let areas = all.filter(|points| points.len() >= 3);
+            areas.map(|points| points.iter().map(|p| p.map(f64::from)).collect()).collect()
+        };
+        Self::new(recording.size, recording.visible.as_ref(), frames.map(hulls))
+    }
+
+    /// Some of the frames.
+    fn chosen(&self, frames: &[usize]) -> Self {
+        let hulls = |&frame: &usize| self.hulls_of(frame).map(Cow::Borrowed).collect();
+        let frames = frames.iter().map(hulls);
+        Self { up: self.up, ..Self::new(self.size, self.visible.as_ref(), frames) }
+    }
+
+    /// Hulls made up by a test.
+    #[cfg(test)]
+    pub(crate) fn made_up(size: ImageSize, frames: &[Vec<Vec<[f64; 2]>>]) -> Self {
+        let hulls = |hulls: &Vec<Vec<[f64; 2]>>| hulls.iter().map(|h| Cow::Owned(h.clone())).collect();
+        Self::new(size, None, frames.iter().map(hulls))
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.frame_start.len() - 1
+    }
+
+    /// Number of hulls in all frames.
+    pub fn hulls(&self) -> usize {
+        self.hull_start.len() - 1
+    }
+
+    /// Hulls of a frame, each a polygon of at least three vertices.
+    pub fn hulls_of(&self, frame: usize) -> impl Iterator<Item = &[[f64; 2]]> {
+        (self.frame_start[frame]..self.frame_start[frame + 1]).map(|h| {
+            &self.vertices[self.hull_start[h as usize] as usize..self.hull_start[h as usize + 1] as usize]
+        })
+    }
+
+    /// Whether a vertex lies where a silhouette ends because the view does: on the image border, or at the edge of
+    /// what is visible.
+    pub fn on_border(&self, p: [f64; 2]) -> bool {
+        visible::on_border(self.size, self.visible.as_deref(), p)
+    }
+
+    /// Indices of the hulls of a frame.
+    pub(super) fn hull_indices(&self, frame: usize) -> Range<usize> {
+        self.frame_start[frame] as usize..self.frame_start[frame + 1] as usize
+    }
+
+    /// For each edge of all hulls 1 where it turns its positive side to the epipole.
+    #[inline(always)]
+    pub(super) fn edges_facing(&self, epipole: &Homogeneous, sides: &mut Vec<u8>) {
+        self.edges.facing(epipole, sides);
+    }
+
+    /// The vertices of a hull where lines from the epipole touch it, as [`epipolar_tangents`] finds them: with the hull
+    /// on the positive side, and on the negative. `sides` are those of [`View::edges_facing`] the same epipole.
+    #[inline(always)]
+    pub(super) fn turns(&self, hull: usize, sides: &[u8], epipole: &Homogeneous) -> Option<[usize; 2]> {
+        let first = self.hull_start[hull] as usize;
+        let count = self.hull_start[hull + 1] as usize - first;
+        if count <= Edges::MOST {
+            return self.edges.turns(hull, count, sides).map(|turns| turns.map(|i| first + i));
+        }
+        let vertices = &self.vertices[first..first + count];
+        let tangents = epipolar_tangents(vertices, epipole)?;
+        let index = |t: TangentPoint| vertices.iter().position(|v| *v == t.point);
+        Some([first + index(tangents[0])?, first + index(tangents[1])?])
+    }
+
+    /// A vertex, NaN where the view ends ([`View::on_border`]).
+    pub(super) fn touchable(&self, i: usize) -> [f64; 2] {
+        self.touchable[i]
+    }
+}
+
+/// Two views whose frame `i` is one moment.
+#[derive(Debug, Clone)]
+pub struct Views {
+    /// Camera A.
+    pub a: View,
+    /// Camera B.
+    pub b: View,
+    /// Frames of both recordings for each common frame.
+    pub frame_pairs: Vec<FramePair>,
+    /// It is known which end of what moves is up in both images, so that a top of A is a top of B.
+    pub upright: bool,
+    /// The camera matrices, where both are known.
+    pub cameras: Option<CameraMatrices>,
+}
+
+impl Views {
+    /// Two views of as many frames, of cameras that are the right way up and whose matrices are not known.
+    pub(crate) fn of(a: View, b: View, frame_pairs: Vec<FramePair>) -> Self {
+        Self { a, b, frame_pairs, upright: true, cameras: None }
+    }
+
+    /// Both recordings at the given pairs of frames.
+    ///
+    /// # Panics
+    /// If a frame is beyond its recording.
+    pub fn new(a: &Recording, b: &Recording, frame_pairs: &[FramePair]) -> Self {
+        let (a, b) = rayon::join(
+            || View::of_frames(a, frame_pairs.iter().map(|p| p.a)),
+            || View::of_frames(b, frame_pairs.iter().map(|p| p.b)),
+        );
+        Self::of(a, b, frame_pairs.to_vec())
+    }
+
+    /// [`Views::new`] with the hulls of B at the moment of each frame of A drawn by `hulls_of_b`.
+    pub(crate) fn with_hulls_of_b(
+        a: &Recording,
+        b: &Recording,
+        frame_pairs: &[FramePair],
+        hulls_of_b: impl Fn(u32) -> Vec<Vec<[f64; 2]>> + Sync,
+    ) -> Self {
+        let (a, drawn) = rayon::join(
+            || View::of_frames(a, frame_pairs.iter().map(|p| p.a)),
+            || frame_pairs.par_iter().map(|p| hulls_of_b(p.a)).collect::<Vec<_>>(),
+        );
+        let drawn = drawn.into_iter().map(|hulls| hulls.into_iter().map(Cow::Owned).collect());
+        let b = View::new(b.size, b.visible.as_ref(), drawn);
+        Self::of(a, b, frame_pairs.to_vec())
+    }
+
+    /// These views with up as it was found in A and in B.
+    #[must_use]
+    pub fn with_up(mut self, [a, b]: [Up; 2]) -> Self {
+        (self.a.up, self.b.up) = (a.direction, b.direction);
+        self.with_upright(a.known && b.known)
+    }
+
+    /// These views of cameras that are, or are not known to be, the right way up.
+    #[must_use]
+    pub fn with_upright(self, upright: bool) -> Self {
+        Self { upright, ..self }
+    }
+
+    /// These views with known camera matrices.
+    #[must_use]
+    pub fn with_cameras(self, cameras: Option<CameraMatrices>) -> Self {
+        Self { cameras, ..self }
+    }
+
+    /// Some of the frames, by index.
+    ///
+    /// # Panics
+    /// If a frame is not there.
+    #[must_use]
+    pub fn chosen(&self, frames: &[usize]) -> Self {
+        Self {
+            a: self.a.chosen(frames),
+            b: self.b.chosen(frames),
+            frame_pairs: frames.iter().map(|&frame| self.frame_pairs[frame]).collect(),
+            ..*self
+        }
+    }
+
+    /// Number of common frames.
+    pub fn frames(&self) -> usize {
+        self.frame_pairs.len()
+    }
+
+    /// Sizes of both images.
+    pub fn sizes(&self) -> [ImageSize; 2] {
+        [self.a.size, self.b.size]
+    }
+
+    /// Pixels of these images for one of a 640×480 image, whose diagonal is 800: their mean diagonal over that, not below ¼.
+    pub fn pixel_scale(&self) -> f64 {
+        let [a, b] = self.sizes();
+        (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
+    }
+}
+
+/// Those pairs of frames in which both cameras see something move, thinned evenly to at most `limit`.
+pub fn busy_frames(a: &Recording, b: &Recording, frame_pairs: &[FramePair], limit: usize) -> Vec<FramePair> {
+    let moving = |recording: &Recording, frame: u32| !recording.silhouettes.hulls(frame as usize).is_empty();
+    let busy: Vec<_> = frame_pairs.iter().copied().filter(|p| moving(a, p.a) && moving(b, p.b)).collect();
+    if busy.len() <= limit {
+        return busy;
+    }
+    (0..limit).map(|k| busy[k * busy.len() / limit]).collect()
+}

@@ -1,0 +1,31 @@
+//! What the binding, the tests and the measurements of this repository reach into the crate for.
+//!
+//! No part of the public interface: anything in here may change with every version.
+
+pub use crate::clock::{Clock, Clocks, common_frames, find_offset};
+pub use crate::frontier::score::shifted_score;
+pub use crate::frontier::{
+    Class, CommonFrame, FrontierScore, Scorer, TangentMatch, View, Views, busy_frames, compare,
+    frontier_score,
+};
+pub use crate::geometry::seven_parameters::Step;
+pub use crate::geometry::{LinePair, PencilHomography, SevenParameters, area_between, epipolar_tangents};
+pub use crate::hypotheses::floor::find_floors;
+pub use crate::hypotheses::track_model::TrackModel;
+pub use crate::hypotheses::tracks::tracks;
+pub use crate::hypotheses::{Estimator, LineModel, ransac};
+pub use crate::matching::{
+    Candidate, CandidateOptions, Candidates, Match, MotionLineOptions, correlation, find_candidates,
+    motion_lines, mutual_matches,
+};
+pub use crate::random::generator;
+pub use crate::recording::barcode::barcodes_of_segments;
+pub use crate::recording::block::{BLOCK_FRAMES, PixelBlock};
+pub use crate::recording::components::Components;
+pub use crate::recording::hull::convex_hull;
+pub use crate::recording::sampling::border_segments;
+pub use crate::recording::traversal;
+pub use crate::recording::{FramePair, Informative};
+pub use crate::refine::refine;
+pub use crate::verify::planarity::plane_residual;
+pub use crate::verify::shift_curve::{HeldOut, normal_deviate, shift_curve};

@@ -1,0 +1,14 @@
+//! Refinement of `F` on tangents that meet.
+//!
+//! [`sampson`] is the cost of tangents that meet and [`essential`] the prior of known camera matrices; [`least_squares`]
+//! minimises over the seven parameters, [`polish`] does so while the radius shrinks, and [`valley`] walks on along what the
+//! tangents leave open.
+
+pub mod essential;
+pub mod least_squares;
+pub mod polish;
+pub mod sampson;
+pub mod valley;
+
+pub use polish::{polish, refine, touch_up};
+pub use sampson::residual_rows;

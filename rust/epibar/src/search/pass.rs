@@ -1,0 +1,95 @@
+//! One pass of the search: from hypotheses to solutions.
+
+use super::contest::contest;
+use super::ground::Ground;
+use super::perturb::perturbed;
+use super::solution::Solution;
+use super::starts::{Starts, with_refined};
+use crate::Result;
+use crate::hypotheses::Hypothesis;
+use crate::refine::valley::walk;
+use crate::watch::{Stage, Watch, report};
+
+/// How widely is looked around what hypotheses gave.
+struct Breadth {
+    /// Solutions that are kept while others are sought.
+    kept: usize,
+    /// How many of the best solutions are perturbed in a round.
+    perturbed: usize,
+    /// How many of the best solutions are walked from.
+    walked: usize,
+    /// A solution is not walked from with less than this share of the best one's score.
+    worth_walking: f64,
+}
+
+/// Where one geometry stands out among those found first.
+const USUAL: Breadth = Breadth { kept: 16, perturbed: 6, walked: 3, worth_walking: 0.7 };
+/// Where none does: the truth may be none of them.
+const WIDE: Breadth = Breadth { kept: 40, perturbed: 16, walked: 12, worth_walking: 0.5 };
+/// Times as many starts as the options say are refined there.
+const WIDE_STARTS: usize = 3;
+/// Share of the best one's score from which on another geometry contests it.
+const CONTESTING: f64 = 0.7;
+/// Share of the best one's score below which it is clear.
+const CLEAR: f64 = 0.5;
+/// Pixels, of a 640×480 image, by which starts differ.
+const STARTS_APART: f64 = 4.0;
+/// Radii of refinement, pixels of a 640×480 image: of starts, and of perturbed solutions.
+const SCHEDULES: [&[f64]; 2] = [&[16.0, 8.0, 4.0], &[6.0, 3.0]];
+const PERTURBED_SCHEDULES: [&[f64]; 2] = [&[8.0, 4.0], &[3.0]];
+/// Solutions that a pass ends with.
+const KEPT: usize = 12;
+
+/// From hypotheses to solutions, those known before among them.
+pub(super) fn pass(
+    ground: &Ground,
+    known: Vec<Solution>,
+    scored: &[Hypothesis],
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Solution>> {
+    let options = &ground.options;
+    report(watch, Stage::Refine, 0.0)?;
+    let mut breadth = &USUAL;
+    let mut starts =
+        Starts::new(ground, scored, options.own_starts, options.starts, STARTS_APART * ground.scale);
+    let mut solutions = with_refined(ground, known, &starts.from(0), &SCHEDULES, breadth.kept);
+    if contest(ground, &solutions) > CONTESTING {
+        breadth = &WIDE;
+        report(watch, Stage::Refine, 0.3)?;
+        let refined = starts.len();
+        starts.add(scored.iter(), (WIDE_STARTS * options.starts).saturating_sub(refined));
+        solutions = with_refined(ground, solutions, &starts.from(refined), &SCHEDULES, breadth.kept);
+    }
+    for round in 0..options.restarts {
+        if contest(ground, &solutions) < CLEAR {
+            break;
+        }
+        report(watch, Stage::Restart, round as f64 / options.restarts as f64)?;
+        let mut moved = Vec::new();
+        for (k, solution) in solutions.iter().take(breadth.perturbed).enumerate() {
+            moved.extend(perturbed(ground, solution, seed.wrapping_add((round * 100 + k) as u64)));
+        }
+        solutions = with_refined(ground, solutions, &moved, &PERTURBED_SCHEDULES, breadth.kept);
+    }
+    walked(ground, &solutions, breadth, watch)
+}
+
+/// Walks on from those that could win, on the frames that compare. What was visited stays as rivals.
+fn walked(
+    ground: &Ground,
+    solutions: &[Solution],
+    breadth: &Breadth,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Solution>> {
+    let mut all = solutions.to_vec();
+    for (k, start) in solutions.iter().take(breadth.walked).enumerate() {
+        report(watch, Stage::Explore, k as f64 / breadth.walked as f64)?;
+        if start.score < breadth.worth_walking * solutions[0].score {
+            break;
+        }
+        let visited = walk(&ground.comparing, &start.fundamental, start.score, start.chance);
+        all.extend(visited.into_iter().map(|(fundamental, score)| Solution { fundamental, score, ..*start }));
+    }
+    Ok(ground.distinct(all, ground.scale, KEPT))
+}

@@ -1,0 +1,52 @@
+//! The last refinement, on all frames.
+
+use rayon::prelude::*;
+
+use super::ground::Ground;
+use super::solution::{Found, Searched, Solution};
+use crate::Result;
+use crate::frontier::Views;
+use crate::geometry::Fundamental;
+use crate::refine::{polish, touch_up};
+use crate::watch::{Stage, Watch, report};
+
+/// A solution with less than this share of the best one's score is no rival to settle.
+const WORTH_SETTLING: f64 = 0.5;
+/// Solutions that differ by less are one, pixels of a 640×480 image.
+const APART: f64 = 0.5;
+/// Solutions that are kept.
+const KEPT: usize = 12;
+
+/// The few that remain, first on the fitted frames alone, for the test, and from there on all frames, for the answer.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn settle(ground: &Ground, all: &Views, searched: Searched, watch: &mut dyn Watch) -> Result<Found> {
+    report(watch, Stage::Settle, 0.0)?;
+    let fitted = refined_on(ground, ground.train, &searched.solutions, polish);
+    report(watch, Stage::Settle, 0.5)?;
+    let mut solutions = refined_on(ground, all, &fitted, touch_up);
+    let polished = |views, solution: Option<&Solution>| solution.map(|s| polish(views, &s.fundamental));
+    let (fitted, winner) =
+        rayon::join(|| polished(ground.train, fitted.first()), || polished(all, solutions.first()));
+    if let (Some(solution), Some(polished)) = (solutions.first_mut(), winner) {
+        solution.fundamental = polished;
+    }
+    Ok(Found { solutions, fitted, floor: searched.floor })
+}
+
+/// The best, each refined on `views` by `refine`.
+fn refined_on(
+    ground: &Ground,
+    views: &Views,
+    solutions: &[Solution],
+    refine: impl Fn(&Views, &Fundamental) -> Fundamental + Sync,
+) -> Vec<Solution> {
+    let best = solutions.first().map_or(0.0, |s| s.score);
+    let finalists: Vec<Solution> = solutions
+        .par_iter()
+        .filter(|s| s.score >= WORTH_SETTLING * best)
+        .filter_map(|s| Solution::new(views, refine(views, &s.fundamental), s.source))
+        .collect();
+    ground.distinct(finalists, APART * ground.scale, KEPT)
+}

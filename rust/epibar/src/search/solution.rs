@@ -1,0 +1,61 @@
+//! What a search finds.
+
+use crate::frontier::symmetric::{SymmetricScore, chance_level, symmetric_score_with};
+use crate::frontier::{Comparer, Views};
+use crate::geometry::Fundamental;
+use crate::hypotheses::Source;
+use crate::hypotheses::floor::Floor;
+
+/// A refined geometry with its score.
+#[derive(Debug, Clone, Copy)]
+pub struct Solution {
+    /// The matrix.
+    pub fundamental: Fundamental,
+    /// Excess over chance of its tangents, at the radius that gives most, less `chance`.
+    pub score: f64,
+    /// That excess with the clocks shifted: what the model of chance missed.
+    pub chance: f64,
+    /// The hypotheses it grew from.
+    pub source: Source,
+}
+
+/// Different geometries, as the fitted frames have them.
+#[derive(Debug, Clone, Default)]
+pub struct Searched {
+    /// Highest score first.
+    pub solutions: Vec<Solution>,
+    /// The plane that many candidates fit, if there is one.
+    pub floor: Option<Floor>,
+}
+
+/// What was found: the answer, what is tested, and rivals.
+#[derive(Debug, Clone, Default)]
+pub struct Found {
+    /// Different geometries, highest score on all frames first.
+    pub solutions: Vec<Solution>,
+    /// The winner of the fitted frames alone, in which those kept aside had no part.
+    pub fitted: Option<Fundamental>,
+    /// The plane that many candidates fit, if there is one.
+    pub floor: Option<Floor>,
+}
+
+impl Solution {
+    /// `f` with its score on `views`; `None` where that is not finite.
+    pub(super) fn new(views: &Views, f: Fundamental, source: Source) -> Option<Self> {
+        let (score, mut comparer) = symmetric_score_with(views, &f);
+        Self::scored(&mut comparer, views, score, f, source)
+    }
+
+    /// `f` with a score that is known; the comparison is from A to B.
+    pub(super) fn scored(
+        comparer: &mut Comparer,
+        views: &Views,
+        found: SymmetricScore,
+        f: Fundamental,
+        source: Source,
+    ) -> Option<Self> {
+        let chance = chance_level(comparer, views.frames(), found.radius);
+        let score = found.total - chance;
+        score.is_finite().then_some(Self { fundamental: f, score, chance, source })
+    }
+}

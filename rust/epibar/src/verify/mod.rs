@@ -1,0 +1,179 @@
+//! Is it true, and how far off may it be?
+//!
+//! [`split`] keeps frames aside, [`shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
+//! gives; [`planarity`] asks whether one plane explains everything, [`rivals`] whether another geometry does as well, and
+//! [`covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
+//! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
+//! [`trials`] takes account of a searched offset.
+
+pub mod covariance;
+pub mod decide;
+pub mod early;
+pub mod error_map;
+pub mod evidence;
+pub mod planarity;
+mod prose;
+pub mod rivals;
+pub mod shift_curve;
+pub mod split;
+pub mod thresholds;
+pub mod trials;
+pub mod verdict;
+
+pub use error_map::{ErrorMap, Uncertainty};
+pub use evidence::Evidence;
+pub use rivals::Rival;
+pub use split::Split;
+pub use verdict::{Kind, Verdict};
+
+use crate::frontier::matches::robust_deviation;
+use crate::frontier::volume::{Correspondence, moving_correspondences};
+use crate::frontier::{TangentMatch, Views, compare};
+use crate::geometry::{Fundamental, SevenParameters};
+use crate::refine::essential::EssentialPrior;
+use crate::search::Found;
+use covariance::{covariance, expected_error, with_prior};
+use decide::{Findings, decide};
+use planarity::plane_residual;
+use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
+use thresholds::{
+    COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, MIN_Z, RIVAL_Z, ROUGH_DEVIATION, SHIFTS,
+};
+
+/// A geometry and what it is tested on.
+pub struct Case<'a> {
+    /// All common frames.
+    pub views: &'a Views,
+    /// All frames in which both cameras see something.
+    pub busy_views: &'a Views,
+    /// Those of them that were fitted to.
+    pub fitted_views: &'a Views,
+    /// Which frames are which.
+    pub split: &'a Split,
+    /// The winner, what is tested, and the rivals.
+    pub found: &'a Found,
+    /// A larger expected error is refused, pixels.
+    pub max_expected_error: f64,
+    /// Frames per second of A; NaN where unknown.
+    pub frame_rate: f64,
+}
+
+/// What the tests gave.
+pub struct Verified {
+    /// Accepted, or why not.
+    pub verdict: Verdict,
+    /// Pixels; NaN where unknown.
+    pub expected_error: f64,
+    /// The numbers behind the verdict.
+    pub evidence: Evidence,
+    /// Scores with the clocks shifted, on frames kept aside.
+    pub curve: ShiftCurve,
+    /// Other geometries.
+    pub rivals: Vec<Rival>,
+    /// Tangents that meet in all frames.
+    pub matches: Vec<TangentMatch>,
+    /// `None` where the matches do not determine it.
+    pub uncertainty: Option<Uncertainty>,
+}
+
+/// Tests a geometry, fitted to all frames.
+pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
+    let views = case.views;
+    let scale = views.pixel_scale();
+    let radius = radius_of(&compare(views, fundamental, 6.0 * scale).matches, scale);
+    let matches = compare(views, fundamental, radius).matches;
+
+    let fitted = case.found.fitted;
+    let (curve, mut evidence) = fitted.map_or_else(Default::default, |f| tested(case, &f, fundamental));
+    evidence.plane_residual = plane_residual(views, &matches);
+    evidence.essential_deviation = views.cameras.map_or(f64::NAN, |k| k.deviation(fundamental));
+
+    let block = block_of(case);
+    let volume = moving_correspondences(views, fundamental, 400);
+    let others = case.found.solutions.get(1..).unwrap_or_default();
+    let (rivals, best_radius) = rivals::rivals(views, fundamental, others, &volume, block);
+    let systematic = systematic_error(&rivals, &matches, best_radius, scale);
+    let (fit_error, uncertainty) = uncertainty(views, fundamental, &matches, &volume, block, systematic);
+    let expected_error = (FIT_FACTOR * fit_error).hypot(systematic);
+
+    let verdict = decide(&Findings {
+        evidence: &evidence,
+        matches: &matches,
+        radius,
+        expected_error,
+        beyond_motion: uncertainty.as_ref().map_or(f64::NAN, Uncertainty::beyond_motion),
+        rivals: &rivals,
+        scale,
+        upright: views.upright,
+        max_expected_error: case.max_expected_error,
+    });
+    Verified { verdict, expected_error, evidence, curve, rivals, matches, uncertainty }
+}
+
+/// The radius follows the masks: three times the deviation of what meets at a generous one.
+fn radius_of(generous: &[TangentMatch], scale: f64) -> f64 {
+    let radius = (3.0 * robust_deviation(generous)).clamp(1.0 * scale, 6.0 * scale);
+    if radius.is_nan() { 3.0 * scale } else { radius }
+}
+
+/// The curve over time shifts, on the frames kept aside, of what the others were fitted with, and its sum. Where one class
+/// stands out little on so few frames, its deviate is taken from all of them.
+fn tested(case: &Case, fitted: &Fundamental, fundamental: &Fundamental) -> (ShiftCurve, Evidence) {
+    let scale = case.busy_views.pixel_scale();
+    let generous = compare(case.fitted_views, fitted, 6.0 * scale).matches;
+    let held_out = HeldOut {
+        views: case.busy_views,
+        fitted: case.fitted_views,
+        tested: &case.split.tested,
+        stay: case.split.gap,
+        radius: radius_of(&generous, scale).max(2.0 * scale),
+    };
+    let curve = shift_curve(&held_out, fitted, SHIFTS);
+    let mut evidence = curve.evidence();
+    if evidence.z >= MIN_Z && evidence.z_tops.min(evidence.z_bottoms) < FAINT_CLASS_Z {
+        let of_all = cross_validated(case.busy_views, fundamental, &held_out, SHIFTS).evidence();
+        (evidence.z_tops, evidence.z_bottoms) = (of_all.z_tops, of_all.z_bottoms);
+    }
+    (curve, evidence)
+}
+
+/// Common frames that share their error: those of a second, in a short recording fewer.
+fn block_of(case: &Case) -> usize {
+    let rate = case.frame_rate;
+    let second = if rate.is_finite() { rate.round().max(1.0) as usize } else { 25 };
+    second.min((case.views.frames() / 12).max(1))
+}
+
+/// Pixels of error that no number of points averages out.
+fn systematic_error(rivals: &[Rival], matches: &[TangentMatch], best_radius: f64, scale: f64) -> f64 {
+    // Solutions that the score cannot tell from the winner are as likely to be the truth as it is.
+    let undecided = rivals.iter().filter(|r| r.z < RIVAL_Z && r.distance.is_finite()).map(|r| r.distance);
+    let of_rivals = undecided.fold(0.0, f64::max);
+    // Outlines that agree only at a wide radius are inconsistent between the views, and what they share of that
+    // does not average out; exact masks still carry the grid of pixels.
+    let rough = robust_deviation(matches);
+    let roughness = if rough.is_nan() { 0.0 } else { rough * rough / (ROUGH_DEVIATION * scale) };
+    let coarseness = (COARSE_SHARE * (best_radius - 1.5 * scale).max(0.0)).hypot(roughness);
+    of_rivals.hypot(coarseness).hypot(GRID_ERROR * scale)
+}
+
+/// The error that the fit expects over the volume, pixels, NaN where it is not known, and what is known of it elsewhere.
+fn uncertainty(
+    views: &Views,
+    fundamental: &Fundamental,
+    matches: &[TangentMatch],
+    volume: &[Correspondence],
+    block: usize,
+    systematic: f64,
+) -> (f64, Option<Uncertainty>) {
+    let Some(at) = SevenParameters::new(fundamental, views.sizes()) else { return (f64::NAN, None) };
+    let of_points = covariance(&at, matches, block);
+    let covariance = of_points.and_then(|of_points| match &views.cameras {
+        Some(cameras) => with_prior(&of_points, &EssentialPrior(cameras).information(&at)),
+        None => Some(of_points),
+    });
+    let Some(covariance) = covariance else { return (f64::NAN, None) };
+    let fit_error = expected_error(&at, &covariance, volume);
+    let covariance = covariance * FIT_FACTOR * FIT_FACTOR;
+    (fit_error, Some(Uncertainty { at, covariance, systematic }))
+}

@@ -1,0 +1,101 @@
+//! The sentences of verdicts.
+
+use super::decide::Findings;
+use super::rivals::Rival;
+use super::thresholds::{MIN_Z, SOME_Z};
+
+/// How much suggests something, as a sentence begins.
+fn suggestion(z: f64) -> &'static str {
+    if z < SOME_Z { "Nothing suggests" } else { "Too little suggests" }
+}
+
+/// A number that is too small must be too small as printed as well.
+fn not_rounded_up(z: f64) -> f64 {
+    (10.0 * z).floor() / 10.0
+}
+
+pub(super) fn accepted(f: &Findings) -> String {
+    format!(
+        "{} matched outline points, {:.0} % of all in camera A, agree to {:.1} px; on frames kept aside the \
+         geometry stands {:.0} standard deviations above chance, and the expected error is {:.2} px.",
+        f.matches.len(),
+        100.0 * f.evidence.explained,
+        f.radius,
+        f.evidence.z,
+        f.expected_error,
+    )
+}
+
+pub(super) fn faint(z: f64) -> String {
+    format!(
+        "{} that the two cameras see the same moving things at the same time: on frames kept \
+         aside the geometry stands {:.1} standard deviations above its own score with the clocks shifted, and {MIN_Z:.0} \
+         are needed.",
+        suggestion(z),
+        not_rounded_up(z)
+    )
+}
+
+pub(super) fn faint_for_trials(z: f64, trials: usize) -> String {
+    format!(
+        "{} that the two cameras see the same moving things: the best of {trials} time offsets stands \
+         {:.1} standard deviations above chance when their number is allowed for, and {MIN_Z:.0} are needed; more \
+         motion, or a search among fewer, may do.",
+        suggestion(z),
+        not_rounded_up(z)
+    )
+}
+
+pub(super) fn unexplained(explained: f64) -> String {
+    format!(
+        "Only {:.0} % of the outlines' tangents in camera A meet one in camera B, too few to be the geometry of \
+         the scene.",
+        100.0 * explained
+    )
+}
+
+pub(super) fn one_class(tops: bool) -> String {
+    let which = if tops { "upper" } else { "lower" };
+    format!(
+        "The motion leaves the geometry undetermined: the {which} edges of what moves match no better than \
+         chance, so only part of the geometry is supported."
+    )
+}
+
+pub(super) fn few_places(places: usize) -> String {
+    format!(
+        "The motion leaves the geometry undetermined: whatever moves does so at the same {places} places, and many \
+         geometries fit so few."
+    )
+}
+
+pub(super) fn flat(plane_residual: f64) -> String {
+    format!(
+        "The motion leaves the geometry undetermined: everything keeps to one straight path or one plane, or the \
+         cameras stand at one place (most matched points lie within {:.0} % of a silhouette's width of a plane).",
+        100.0 * plane_residual
+    )
+}
+
+pub(super) fn unknown_beyond(beyond: f64) -> String {
+    format!(
+        "The motion leaves the geometry undetermined: it is known where things moved, but in half of an image it \
+         may be {beyond:.0} px off or more, because everything keeps to one path or about one plane."
+    )
+}
+
+pub(super) fn rival(rival: &Rival) -> String {
+    format!(
+        "A different geometry, {:.0} px away, explains the motion nearly as well ({:.0} % of the evidence); more \
+         varied motion would tell them apart.",
+        rival.distance,
+        100.0 * rival.share
+    )
+}
+
+pub(super) fn inaccurate(error: f64, limit: f64) -> String {
+    if error.is_nan() {
+        return "Too few points of the outlines match to say how accurate the geometry is.".into();
+    }
+    format!("The expected error of {error:.1} px is above the limit of {limit:.1} px.")
+}

@@ -1,0 +1,164 @@
+//! Evidence against chance: the score of `F` with the clocks shifted.
+//!
+//! A true `F` scores high at the true time offset and at chance level elsewhere. [`shift_curve`] scores `F` with B's
+//! frames moved against A's, on frames that `F` was not fitted to; [`ShiftCurve::evidence`] sums it up.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::evidence::Evidence;
+use crate::frontier::{Comparer, FrontierScore, Views};
+use crate::geometry::Fundamental;
+use crate::refine::polish;
+
+/// Score of `F` at one shift of B's frames, class by class.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AtShift {
+    /// Frames of shift, cyclic.
+    pub shift: usize,
+    /// The score.
+    pub score: FrontierScore,
+}
+
+/// What a geometry is tested on.
+#[derive(Debug, Clone)]
+pub struct HeldOut<'a> {
+    /// All common frames in which both cameras see something.
+    pub views: &'a Views,
+    /// The frames that the geometry was fitted to.
+    pub fitted: &'a Views,
+    /// Stretches of `views` that it was not fitted to, nor anything near them.
+    pub tested: &'a [Range<usize>],
+    /// For how many frames motion stays where it is; shifts by less say the same as none.
+    pub stay: usize,
+    /// Two tangents meet below this Sampson distance, pixels.
+    pub radius: f64,
+}
+
+/// Scores over time shifts.
+#[derive(Debug, Clone, Default)]
+pub struct ShiftCurve {
+    /// The frames tested, at no shift and then at others.
+    pub scores: Vec<AtShift>,
+    /// As many frames of A elsewhere, at the same shifts but the first.
+    pub elsewhere: Vec<Vec<FrontierScore>>,
+    /// How many of the shifts are independent of one another.
+    pub independent: f64,
+}
+
+/// Scores `f` on the frames tested at no shift and at about `count` others, none within `stay` frames of it.
+///
+/// B's frames move cyclically through the whole recording, not among the tested ones alone: the deviation over shifts is
+/// known no better than there are moments that differ. A frame of B that `f` was fitted to is no more in its favour
+/// beside another frame of A than any other is.
+pub fn shift_curve(held_out: &HeldOut, f: &Fundamental, count: usize) -> ShiftCurve {
+    let HeldOut { views, fitted, tested, stay, radius } = *held_out;
+    let (frames, stay) = (views.frames(), stay.max(1));
+    let span = frames.saturating_sub(2 * stay);
+    let count = count.min(span);
+    let shifts: Vec<usize> = std::iter::once(0).chain((0..count).map(|k| stay + k * span / count)).collect();
+    let length = tested.iter().map(Range::len).max().unwrap_or(0).max(1);
+    let total: usize = tested.iter().map(Range::len).sum();
+    let moved = |by: usize| -> Vec<usize> {
+        tested.iter().flat_map(Clone::clone).map(|i| (i + by) % frames.max(1)).collect()
+    };
+    let sets: Vec<Vec<usize>> = (0..(frames / total.max(1)).max(1)).map(|k| moved(k * length)).collect();
+    // Which of the two maps of rays holds is no choice that the frames tested have.
+    let sign = Comparer::new(fitted, f).sign(0, radius);
+    let scores: Vec<Vec<FrontierScore>> = shifts
+        .par_iter()
+        .map_init(
+            || Comparer::new(views, f),
+            |comparer, &shift| {
+                let mut paired = comparer.pair_by(sign, shift);
+                let found = paired.weigh(radius);
+                sets.iter().map(|set| found.score_of(set)).collect()
+            },
+        )
+        .collect();
+    ShiftCurve {
+        scores: shifts.iter().zip(&scores).map(|(&shift, of)| AtShift { shift, score: of[0] }).collect(),
+        elsewhere: (1..sets.len()).map(|k| scores[1..].iter().map(|of| of[k]).collect()).collect(),
+        independent: span as f64 / (2 * stay) as f64,
+    }
+}
+
+/// Parts into which [`cross_validated`] divides the frames.
+const FOLDS: usize = 5;
+
+/// The curve of all frames: each fifth is tested with what `f` becomes when it is refined on the others.
+///
+/// Five times the frames of a test apart, for what is too faint there. `f` itself was chosen on all frames, so this is less
+/// strict than [`shift_curve`]: it is for parts of the evidence of a geometry that passed the test.
+pub fn cross_validated(views: &Views, f: &Fundamental, held_out: &HeldOut, count: usize) -> ShiftCurve {
+    let n = views.frames();
+    let mut whole = ShiftCurve::default();
+    for fold in 0..FOLDS {
+        let tested = fold * n / FOLDS..(fold + 1) * n / FOLDS;
+        let apart = |i: &usize| i + held_out.stay < tested.start || *i >= tested.end + held_out.stay;
+        let fitted = views.chosen(&(0..n).filter(apart).collect::<Vec<_>>());
+        let refined = polish(&fitted, f);
+        let of = HeldOut { views, fitted: &fitted, tested: std::slice::from_ref(&tested), ..*held_out };
+        let curve = shift_curve(&of, &refined, count);
+        if whole.scores.is_empty() {
+            whole = ShiftCurve { elsewhere: Vec::new(), ..curve };
+        } else {
+            whole.scores.iter_mut().zip(&curve.scores).for_each(|(sum, part)| sum.score += part.score);
+        }
+    }
+    whole
+}
+
+/// Fewest shifts from which a deviation is taken.
+const MIN_SHIFTS: usize = 8;
+/// The floor of the deviation is that of a handful of counts: a curve without any chance matches is no proof.
+const MIN_DEVIATION: f64 = 3.0;
+
+fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    (mean, values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0))
+}
+
+/// The normal deviate that is as unlikely as Student's `t` with `freedom` degrees of freedom (Wallace 1959).
+pub fn normal_deviate(t: f64, freedom: f64) -> f64 {
+    let (nu, sign) = (freedom, t.signum());
+    sign * (8.0 * nu + 1.0) / (8.0 * nu + 3.0) * (nu * (t * t / nu).ln_1p()).sqrt()
+}
+
+impl ShiftCurve {
+    /// How unlikely it is by chance that `of` is as large as at no shift, as a normal deviate; 0 where there are too few
+    /// shifts to say.
+    ///
+    /// The mean is that of the frames tested. Their deviation is that of few independent shifts, so that of as many
+    /// frames elsewhere is taken with it, and the larger of the two counts.
+    fn deviate(&self, of: &dyn Fn(&FrontierScore) -> f64) -> f64 {
+        let Some((first, rest)) = self.scores.split_first() else { return 0.0 };
+        let freedom = (self.independent - 1.0) * (1 + self.elsewhere.len()) as f64;
+        if rest.len() < MIN_SHIFTS || freedom < 1.0 {
+            return 0.0;
+        }
+        let (mean, own) = mean_and_variance(rest.iter().map(|s| of(&s.score)));
+        let others = self.elsewhere.iter().map(|scores| mean_and_variance(scores.iter().map(of)).1);
+        let pooled = (own + others.sum::<f64>()) / (1 + self.elsewhere.len()) as f64;
+        let deviation = own.max(pooled).sqrt().max(MIN_DEVIATION);
+        // The mean itself is uncertain.
+        let t = (of(&first.score) - mean) / (deviation * (1.0 + 1.0 / self.independent).sqrt());
+        normal_deviate(t, freedom)
+    }
+
+    /// Standard scores of what is found at no shift.
+    pub fn evidence(&self) -> Evidence {
+        let Some((first, rest)) = self.scores.split_first() else { return Evidence::default() };
+        let share = |s: &FrontierScore| s.matches() as f64 / (s.tangents().max(1)) as f64;
+        Evidence {
+            z: self.deviate(&FrontierScore::total),
+            z_tops: self.deviate(&|s| s.tops.excess),
+            z_bottoms: self.deviate(&|s| s.bottoms.excess),
+            explained: share(&first.score),
+            explained_by_chance: rest.iter().map(|s| share(&s.score)).sum::<f64>() / rest.len().max(1) as f64,
+            ..Evidence::default()
+        }
+    }
+}

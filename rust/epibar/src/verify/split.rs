@@ -1,0 +1,161 @@
+//! Which frames are fitted to, which test the fit, and which lie between.
+//!
+//! Who walks where the fitted frames end walks on into the next ones, so that a geometry which fits the former by
+//! chance fits the latter for a while as well. A gap of the time for which motion stays where it is keeps the two apart:
+//! its frames belong to neither.
+
+use std::ops::Range;
+
+use crate::recording::{Barcodes, FramePair, Informative, Recording};
+
+/// Share of the frames that test.
+const TESTED: f64 = 0.2;
+/// Stretches of frames that test, where the recording is long enough for the gaps between them.
+const STRETCHES: usize = 3;
+/// Largest share of the frames in all gaps together; a single gap may take as much where motion is slower than that.
+const GAPS: f64 = 0.15;
+
+/// Common frames, divided.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Split {
+    /// Common frames that may be fitted to.
+    pub fitted: Vec<FramePair>,
+    /// Those of them in which both cameras see something.
+    pub fitted_busy: Vec<FramePair>,
+    /// Stretches of the busy frames that test.
+    pub tested: Vec<Range<usize>>,
+    /// Common frames that at least lie between a fitted frame and a tested one.
+    pub gap: usize,
+}
+
+impl Split {
+    /// Divides `common` frames, of which `busy` are some, in the same order. `stay`: for how many frames motion stays.
+    pub fn new(common: &[FramePair], busy: &[FramePair], stay: usize) -> Self {
+        let (n, most) = (busy.len(), (GAPS * common.len() as f64) as usize);
+        let gap = stay.clamp(1, most.max(1));
+        // The last stretch ends the recording, so that k stretches have 2k − 1 seams.
+        let stretches = (1..=STRETCHES).rev().find(|k| (2 * k - 1) * gap <= most).unwrap_or(1);
+        let length = (TESTED * n as f64 / stretches as f64) as usize;
+        let ends = (1..=stretches).map(|k| k * n / stretches);
+        let tested: Vec<_> = ends.map(|end| end - length..end).filter(|r| !r.is_empty()).collect();
+        // By place among the common frames: where no frame is busy time passes as well.
+        let place = |i: usize| common.partition_point(|p| p.a < busy[i].a);
+        let closed: Vec<_> = tested.iter().map(|r| (place(r.start), place(r.end - 1))).collect();
+        let free = |&i: &usize| closed.iter().all(|&(first, last)| i + gap < first || i > last + gap);
+        let fitted: Vec<_> = (0..common.len()).filter(free).map(|i| common[i]).collect();
+        let fitted_busy = busy.iter().copied().filter(|p| fitted.binary_search(p).is_ok()).collect();
+        Self { fitted, fitted_busy, tested, gap }
+    }
+}
+
+/// Lines of each camera that say how long motion stays.
+const LINES: usize = 300;
+/// Motion has left where barcodes correlate with their own past by less than this.
+const LEFT: f64 = 0.2;
+
+/// For how many of these frames motion stays where it is: the time after which the barcodes of either camera no longer
+/// resemble themselves.
+pub fn stay(a: &Recording, b: &Recording, common: &[FramePair]) -> usize {
+    let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = common.iter().map(|p| (p.a, p.b)).unzip();
+    stay_in(a, &frames_a).max(stay_in(b, &frames_b))
+}
+
+fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
+    let barcodes = &recording.barcodes;
+    let thinned: Vec<u32> = {
+        let rows = barcodes.informative(&Informative::default());
+        let step = rows.len().div_ceil(LINES).max(1);
+        rows.into_iter().step_by(step).collect()
+    };
+    let barcodes = barcodes.select_rows(&thinned).select_frames(frames);
+    let most = frames.len() / 2;
+    (1..most).find(|&lag| autocorrelation(&barcodes, lag) < LEFT).unwrap_or(most)
+}
+
+/// Correlation of all barcodes with themselves `lag` frames later, about the mean of each; 0 where nothing changes.
+fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
+    let n = (barcodes.frames - lag) as f64;
+    let (mut covariance, mut variance) = (0.0, 0.0);
+    for i in 0..barcodes.count {
+        let row = barcodes.row(i);
+        let later = |k: usize| {
+            let (word, bit) = ((k * 64 + lag) / 64, lag % 64);
+            let low = row.get(word).map_or(0, |w| w >> bit);
+            let high = if bit == 0 { 0 } else { row.get(word + 1).map_or(0, |w| w << (64 - bit)) };
+            low | high
+        };
+        // Beyond the last frame all bits are nought, so that nothing is counted twice.
+        let common: u32 = (0..row.len()).map(|k| (row[k] & later(k)).count_ones()).sum();
+        let mean = f64::from(barcodes.ones(i)) / barcodes.frames as f64;
+        covariance += f64::from(common) / n - mean * mean;
+        variance += mean * (1.0 - mean);
+    }
+    if variance > 0.0 { covariance / variance } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pairs(frames: impl Iterator<Item = u32>) -> Vec<FramePair> {
+        frames.map(|i| FramePair { a: i, b: i + 7 }).collect()
+    }
+
+    #[test]
+    fn no_tested_frame_is_near_a_fitted_one() {
+        for (frames, stay) in [(16, 30), (60, 1), (240, 8), (400, 20), (400, 90), (800, 20), (5000, 25)] {
+            let common = pairs(0..frames);
+            // Nobody is there for a while, and now and then.
+            let busy = pairs((0..frames).filter(|i| i % 11 != 3 && !(frames / 5..frames / 4).contains(i)));
+            let split = Split::new(&common, &busy, stay);
+            let tested: Vec<u32> = split.tested.iter().flat_map(Clone::clone).map(|i| busy[i].a).collect();
+            let gap = split.gap as u32;
+            assert!(
+                gap >= 1 && (gap as usize == stay || stay * 8 > frames as usize),
+                "{frames} {stay}: {gap}"
+            );
+            for &FramePair { a: fitted, .. } in &split.fitted {
+                assert!(tested.iter().all(|t| t.abs_diff(fitted) > gap), "{frames} {stay}: {fitted}");
+            }
+            assert!(split.fitted_busy.iter().all(|p| busy.contains(p) && split.fitted.contains(p)));
+            let [tested, fitted] =
+                [tested.len(), split.fitted_busy.len()].map(|n| n as f64 / busy.len() as f64);
+            assert!((0.14..0.21).contains(&tested), "{frames} {stay}: {tested}");
+            assert!((0.6..0.8).contains(&fitted), "{frames} {stay}: {fitted}");
+        }
+        // Longer recordings have room for more gaps.
+        let stretches = |frames| {
+            let common = pairs(0..frames);
+            Split::new(&common, &common, 20).tested.len()
+        };
+        assert_eq!([300, 500, 2000].map(stretches), [1, 2, 3]);
+    }
+
+    #[test]
+    fn time_passes_where_nobody_is_seen() {
+        // Somebody in the first and in the last frames, and a long time nobody.
+        let common = pairs(0..400);
+        let busy = pairs((0..120).chain(370..400));
+        let split = Split::new(&common, &busy, 30);
+        assert_eq!((split.tested, split.fitted_busy.len()), (vec![Range { start: 120, end: 150 }], 120));
+    }
+
+    #[test]
+    fn autocorrelation_counts_as_one_would() {
+        let on = |line: usize, frame: usize| (frame * frame / (5 + line) + line) % 7 < 3;
+        let (count, frames) = (4, 150);
+        let packed = Barcodes::from_fn(count, frames, on);
+        for lag in [1, 5, 63, 64, 65, 100] {
+            let (mut covariance, mut variance) = (0.0, 0.0);
+            for line in 0..count {
+                let share = |n: usize, of: usize| n as f64 / of as f64;
+                let mean = share((0..frames).filter(|&t| on(line, t)).count(), frames);
+                let both = (0..frames - lag).filter(|&t| on(line, t) && on(line, t + lag)).count();
+                covariance += share(both, frames - lag) - mean * mean;
+                variance += mean * (1.0 - mean);
+            }
+            assert!((autocorrelation(&packed, lag) - covariance / variance).abs() < 1e-12, "{lag}");
+        }
+        assert_eq!(autocorrelation(&Barcodes::from_fn(2, 80, |_, _| true), 3), 0.0);
+    }
+}

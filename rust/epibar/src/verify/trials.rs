@@ -1,0 +1,15 @@
+//! What is left of evidence that is the best of many trials.
+
+use super::evidence::Evidence;
+use super::prose;
+use super::thresholds::MIN_Z;
+use super::verdict::{Kind, Verdict};
+
+/// An offset chosen among many fits by chance as well as the best of so many: the normal deviate is what is left
+/// of it when the chance is multiplied by their number, `exp(−z²/2) · trials`. An accepted geometry may fall by that.
+pub fn account_for_trials(trials: usize, evidence: &mut Evidence, verdict: &mut Verdict) {
+    evidence.z = (evidence.z.max(0.0).powi(2) - 2.0 * (trials as f64).ln()).max(0.0).sqrt();
+    if verdict.accepted() && evidence.z < MIN_Z {
+        *verdict = Verdict::new(Kind::NoCommonScene, prose::faint_for_trials(evidence.z, trials));
+    }
+}

@@ -1,0 +1,81 @@
+//! Seven parameters of a fundamental matrix, and refinement over them.
+
+mod common;
+
+use common::cameras::{error, fundamental, random_pair};
+use common::flying::Scene;
+use common::masks::Random;
+use common::pairs;
+use epibar::internals::{SevenParameters, Step, Views, refine};
+use nalgebra::Matrix3;
+
+/// Norm of the difference of two matrices of norm 1 that may differ in sign.
+fn difference(p: &Matrix3<f64>, q: &Matrix3<f64>) -> f64 {
+    let (p, q) = (p / p.norm(), q / q.norm());
+    (p - q).norm().min((p + q).norm())
+}
+
+#[test]
+fn seven_parameters_there_and_back() {
+    let mut random = Random(31);
+    for _ in 0..300 {
+        let cameras = random_pair(&mut random);
+        let f = fundamental(&cameras[0], &cameras[1]);
+        let parameters = SevenParameters::new(&f, [cameras[0].size, cameras[1].size]).unwrap();
+        let back = parameters.fundamental().unwrap();
+        assert!(error(&back, &cameras) < 1e-7);
+        assert!(difference(f.matrix(), back.matrix()) < 1e-12);
+        assert!(difference(f.matrix(), &parameters.unscaled()) < 1e-12);
+        assert!(f.epipole_a().cross(back.epipole_a()).norm() < 1e-9);
+        assert!(f.epipole_b().cross(back.epipole_b()).norm() < 1e-9);
+        // A step leads to another matrix of rank 2 with matching epipoles.
+        let step = Step::from_fn(|_, _| random.between(-0.1, 0.1));
+        let moved = parameters.stepped(&step).fundamental().unwrap();
+        assert!(difference(f.matrix(), moved.matrix()) > 1e-6);
+        assert!((moved.matrix() * moved.epipole_a()).norm() < 1e-12);
+        assert!((moved.matrix().tr_mul(moved.epipole_b())).norm() < 1e-12);
+    }
+}
+
+#[test]
+fn derivatives_are_those_of_small_steps() {
+    const H: f64 = 1e-6;
+    let mut random = Random(32);
+    for _ in 0..50 {
+        let cameras = random_pair(&mut random);
+        let f = fundamental(&cameras[0], &cameras[1]);
+        let parameters = SevenParameters::new(&f, [cameras[0].size, cameras[1].size]).unwrap();
+        for (k, derivative) in parameters.derivatives().iter().enumerate() {
+            let mut step = Step::zeros();
+            step[k] = H;
+            let plus = parameters.stepped(&step).unscaled();
+            let minus = parameters.stepped(&-step).unscaled();
+            let numeric = (plus - minus) / (2.0 * H);
+            assert!((derivative - numeric).norm() < 1e-8 * (1.0 + numeric.norm()), "parameter {k}");
+            assert!(numeric.norm() > 1e-6, "parameter {k} moves nothing");
+        }
+    }
+}
+
+#[test]
+fn refinement_leads_back_to_the_true_matrix() {
+    let scene = Scene::new(4, 300, 8);
+    let [a, b] = &scene.recordings(1);
+    let f = &fundamental(&scene.cameras[0], &scene.cameras[1]);
+    let views = Views::new(a, b, &pairs(300));
+    let parameters = SevenParameters::new(f, views.sizes()).unwrap();
+    let mut random = Random(36);
+    let mut worst: f64 = 0.0;
+    for _ in 0..8 {
+        let step = Step::from_fn(|_, _| random.between(-0.012, 0.012));
+        let start = parameters.stepped(&step).fundamental().unwrap();
+        worst = worst.max(error(&start, &scene.cameras));
+        let refined = refine(&views, &start, &[12.0, 6.0, 3.0, 1.5], 3).unwrap();
+        let off = error(&refined, &scene.cameras);
+        assert!(off < 0.1, "{off} px from {} px", error(&start, &scene.cameras));
+    }
+    assert!(worst > 2.0, "the starts must be off: {worst} px");
+    // Nothing to refine on.
+    let nothing = Views::new(a, b, &pairs(1));
+    assert!(refine(&nothing, f, &[2.0], 1).is_none());
+}

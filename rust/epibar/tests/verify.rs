@@ -1,0 +1,143 @@
+//! The evidence on frames kept aside: it owes nothing to what was fitted, and its standard score is one; and depth.
+
+mod common;
+
+use common::cameras::{error, fundamental, random_pair};
+use common::flying::Scene;
+use common::masks::Random;
+use common::pairs;
+use epibar::internals::{
+    CandidateOptions, Class, CommonFrame, HeldOut, Informative, TangentMatch, Views, normal_deviate,
+    plane_residual, shift_curve,
+};
+use epibar::{CalibrateOptions, Calibration, Fundamental, Method, Recording, calibrate};
+use nalgebra::Vector3;
+
+const LINES: usize = 4000;
+const FRAMES: usize = 240;
+
+/// With the frames of camera B in a given order.
+fn run(scene: &Scene, a: &Recording, order: &[usize], method: Method) -> Calibration {
+    let moments: Vec<f64> = order.iter().map(|&k| k as f64).collect();
+    let b = scene.record_moments(1, LINES, 25.0, &moments);
+    // What is left of a line's information when frames change places does not depend on the order.
+    let informative = Informative { min_transitions: 0, ..Default::default() };
+    let matching = CandidateOptions { informative, ..Default::default() };
+    let options = CalibrateOptions::new().draws(2500).method(method).matching(matching);
+    calibrate(a, &b, &options).unwrap()
+}
+
+fn bits(f: Option<Fundamental>) -> Vec<u64> {
+    f.unwrap().matrix().iter().map(|v| v.to_bits()).collect()
+}
+
+#[test]
+fn frames_kept_aside_have_no_part_in_what_is_tested() {
+    let scene = Scene::new(5, FRAMES, 1);
+    let a = scene.record(0, LINES);
+    let order: Vec<usize> = (0..FRAMES).collect();
+    // The last frames are tested, however many stretches there are; the first are fitted.
+    let (mut late, mut early) = (order.clone(), order.clone());
+    late[FRAMES - 26..].reverse();
+    early[..26].reverse();
+    for method in [Method::Frontier, Method::Lines] {
+        let as_it_was = run(&scene, &a, &order, method);
+        let tested_changed = run(&scene, &a, &late, method);
+        assert_eq!(bits(as_it_was.tested), bits(tested_changed.tested), "{method:?}");
+        let (before, after) = (as_it_was.shift_curve[0], tested_changed.shift_curve[0]);
+        assert!(after.score < 0.9 * before.score, "{method:?}: they are what it is tested on");
+        let fitted_changed = run(&scene, &a, &early, method);
+        assert_ne!(bits(as_it_was.tested), bits(fitted_changed.tested), "{method:?}");
+        // The answer is that of all frames.
+        assert_ne!(bits(as_it_was.fundamental), bits(as_it_was.tested), "{method:?}");
+        assert_ne!(bits(as_it_was.fundamental), bits(tested_changed.fundamental), "{method:?}");
+    }
+}
+
+#[test]
+fn a_standard_score_is_one() {
+    // Geometries that nobody fitted, before recordings that have nothing to do with each other.
+    let mut random = Random(77);
+    let mut scores = Vec::new();
+    for seed in 0..12 {
+        let frames = 300;
+        let (a, b) = (Scene::new(5, frames, 100 + seed), Scene::new(5, frames, 200 + seed));
+        let pairs = pairs(frames as u32);
+        let (a_recording, b_recording) = (a.record(0, 50), b.record(1, 50));
+        let views = Views::new(&a_recording, &b_recording, &pairs);
+        let fitted = Views::new(&a_recording, &b_recording, &pairs[..110]);
+        let held_out = HeldOut {
+            views: &views,
+            fitted: &fitted,
+            tested: &[120..150, 270..frames],
+            stay: 10,
+            radius: 4.0,
+        };
+        for _ in 0..16 {
+            let [p, q] = random_pair(&mut random);
+            let f = fundamental(&p, &q);
+            let f = Fundamental::from_matrix(f.matrix(), a.cameras[0].size, a.cameras[1].size).unwrap();
+            let curve = shift_curve(&held_out, &f, 60);
+            // Where next to nothing ever meets there is nothing to be mistaken about.
+            let totals: Vec<f64> = curve.scores.iter().skip(1).map(|s| s.score.total()).collect();
+            let spread = totals.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+                - totals.iter().copied().fold(f64::INFINITY, f64::min);
+            if spread > 40.0 {
+                scores.push(curve.evidence().z);
+            }
+        }
+    }
+    let n = scores.len() as f64;
+    let mean = scores.iter().sum::<f64>() / n;
+    let deviation = (scores.iter().map(|z| z * z).sum::<f64>() / n).sqrt();
+    let above_two = scores.iter().filter(|z| **z > 2.0).count();
+    let most = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    println!("mean {mean:.2}, deviation {deviation:.2}, above two {above_two} of {n}, most {most:.2}");
+    assert!(mean.abs() < 0.3 && (0.75..1.25).contains(&deviation), "{mean} {deviation}");
+    assert!(n > 60.0 && above_two as f64 <= 0.06 * n && most < 4.0, "{n} {above_two} {most}");
+}
+
+#[test]
+fn students_t_as_a_normal_deviate() {
+    // Quantiles from tables: one-sided 0.025 and 0.0005.
+    for (t, freedom, expected) in
+        [(12.706, 1.0, 1.960), (2.228, 10.0, 1.960), (4.587, 10.0, 3.2905), (3.646, 30.0, 3.2905)]
+    {
+        let z = normal_deviate(t, freedom);
+        assert!((z / expected - 1.0).abs() < if freedom > 1.0 { 0.01 } else { 0.1 }, "{t} {freedom}: {z}");
+        assert!((normal_deviate(-t, freedom) + z).abs() < 1e-12);
+    }
+    assert!((normal_deviate(5.0, 1e9) - 5.0).abs() < 1e-3);
+}
+
+fn all_frames(a: &Recording, b: &Recording) -> Views {
+    Views::new(a, b, &pairs(a.frames() as u32))
+}
+
+#[test]
+fn a_plane_is_known_from_a_volume() {
+    let scene = Scene::new(4, 60, 3);
+    let [a, b] = scene.recordings(50);
+    let views = all_frames(&a, &b);
+    let f = fundamental(&scene.cameras[0], &scene.cameras[1]);
+    assert!(error(&f, &scene.cameras) < 1e-6);
+    let mut random = Random(5);
+    let mut matched = |depth: f64| -> Vec<TangentMatch> {
+        (0..400)
+            .filter_map(|frame| {
+                let point = Vector3::new(
+                    random.between(-1.5, 1.5),
+                    random.between(-depth, depth),
+                    random.between(0.2, 2.2),
+                );
+                let (a, b) = (scene.cameras[0].see(&point)?, scene.cameras[1].see(&point)?);
+                let frame = CommonFrame(frame);
+                Some(TangentMatch { frame, a, b, distance: 0.0, surprise: 1.0, class: Class::Top })
+            })
+            .collect()
+    };
+    let (path, volume) = (plane_residual(&views, &matched(0.03)), plane_residual(&views, &matched(1.5)));
+    assert!(path < 0.2, "{path}");
+    assert!(volume > 3.0 * path, "{path} {volume}");
+    assert!(plane_residual(&views, &matched(1.5)[..10]).is_infinite());
+}
