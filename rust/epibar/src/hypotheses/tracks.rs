@@ -64,12 +64,14 @@ pub fn tracks(view: &View, continues: impl Fn(usize) -> bool, shortest: usize) -
         }
         let now: Vec<Followed> = view.hulls_of(frame).map(|hull| Followed::new(hull, view.up)).collect();
         let links = predecessors(&before, &now, |p, q| p.outline.overlap(&q.outline), alike);
-        let tracks = links.into_iter().map(|link| match link {
-            Some(previous) => ended[previous],
-            None => {
-                found.push(Track { start: frame, extremes: Vec::new() });
-                found.len() - 1
-            }
+        let tracks = links.into_iter().map(|link| {
+            link.map_or_else(
+                || {
+                    found.push(Track { start: frame, extremes: Vec::new() });
+                    found.len() - 1
+                },
+                |previous| ended[previous],
+            )
         });
         let tracks: Vec<usize> = tracks.collect();
         for (&track, hull) in tracks.iter().zip(view.hulls_of(frame)) {

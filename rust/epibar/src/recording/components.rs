@@ -21,7 +21,7 @@ pub struct Run {
 
 impl Run {
     /// Number of pixels.
-    pub fn pixels(&self) -> usize {
+    pub fn pixels(self) -> usize {
         usize::from(self.x_last - self.x_first) + 1
     }
 }

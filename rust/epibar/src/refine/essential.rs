@@ -22,7 +22,7 @@ impl EssentialPrior<'_> {
     /// Residuals of the constraint, in standard deviations, and their derivatives: the nine entries of
     /// `E Eᵀ E − ½ tr(E Eᵀ) E` for an `E` of unit norm. Where the singular values are nearly equal the norm of them is
     /// `(s₁ − s₂) / (s₁ + s₂)`.
-    fn residuals(&self, at: &SevenParameters) -> (Matrix3<f64>, [Matrix3<f64>; 7]) {
+    fn residuals(self, at: &SevenParameters) -> (Matrix3<f64>, [Matrix3<f64>; 7]) {
         let essential = |f: &Matrix3<f64>| self.0.b.tr_mul(&(f * self.0.a));
         let e = essential(&at.unscaled());
         let norm = e.norm();
@@ -38,7 +38,7 @@ impl EssentialPrior<'_> {
 
     /// Information of the prior on the parameters, `JᵀJ` in units of its standard deviation, and the less the further the
     /// geometry is from an essential matrix, for then the outlines contradict the camera matrices.
-    pub fn information(&self, at: &SevenParameters) -> Information {
+    pub fn information(self, at: &SevenParameters) -> Information {
         let (cost, information, _) = self.linearise(at);
         information / (1.0 + 2.0 * cost)
     }
