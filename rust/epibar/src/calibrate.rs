@@ -3,9 +3,9 @@
 //! The clocks are aligned; on one time line candidates are found, an `F` is searched with them, refined, and verified. What
 //! it says of the clocks may call for another time line, and then all is done again.
 
-use crate::Result;
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
 use crate::clock::{Aligned, Clocks, Timing};
+use crate::error::Result;
 use crate::frontier::{Up, Views, busy_frames, up::up_of};
 use crate::hypotheses::{Draws, LineModel};
 use crate::lines;

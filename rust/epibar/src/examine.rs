@@ -2,11 +2,11 @@
 
 use crate::calibration::FrontierPoint;
 use crate::clock::common_frames;
+use crate::error::{Error, Result};
 use crate::frontier::{ClassScore, Views, compare, symmetric_score};
 use crate::geometry::{CameraMatrices, Fundamental};
 use crate::recording::Recording;
 use crate::refine::polish;
-use crate::{Error, Result};
 
 /// Options of [`examine`].
 #[derive(Debug, Clone, Copy, PartialEq)]

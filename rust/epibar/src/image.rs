@@ -5,7 +5,7 @@
 //! with `a² + b² = 1`; its sign is that of the vector it was made from, so `a·x + b·y + c` is a signed
 //! distance in pixels.
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 use nalgebra::Vector3;
 
 /// A homogeneous point or line: `(x, y, w)` or `(a, b, c)`.

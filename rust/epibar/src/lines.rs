@@ -1,6 +1,6 @@
 //! The method of the paper: line inliers decide, and local optimisation on the inliers.
 
-use crate::Result;
+use crate::error::Result;
 use crate::geometry::Fundamental;
 use crate::hypotheses::{LineModel, Source, ransac};
 use crate::image::ImageSize;

@@ -1,9 +1,9 @@
 //! Options of a calibration.
 
 use crate::clock::TimeOffset;
+use crate::error::{Error, Result};
 use crate::geometry::CameraMatrices;
 use crate::matching::CandidateOptions;
-use crate::{Error, Result};
 
 /// How `F` is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

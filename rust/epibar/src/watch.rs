@@ -1,6 +1,6 @@
 //! A long computation that is watched, and can be stopped.
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// What [`calibrate`](crate::calibrate) is at, in about this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

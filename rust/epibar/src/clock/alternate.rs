@@ -5,7 +5,7 @@ use super::clock::Clock;
 use super::offset::{FoundOffset, find_offset};
 use super::sharpen::{Measured, sharpen};
 use super::timing::{TimeOffset, Timing};
-use crate::Result;
+use crate::error::Result;
 use crate::frontier::{busy_frames, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::recording::Recording;

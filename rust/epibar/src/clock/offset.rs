@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::clock::common_frames;
 use super::timing::RunnerUp;
-use crate::Result;
+use crate::error::Result;
 use crate::matching::mutual_matches;
 use crate::recording::{Barcodes, Informative, Recording};
 use crate::watch::{Stage, Watch, report};

@@ -2,8 +2,8 @@
 
 use super::clock::Clock;
 use super::sharpen::{MEASURABLE_PPM, Measured};
+use crate::error::{Error, Result};
 use crate::recording::Recording;
-use crate::{Error, Result};
 
 /// The offset between the cameras' frames.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::Fundamental;
-use crate::{Error, Result};
+use super::fundamental::Fundamental;
+use crate::error::{Error, Result};
 
 /// Camera matrices of A and B, undistorted pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]

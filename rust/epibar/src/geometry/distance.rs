@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::Fundamental;
+use super::fundamental::Fundamental;
 
 /// Symmetric epipolar distance `½ (d(x_b, F x_a) + d(x_a, Fᵀ x_b))`, pixels (paper §4.3).
 ///

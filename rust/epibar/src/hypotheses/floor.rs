@@ -9,7 +9,7 @@ use rand::RngExt;
 
 use super::line_arrays::LineArrays;
 use super::ransac::{Estimator, ransac};
-use crate::Result;
+use crate::error::Result;
 use crate::geometry::homography;
 use crate::image::{ImageSize, Line, Segment};
 use crate::matching::Candidate;

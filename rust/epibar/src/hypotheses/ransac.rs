@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::Result;
+use crate::error::Result;
 use crate::random::{Generator, generator};
 use crate::watch::{Stage, Watch, report};
 
@@ -83,7 +83,7 @@ pub fn ransac<E: Estimator>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Error;
+    use crate::error::Error;
     use crate::watch::Unwatched;
     use rand::RngExt;
 

@@ -7,7 +7,7 @@ use super::floor_epipoles::FloorEpipoles;
 use super::line_model::LineModel;
 use super::ransac::{Estimator, Scored, ransac};
 use super::track_model::TrackModel;
-use crate::Result;
+use crate::error::Result;
 use crate::frontier::{Scorer, Views};
 use crate::geometry::Fundamental;
 use crate::matching::{Candidate, Candidates};

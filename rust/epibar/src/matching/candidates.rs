@@ -7,7 +7,7 @@
 use super::densify::more_lines;
 use super::motion_lines::{MotionLineOptions, motion_lines, overlaps};
 use super::mutual::mutual_matches;
-use crate::Result;
+use crate::error::Result;
 use crate::geometry::LinePair;
 use crate::image::{Line, Segment};
 use crate::recording::{Barcodes, FramePair, Informative, Recording};

@@ -13,8 +13,8 @@ use super::correlation::Match;
 use super::kernel::columns::Columns;
 use super::kernel::popcount::Level;
 use super::kernel::rows::{Rows, in_turns};
+use crate::error::{Error, Result};
 use crate::recording::Barcodes;
-use crate::{Error, Result};
 
 /// Pairs that are in the mutual top `mutual` of each other, best correlation first.
 ///

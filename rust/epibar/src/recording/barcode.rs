@@ -5,8 +5,8 @@
 
 use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::traversal::is_walkable;
+use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
-use crate::{Error, Result};
 use rayon::prelude::*;
 
 /// The barcodes of many lines over the same frames, packed into words.

@@ -19,6 +19,8 @@ pub mod components;
 pub mod hull;
 pub mod parts;
 pub mod recorder;
+#[allow(clippy::module_inception, reason = "the recording itself, beside what makes one")]
+pub mod recording;
 pub mod sampling;
 pub mod silhouettes;
 pub mod tracker;
@@ -28,120 +30,6 @@ pub mod visible;
 pub use barcode::{Barcodes, Informative};
 pub use parts::RecordingParts;
 pub use recorder::{Recorder, RecorderOptions};
-pub use sampling::border_segments;
+pub(crate) use recording::LONG_STEP;
+pub use recording::{FramePair, Recording};
 pub use silhouettes::Silhouettes;
-
-use crate::image::{ImageSize, Segment};
-use std::sync::Arc;
-
-/// A frame of A and a frame of B that show one moment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FramePair {
-    /// Frame of A, from 0.
-    pub a: u32,
-    /// Frame of B, from 0.
-    pub b: u32,
-}
-
-/// Frames further apart than so many frame intervals have others missing between them.
-pub(crate) const LONG_STEP: f64 = 1.6;
-
-/// What one camera saw move. It holds no image, and no frame of it is needed again.
-///
-/// Made by a [`Recorder`], or of [`RecordingParts`]; the parts of one always fit together.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Recording {
-    pub(crate) size: ImageSize,
-    pub(crate) times: Vec<f64>,
-    pub(crate) segments: Vec<Segment>,
-    pub(crate) barcodes: Barcodes,
-    pub(crate) silhouettes: Silhouettes,
-    pub(crate) heat: Vec<u32>,
-    pub(crate) moving_pixels: Vec<u32>,
-    pub(crate) visible: Option<Arc<[u8]>>,
-    pub(crate) seed: u64,
-}
-
-impl Recording {
-    /// Size of the images.
-    pub fn size(&self) -> ImageSize {
-        self.size
-    }
-
-    /// Number of frames, at least 1.
-    pub fn frames(&self) -> usize {
-        self.times.len()
-    }
-
-    /// Time of each frame in seconds, increasing.
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
-    /// The lines, from border to border of the image.
-    pub fn segments(&self) -> &[Segment] {
-        &self.segments
-    }
-
-    /// In which frames something moves on which line.
-    pub fn barcodes(&self) -> &Barcodes {
-        &self.barcodes
-    }
-
-    /// The convex hulls of what moves.
-    pub fn silhouettes(&self) -> &Silhouettes {
-        &self.silhouettes
-    }
-
-    /// For each pixel, row-major, the number of frames in which it moves.
-    pub fn heat(&self) -> &[u32] {
-        &self.heat
-    }
-
-    /// For each frame the number of moving pixels.
-    pub fn moving_pixels(&self) -> &[u32] {
-        &self.moving_pixels
-    }
-
-    /// For each pixel, row-major, 0 where the camera does not see what moves; `None` where it sees all of the image.
-    /// Silhouettes that end there have no tangents there.
-    pub fn visible(&self) -> Option<&[u8]> {
-        self.visible.as_deref()
-    }
-
-    /// Seed of the lines.
-    pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    /// Frames per second, from the median time between frames, which neither a dropped frame nor
-    /// a pause moves. NaN for fewer than two frames.
-    pub fn frame_rate(&self) -> f64 {
-        let mut steps: Vec<f64> = self.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        if steps.is_empty() {
-            return f64::NAN;
-        }
-        let middle = steps.len() / 2;
-        let (below, median, _) = steps.select_nth_unstable_by(middle, f64::total_cmp);
-        let upper = *median;
-        let lower = if self.times.len() % 2 == 1 {
-            // An even number of steps has two in the middle.
-            below.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-        } else {
-            upper
-        };
-        2.0 / (lower + upper)
-    }
-
-    /// Seconds from one frame to the next, over the whole recording: neither a dropped frame nor time stamps in whole
-    /// milliseconds move it. One second for fewer than two frames.
-    pub fn frame_interval(&self) -> f64 {
-        let times = &self.times;
-        let step = 1.0 / self.frame_rate();
-        if !step.is_finite() {
-            return 1.0;
-        }
-        let steps: f64 = times.windows(2).map(|t| ((t[1] - t[0]) / step).round().max(1.0)).sum();
-        (times[times.len() - 1] - times[0]) / steps
-    }
-}

@@ -1,9 +1,11 @@
 //! A recording taken apart into plain arrays, and put together again: what is kept in a file.
 
+use super::barcode::Barcodes;
+use super::recording::Recording;
+use super::silhouettes::Silhouettes;
 use super::traversal::is_walkable;
-use super::{Barcodes, Recording, Silhouettes};
+use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
-use crate::{Error, Result};
 
 /// The arrays that a [`Recording`] consists of, which may contradict each other: [`Recording::try_from`] finds out.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,12 +4,15 @@
 //! these become a word of the current [`PixelBlock`], and after 512 frames the block is turned into 512 bits of every
 //! barcode and of the heat map. Both are reused. Memory is 72 bytes per pixel and the recording itself.
 
+use super::barcode::Barcodes;
 use super::bit_planes::BitPlanes;
 use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
-use super::{Barcodes, Recording, Silhouettes, border_segments};
+use super::recording::Recording;
+use super::sampling::border_segments;
+use super::silhouettes::Silhouettes;
+use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
-use crate::{Error, Result};
 use std::sync::Arc;
 
 /// Most lines a recorder takes: their barcodes are 64 bytes each per 512 frames.

@@ -6,8 +6,8 @@
 use super::components::Components;
 use super::hull::convex_hull;
 use super::visible::on_border;
+use crate::error::{Error, Result};
 use crate::image::ImageSize;
-use crate::{Error, Result};
 use std::ops::Range;
 
 /// The convex hulls of the moving components of all frames.

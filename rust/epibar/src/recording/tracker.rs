@@ -9,7 +9,7 @@
 //! other and of the same widths. Tracks give hypotheses, of which most may be wrong, and should be long:
 //! [`Outline::overlap`] bridges what a walker's swinging limbs change.
 
-use super::{LONG_STEP, Recording};
+use super::recording::{LONG_STEP, Recording};
 
 /// For each of the silhouettes of a frame the one of the frame before that it continues.
 ///

@@ -17,7 +17,7 @@ pub use ground::{Ground, SearchOptions};
 pub use settle::settle;
 pub use solution::{Found, Searched, Solution};
 
-use crate::Result;
+use crate::error::Result;
 use crate::frontier::Scorer;
 use crate::hypotheses::sources::Frames;
 use crate::hypotheses::{Hypotheses, hypotheses};

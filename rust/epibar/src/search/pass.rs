@@ -5,7 +5,7 @@ use super::ground::Ground;
 use super::perturb::perturbed;
 use super::solution::Solution;
 use super::starts::{Starts, with_refined};
-use crate::Result;
+use crate::error::Result;
 use crate::hypotheses::Hypothesis;
 use crate::refine::valley::walk;
 use crate::watch::{Stage, Watch, report};

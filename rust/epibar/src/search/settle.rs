@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::ground::Ground;
 use super::solution::{Found, Searched, Solution};
-use crate::Result;
+use crate::error::Result;
 use crate::frontier::Views;
 use crate::geometry::Fundamental;
 use crate::refine::{polish, touch_up};

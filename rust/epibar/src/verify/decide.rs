@@ -3,6 +3,7 @@
 use std::collections::HashSet;
 
 use super::evidence::Evidence;
+use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
@@ -10,28 +11,6 @@ use super::thresholds::{
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
-
-/// All that a verdict is reached from.
-pub struct Findings<'a> {
-    /// Against chance.
-    pub evidence: &'a Evidence,
-    /// Tangents that meet in all frames.
-    pub matches: &'a [TangentMatch],
-    /// The radius within which they meet, pixels.
-    pub radius: f64,
-    /// Expected error over the volume where things moved, pixels; NaN where unknown.
-    pub expected_error: f64,
-    /// The error that the covariance alone expects in half of an image, pixels.
-    pub beyond_motion: f64,
-    /// Other geometries.
-    pub rivals: &'a [Rival],
-    /// Pixels for one of a 640×480 image.
-    pub scale: f64,
-    /// It is known which end of what moves is up.
-    pub upright: bool,
-    /// A larger expected error is refused, pixels.
-    pub max_expected_error: f64,
-}
 
 /// A test that finds fault, or does not.
 type Test = fn(&Findings) -> Option<Verdict>;

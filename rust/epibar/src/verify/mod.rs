@@ -11,6 +11,7 @@ pub mod decide;
 pub mod early;
 pub mod error_map;
 pub mod evidence;
+mod findings;
 pub mod planarity;
 mod prose;
 pub mod rivals;
@@ -33,7 +34,8 @@ use crate::geometry::{Fundamental, SevenParameters};
 use crate::refine::essential::EssentialPrior;
 use crate::search::Found;
 use covariance::{covariance, expected_error, with_prior};
-use decide::{Findings, decide};
+use decide::decide;
+use findings::Findings;
 use planarity::plane_residual;
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{

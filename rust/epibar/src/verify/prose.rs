@@ -1,6 +1,6 @@
 //! The sentences of verdicts.
 
-use super::decide::Findings;
+use super::findings::Findings;
 use super::rivals::Rival;
 use super::thresholds::{MIN_Z, SOME_Z};
 
