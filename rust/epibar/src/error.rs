@@ -65,6 +65,14 @@ pub enum Error {
     /// Parts of a stored recording contradict each other.
     #[error("the stored recording is damaged: {0}")]
     Damaged(String),
+    /// A file cannot be read or written.
+    #[error("{}: {reason}", path.display())]
+    File {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -55,6 +55,8 @@ mod calibration;
 mod clock;
 mod error;
 mod examine;
+#[cfg(feature = "files")]
+mod files;
 mod frontier;
 mod geometry;
 mod hypotheses;
@@ -77,6 +79,9 @@ pub use calibrate::{calibrate, calibrate_watched};
 pub use calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
 pub use clock::{RunnerUp, TimeOffset, Timing};
 pub use error::{Error, Result};
+#[cfg(feature = "files")]
+pub use files::SavedRecording;
+
 pub use examine::{ExamineOptions, Examined, TangentCounts, examine};
 pub use geometry::{CameraMatrices, Fundamental, sampson_distance, symmetric_epipolar_distance};
 pub use hypotheses::Source;

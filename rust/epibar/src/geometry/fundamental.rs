@@ -102,9 +102,11 @@ impl Fundamental {
     ///
     /// `None` where an entry is not finite, or the rank is not 2.
     pub fn from_rank_two(matrix: &Matrix3<f64>) -> Option<Self> {
-        let epipole_a = null_vector(matrix)?;
-        let epipole_b = null_vector(&matrix.transpose())?;
-        Self::from_parts(*matrix, epipole_a, epipole_b)
+        let (epipole_a, epipole_b) = (null_vector(matrix)?, null_vector(&matrix.transpose())?);
+        let found = Self::from_parts(*matrix, epipole_a, epipole_b)?;
+        // What is of unit norm already is kept to the last bit.
+        let of_unit_norm = (matrix.norm() - 1.0).abs() < 1e-12;
+        Some(if of_unit_norm { Self { matrix: *matrix, ..found } } else { found })
     }
 
     /// The matrix, pixels, Frobenius norm 1.

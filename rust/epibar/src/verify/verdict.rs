@@ -19,6 +19,17 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Every kind.
+    #[cfg(feature = "files")]
+    pub(crate) const ALL: [Self; 6] = [
+        Self::Accepted,
+        Self::TooLittleMotion,
+        Self::NoCommonScene,
+        Self::Undetermined,
+        Self::Ambiguous,
+        Self::Inaccurate,
+    ];
+
     /// The word in reports and files.
     pub fn name(self) -> &'static str {
         match self {
