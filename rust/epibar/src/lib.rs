@@ -90,3 +90,7 @@ pub use options::{CalibrateOptions, Method};
 pub use recording::{Barcodes, Recorder, RecorderOptions, Recording, RecordingParts, Silhouettes};
 pub use verify::{ErrorMap, Evidence, Kind, Rival, Verdict};
 pub use watch::{Stage, Unwatched, Watch};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct ReadMe;
