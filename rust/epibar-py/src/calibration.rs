@@ -248,7 +248,7 @@ impl Calibration {
         Ok(evidence)
     }
 
-    /// Shifts in frames and the evidence at each.
+    /// Shifts in frames and the score at each.
     #[getter]
     fn shift_curve<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
         let shifts: Vec<f64> = self.inner.shift_curve.iter().map(|s| s.shift as f64).collect();

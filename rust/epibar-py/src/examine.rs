@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 use crate::convert::{PythonMatrices, camera_matrices, enter, matrix, matrix_of, rows};
 use crate::recording::Recording;
 
-/// Frontier points and evidence of a given F, after refining it on the tangents where asked.
+/// Frontier points and score of a given F, after refining it on the tangents where asked.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "the Python layer names them")]
 pub fn examine<'py>(

@@ -41,7 +41,7 @@ pub fn score_lines<'py>(
 
 type Evidence<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
 
-/// For each matrix (m, 3, 3) its evidence over chance and the number of tangents that meet.
+/// For each matrix (m, 3, 3) its score over chance and the number of tangents that meet.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "the Python layer names them")]
 pub fn score_tangents<'py>(

@@ -1,7 +1,7 @@
 //! The whole job: two recordings in, one calibration out.
 //!
 //! The clocks are aligned; on one time line candidates are found, an `F` is searched with them, refined, and verified. What
-//! it says of the clocks may call for another time line, and then all is done again.
+//! it says of the clocks may call for another time line, and then all is done once more.
 
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
 use crate::clock::{Aligned, Clocks, Timing};

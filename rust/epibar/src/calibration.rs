@@ -77,7 +77,7 @@ pub struct Counts {
     pub frontier_points: usize,
 }
 
-/// What [`calibrate`](crate::calibrate) found, good or bad.
+/// What [`calibrate`](fn@crate::calibrate) found, good or bad.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Calibration {
@@ -98,7 +98,7 @@ pub struct Calibration {
     pub frontier_points: Vec<FrontierPoint>,
     /// Homography of the floor from A to B, `x_b ~ H x_a`, pixels, where many candidates fit one.
     pub floor: Option<Matrix3<f64>>,
-    /// Other geometries with evidence, most first.
+    /// Other geometries, highest score first.
     pub rivals: Vec<Rival>,
     /// Numbers behind the verdict.
     pub evidence: Evidence,

@@ -8,7 +8,7 @@ use crate::geometry::{CameraMatrices, Fundamental};
 use crate::recording::Recording;
 use crate::refine::polish;
 
-/// Options of [`examine`].
+/// Options of [`examine`](fn@crate::examine).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ExamineOptions {
@@ -108,7 +108,7 @@ pub struct Examined {
 
 /// Compares the epipolar tangents of two recordings under a matrix that is given.
 ///
-/// Nothing is tested: a [`Verdict`](crate::Verdict) is [`calibrate`](crate::calibrate)'s.
+/// Nothing is tested: a [`Verdict`](crate::Verdict) is [`calibrate`](fn@crate::calibrate)'s.
 ///
 /// # Errors
 /// [`Error::Argument`] for a radius that is not positive, or an offset that is not finite.

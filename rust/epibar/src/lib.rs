@@ -6,8 +6,8 @@
 //! ECCV 2016; "the paper") and by frontier points, which go further.
 //!
 //! A [`Recorder`] takes the masks of one camera, frame by frame; its [`Recording`] holds lines with their motion
-//! barcodes, silhouettes and a heat map, and no image. [`calibrate`] takes two recordings, and its [`Calibration`] has
-//! the matrix, a [`Verdict`] whether it can be relied on, and the numbers behind it. [`examine`] asks what speaks for a
+//! barcodes, silhouettes and a heat map, and no image. [`calibrate()`] takes two recordings, and its [`Calibration`] has
+//! the matrix, a [`Verdict`] whether it can be relied on, and the numbers behind it. [`examine()`] asks what speaks for a
 //! matrix that you already have.
 //!
 //! Conventions: points are `(x, y)` in pixels with pixel centres at integers, `x_bᵀ F x_a = 0`, and one seed for

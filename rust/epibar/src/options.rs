@@ -29,7 +29,7 @@ impl Method {
 /// Fewest candidates that may be asked for: those that make a pencil.
 const MIN_CANDIDATES: usize = 3;
 
-/// Options of [`calibrate`](crate::calibrate).
+/// Options of [`calibrate`](fn@crate::calibrate).
 ///
 /// ```
 /// use epibar::{CalibrateOptions, Method, TimeOffset};

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 
-/// What [`calibrate`](crate::calibrate) is at, in about this order.
+/// What [`calibrate`](fn@crate::calibrate) is at, in about this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Stage {

@@ -48,7 +48,7 @@ fn tangents_know_the_true_matrix() {
     assert!(mean.abs() < 0.08 * score.total(), "{mean} of {}", score.total());
     assert!(shifted.iter().all(|s| *s < 0.15 * score.total()), "{shifted:?} of {}", score.total());
     assert!(total(&f.transposed(), 0) < 0.15 * score.total());
-    // The cameras the other way round see the same evidence, for the transpose only.
+    // The cameras the other way round score as high, for the transpose only.
     let exchanged = Views::new(b, a, &pairs(300));
     let of = |f: &Fundamental| frontier_score(&exchanged, f, 2.0);
     assert!((of(&f.transposed()).matches() as f64 / score.matches() as f64 - 1.0).abs() < 0.05);

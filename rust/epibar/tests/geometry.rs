@@ -119,11 +119,11 @@ fn three_epipolar_line_pairs_give_the_matrix() {
         let f = fundamental(&cameras[0], &cameras[1]);
         let pairs = epipolar_pairs(&f, &cameras, &mut random);
         // A pencil of nearly equal lines has digits to lose.
-        let spread = (0..3).map(|i| {
+        let apart = (0..3).map(|i| {
             let (p, q) = (&pairs[i].a, &pairs[(i + 1) % 3].a);
             (p.a() * q.b() - p.b() * q.a()).abs()
         });
-        if spread.fold(f64::INFINITY, f64::min) < 0.02 {
+        if apart.fold(f64::INFINITY, f64::min) < 0.02 {
             continue;
         }
         // The sign of a line says nothing.

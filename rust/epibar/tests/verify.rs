@@ -80,9 +80,9 @@ fn a_standard_score_is_one() {
             let curve = shift_curve(&held_out, &f, 60);
             // Where next to nothing ever meets there is nothing to be mistaken about.
             let totals: Vec<f64> = curve.scores.iter().skip(1).map(|s| s.score.total()).collect();
-            let spread = totals.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+            let range = totals.iter().copied().fold(f64::NEG_INFINITY, f64::max)
                 - totals.iter().copied().fold(f64::INFINITY, f64::min);
-            if spread > 40.0 {
+            if range > 40.0 {
                 scores.push(curve.evidence().z);
             }
         }

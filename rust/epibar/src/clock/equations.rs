@@ -46,7 +46,7 @@ impl Span {
         (time - self.middle) / self.half
     }
 
-    /// Seconds that share their error; a short recording keeps enough of them to tell a spread.
+    /// Seconds that share their error; a short recording keeps enough of them to have a variance.
     pub(super) fn block(&self) -> f64 {
         BLOCK_SECONDS.min(2.0 * self.half / MIN_BLOCKS)
     }

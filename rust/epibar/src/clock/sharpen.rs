@@ -19,7 +19,7 @@ use crate::recording::tracker::Links;
 use crate::recording::{Recording, Silhouettes};
 use crate::refine::residual_rows;
 
-/// Frames that take part, evenly spread over the recording.
+/// Frames that take part, evenly taken from the recording.
 const FRAMES: usize = 3000;
 /// Rounds of finding the tangents anew.
 const ROUNDS: usize = 10;

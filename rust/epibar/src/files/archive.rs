@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 pub(super) type Arrays = BTreeMap<String, Vec<u8>>;
 
 /// [`Error::File`] with a reason.
-pub(super) fn failed(path: &Path, reason: impl ToString) -> Error {
+pub(super) fn failed(path: &Path, reason: impl std::fmt::Display) -> Error {
     Error::File { path: path.to_path_buf(), reason: reason.to_string() }
 }
 

@@ -43,7 +43,7 @@ pub(super) fn read(text: &str) -> serde_json::Result<Value> {
     while let Some(c) = rest.chars().next() {
         let word = NOT_FINITE.iter().map(|n| n.0).find(|word| !quoted && rest.starts_with(word));
         if let Some(word) = word {
-            marked.push_str(&format!("\"\\u0000number {word}\""));
+            marked.extend(["\"\\u0000number ", word, "\""]);
             rest = &rest[word.len()..];
             continue;
         }

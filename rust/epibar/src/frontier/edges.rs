@@ -1,4 +1,4 @@
-//! Edges of all hulls of a view, laid out so that one pass tells on which side of each an epipole lies.
+//! Edges of all hulls of a view, laid out so that one pass finds on which side of each an epipole lies.
 //!
 //! A hull is touched where consecutive edges disagree ([`crate::geometry::epipolar_tangents`], the oracle). A
 //! silhouette has a dozen or two edges: eight at a time without a branch are done before a search in their logarithm has

@@ -1,8 +1,8 @@
 //! Epipolar tangents of two cameras' silhouettes, and the score of an `F` by how they meet.
 //!
-//! [`views`] holds the silhouettes of both cameras on one time line and [`up`] tells which way they stand; [`score`]
+//! [`views`] holds the silhouettes of both cameras on one time line and [`up`] finds which way they stand; [`score`]
 //! compares their tangents under an `F`, [`symmetric`] takes both cameras in turn at the radius that suits the masks,
-//! [`preview`] scores many hypotheses on few frames, and [`volume`] tells how far two geometries are apart where things
+//! [`preview`] scores many hypotheses on few frames, and [`volume`] measures how far two geometries are apart where things
 //! moved.
 
 mod edges;

@@ -4,7 +4,7 @@
 //! a silhouette comes from the second moments of its hull; axes are averaged by doubled angles, each by how long
 //! its silhouette is.
 //!
-//! The half turn is told by perspective. A camera at height `H` over a level floor sees somebody of height `h` at
+//! Perspective decides the half turn. A camera at height `H` over a level floor sees somebody of height `h` at
 //! distance `d`, with the horizon at nought, from `-f H / d` up to `-f (H - h) / d`: the middle lies `H / h - ½` of the
 //! silhouette's own height below the horizon. So the taller a silhouette, the lower it stands in the image, if the
 //! camera is above the waist of those who walk.
@@ -18,7 +18,7 @@ use crate::recording::{Recording, visible};
 const ALIKE: f64 = 0.1;
 /// Above this share they stand side by side. People: 0.75 and more; a hand 0.4 to 0.5.
 const SIDE_BY_SIDE: f64 = 0.6;
-/// Least correlation of height and depth in the image that tells which end is up, in the mean over [`BLOCKS`] parts of
+/// Least correlation of height and depth in the image that decides which end is up, in the mean over [`BLOCKS`] parts of
 /// the recording, and how many of its standard errors it must be.
 const CORRELATION: f64 = 0.4;
 const MIN_Z: f64 = 3.0;
@@ -32,7 +32,7 @@ const IMAGE_UP: [f64; 2] = [0.0, -1.0];
 /// Up in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Up {
-    /// Unit length; of both senses the one that is nearer to the image's where nothing tells them apart,
+    /// Unit length; of both senses the one that is nearer to the image's where nothing distinguishes them,
     /// and the image's where silhouettes have no common axis.
     pub direction: [f64; 2],
     /// Whether it is known which of both ends is up.
@@ -135,7 +135,7 @@ mod tests {
                 assert!(known);
                 assert!((up[0] - roll.sin()).abs() < 1e-6 && (up[1] + roll.cos()).abs() < 1e-6, "{up:?}");
             }
-            // At half the height of those who walk nothing tells feet from heads.
+            // At half the height of those who walk nothing distinguishes feet from heads.
             assert!(!seen(0.85, roll).known);
         }
         assert_eq!(of_hulls(&[]), Up { direction: IMAGE_UP, known: false });

@@ -3,7 +3,7 @@
 //! A plane through both camera centres that touches an object touches it at a frontier point, which both
 //! cameras see: there the line through the epipole is tangent to the silhouette in either view.
 //!
-//! For an epipole `e` and consecutive vertices `v`, `w` of a convex polygon, `det(e, v, w)` tells on which side
+//! For an epipole `e` and consecutive vertices `v`, `w` of a convex polygon, the sign of `det(e, v, w)` says on which side
 //! of the edge the epipole lies; the polygon is touched where this sign changes. Homogeneous `e` makes no
 //! difference between near, far and infinite epipoles. Inside the polygon there is no change and no tangent.
 

@@ -1,6 +1,6 @@
 //! Where an `F` may come from: hypotheses of every source, each an estimator of one RANSAC loop.
 //!
-//! [`ransac`] is the loop, and knows no geometry. [`line_model`] is the paper's estimator (§3), [`floor`] draws from the
+//! [`mod@ransac`] is the loop, and knows no geometry. [`line_model`] is the paper's estimator (§3), [`floor`] draws from the
 //! homography of a plane and [`track_model`] from silhouettes followed through time ([`tracks`]); [`sources`] draws from all.
 
 pub mod floor;

@@ -16,7 +16,7 @@ const BATCH: usize = 512;
 /// Share of the worst kept score below which a preview refuses a model.
 const PREVIEWED: f64 = 0.5;
 
-/// Something that proposes models and tells how good they are.
+/// Something that proposes models and scores them.
 pub trait Estimator: Sync {
     /// What is estimated.
     type Model: Clone + Send;

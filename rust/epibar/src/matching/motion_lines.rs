@@ -89,7 +89,7 @@ pub fn motion_lines(recording: &Recording, options: &MotionLineOptions) -> Vec<L
     found
 }
 
-/// A path is long: the middle 80 % of the heat in its band covers a third of the image diagonal. This tells a
+/// A path is long: the middle 80 % of the heat in its band covers a third of the image diagonal. This distinguishes a
 /// path from one object that stays in place, which is hot but leads nowhere.
 fn spans(cells: &[([f64; 2], f64)], line: &Line, half_band: f64, size: ImageSize) -> bool {
     let mut along: Vec<(f64, f64)> = cells

@@ -76,7 +76,7 @@ impl BitPlanes {
 }
 
 impl Tile<'_> {
-    /// As [`BitPlanes::take`].
+    /// Calls `visit` with each pixel of the tile that moves and the frames in which it does, and empties the tile.
     pub fn take(&mut self, mut visit: impl FnMut(usize, u64)) {
         let moving = self.0.iter().fold(0, |any, word| any | word);
         if moving == 0 {

@@ -94,7 +94,7 @@ impl PixelBlock {
     /// Adds 64 frames, as the `word`-th of the block, and empties them.
     ///
     /// # Panics
-    /// If the planes are those of another number of pixels, or `word` is not below [`BLOCK_WORDS`].
+    /// If the planes are those of another number of pixels, or `word` is not below 8.
     pub fn take(&mut self, word: usize, planes: &mut BitPlanes) {
         planes.par_tiles_mut().zip_eq(self.pixels_mut().par_chunks_mut(TILE)).for_each(
             |(mut tile, pixels)| {

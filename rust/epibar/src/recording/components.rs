@@ -102,7 +102,7 @@ impl Components {
     /// still has them.
     ///
     /// # Panics
-    /// As [`Components::find`], or if the mask is smaller than the size says.
+    /// If the mask is smaller than the size says, or the image is more than 65,536 pixels wide or high.
     pub fn remove_small(&mut self, mask: &mut [u8], size: ImageSize, min_area: usize) {
         self.find(mask, size);
         for component in self.found.iter().filter(|component| (component.area as usize) < min_area) {

@@ -136,12 +136,12 @@ impl Links {
         links
     }
 
-    /// The same object one frame later.
+    /// That object one frame later.
     pub fn next(&self, hull: usize) -> Option<usize> {
         Some(self.next[hull]).filter(|&h| h != NONE).map(|h| h as usize)
     }
 
-    /// The same object one frame earlier.
+    /// That object one frame earlier.
     pub fn previous(&self, hull: usize) -> Option<usize> {
         Some(self.previous[hull]).filter(|&h| h != NONE).map(|h| h as usize)
     }

@@ -7,7 +7,7 @@
 //! measured along the minor axis.
 //!
 //! Real-valued ends are rounded to the nearest pixel centre first, which moves the line by up to ½ px
-//! at its ends; the segments of [`super::border_segments`] are integer and are not moved.
+//! at its ends; the segments of [`border_segments`](super::sampling::border_segments) are integer and are not moved.
 //!
 //! The pixels of a line are 8-connected, not 4-connected. A 4-connected set of pixels that lies on both sides
 //! of a line therefore shares a pixel with it; two blobs that touch at a corner only may let a line

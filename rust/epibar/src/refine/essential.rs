@@ -2,7 +2,7 @@
 //!
 //! Its two singular values are equal, which leaves five parameters of seven (Hartley and Zisserman, *Multiple View
 //! Geometry*, 9.6). The two that go are those that motion on a floor knows least: heads near the horizon leave them in a
-//! valley where the evidence hardly changes. Camera matrices are measured too, so this is a prior of known width and no
+//! valley where the score hardly changes. Camera matrices are measured too, so this is a prior of known width and no
 //! law: outlines that are exact overrule a focal length that is not.
 
 use nalgebra::{Matrix3, SMatrix};

@@ -1,7 +1,7 @@
 //! Refinement of `F` on tangents that meet.
 //!
 //! [`sampson`] is the cost of tangents that meet and [`essential`] the prior of known camera matrices; [`least_squares`]
-//! minimises over the seven parameters, [`polish`] does so while the radius shrinks, and [`valley`] walks on along what the
+//! minimises over the seven parameters, [`mod@polish`] does so while the radius shrinks, and [`valley`] walks on along what the
 //! tangents leave open.
 
 pub mod essential;

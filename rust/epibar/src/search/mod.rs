@@ -3,7 +3,7 @@
 //! Of the hypotheses of every source a few dozen *different* ones are refined with a shrinking radius, and compared on
 //! more frames ([`starts`]); while they contest one another ([`contest`]) the best are perturbed and refined again
 //! ([`perturb`]), and followed along the valleys that they lie in ([`pass`]). What remains is a list of different geometries with
-//! their scores: a winner and its rivals, which [`settle`] refines on all frames.
+//! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames.
 
 mod contest;
 mod ground;

@@ -1,8 +1,8 @@
 //! Is it true, and how far off may it be?
 //!
-//! [`split`] keeps frames aside, [`shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
+//! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
 //! gives; [`planarity`] asks whether one plane explains everything, [`rivals`] whether another geometry does as well, and
-//! [`covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
+//! [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
 //! [`trials`] takes account of a searched offset.
 

@@ -2,7 +2,7 @@
 //!
 //! Where all that moves keeps to one straight path, or where both cameras stand at one place, a homography sends
 //! every matched point of A to its match in B, and `F = [e']× H` for any `e'` (Hartley and Zisserman §11.9): the
-//! evidence is strong and says nothing of `F` off that plane. Objects have a width, so a path is a slab, not a plane: what
+//! score is high and says nothing of `F` off that plane. Objects have a width, so a path is a slab, not a plane: what
 //! is measured is the distance from the best plane in widths of a silhouette. Feet alone always lie on a plane, the
 //! floor, so it is four fifths of the points that must fit, not half.
 

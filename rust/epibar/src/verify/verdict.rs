@@ -12,7 +12,7 @@ pub enum Kind {
     NoCommonScene,
     /// The motion leaves the matrix undetermined: one line, one plane, or no baseline.
     Undetermined,
-    /// A different geometry has about the same evidence.
+    /// A different geometry scores about as high.
     Ambiguous,
     /// The expected error is above the limit.
     Inaccurate,

@@ -85,7 +85,7 @@ impl Columns {
     }
 }
 
-/// What a task knows of the columns of some groups of a block, and has not yet told them.
+/// What a task knows of the columns of some groups of a block, and scores that it has not yet offered them.
 #[derive(Default)]
 pub(super) struct Asked {
     block: usize,
@@ -103,7 +103,7 @@ impl Asked {
     pub(super) fn ask(&mut self, columns: &Columns, block: usize, groups: Range<usize>) {
         (self.block, self.groups) = (block, groups);
         self.held_back.clear();
-        self.tell(columns);
+        self.offer_all(columns);
     }
 
     /// What a score must reach to concern a column of the group, and the least of these.
@@ -125,7 +125,7 @@ impl Asked {
     }
 
     /// Offers what was held back, and asks again what they want.
-    pub(super) fn tell(&mut self, columns: &Columns) {
+    pub(super) fn offer_all(&mut self, columns: &Columns) {
         let mut best = columns.best[self.block].lock().expect(UNPOISONED);
         for (place, row, score) in self.held_back.drain(..) {
             best.offer(place as usize, score, row);

@@ -11,7 +11,7 @@ use crate::recording::Barcodes;
 
 /// Rows of A that one task compares with columns.
 const ROWS: usize = 128;
-/// Pairs that are kept back before the columns are told of them.
+/// Pairs that are held back before they are offered to the columns.
 const HELD_BACK: usize = 1024;
 
 /// Rows that lie next to one another in the order of their counts.
@@ -58,10 +58,10 @@ impl Rows<'_> {
             for (r, row) in rows.iter().enumerate() {
                 self.compare(level, (r, row), groups.clone(), &mut asked);
                 if asked.held_back() > HELD_BACK {
-                    asked.tell(self.columns);
+                    asked.offer_all(self.columns);
                 }
             }
-            asked.tell(self.columns);
+            asked.offer_all(self.columns);
         }
     }
 
