@@ -43,7 +43,6 @@ def _stage(name: str, a: Bits, b: Bits, machine: Machine) -> Stage:
             ways[peer] = make(a, b, machine.threads)
         except ImportError as error:
             missing.append(str(error.name))
-    ways["epibar, every mutual pair"] = lambda: _core.match_barcodes(a, b, FRAMES, TOP, len(a) * TOP)
     ways["OpenCV BFMatcher knnMatch, both ways"] = lambda: _opencv_knn(a, b)
     ways["OpenCV BFMatcher crossCheck (top 1)"] = lambda: _opencv_cross(a, b)
     ways["numpy float32 product and argpartition"] = lambda: numpy_matches(a, b, FRAMES, TOP)
@@ -51,7 +50,7 @@ def _stage(name: str, a: Bits, b: Bits, machine: Machine) -> Stage:
     ours = seconds.pop("epibar")
     pairs = len(a) * len(b)
     return Stage(
-        name=f"{name}, mutual top {TOP}, the best {BEST:,}",
+        name=f"{name}, mutual top {TOP}",
         unit="pairs",
         units=pairs,
         seconds=ours,

@@ -66,8 +66,7 @@ def match_barcodes(
     mutual : int
         Each line of a pair is among this many best matches of the other.
     limit : int
-        At most this many pairs, the best ones. Where they are good, pairs that cannot be among them are
-        never compared.
+        At most this many pairs, the best ones.
 
     Returns
     -------
