@@ -1,7 +1,7 @@
 //! Recorder and Recording.
 
-use epibar::internals::{Components, Informative};
-use epibar::{ImageSize, RecorderOptions, RecordingParts, Segment};
+use epibar::internals::Components;
+use epibar::{ImageSize, Informative, RecorderOptions, RecordingParts, Segment};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };

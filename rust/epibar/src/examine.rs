@@ -81,8 +81,8 @@ pub struct TangentCounts {
     pub excess: f64,
 }
 
-impl From<ClassScore> for TangentCounts {
-    fn from(score: ClassScore) -> Self {
+impl TangentCounts {
+    fn of(score: ClassScore) -> Self {
         let ClassScore { tangents, matches, expected, excess } = score;
         Self { tangents, matches, expected, excess }
     }
@@ -131,8 +131,8 @@ pub fn examine(a: &Recording, b: &Recording, f: &Fundamental, options: &ExamineO
     Ok(Examined {
         fundamental: f,
         score: symmetric_score(&views, &f).total,
-        tops: comparison.score.tops.into(),
-        bottoms: comparison.score.bottoms.into(),
+        tops: TangentCounts::of(comparison.score.tops),
+        bottoms: TangentCounts::of(comparison.score.bottoms),
         frontier_points: comparison.matches.iter().map(point).collect(),
         distances: comparison.matches.iter().map(|p| p.distance).collect(),
     })

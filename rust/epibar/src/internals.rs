@@ -19,13 +19,13 @@ pub use crate::matching::{
     motion_lines, mutual_matches,
 };
 pub use crate::random::generator;
+pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;
 pub use crate::recording::block::{BLOCK_FRAMES, PixelBlock};
 pub use crate::recording::components::Components;
 pub use crate::recording::hull::convex_hull;
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
-pub use crate::recording::{FramePair, Informative};
 pub use crate::refine::refine;
 pub use crate::verify::planarity::plane_residual;
 pub use crate::verify::shift_curve::{HeldOut, normal_deviate, shift_curve};

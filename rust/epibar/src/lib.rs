@@ -87,7 +87,9 @@ pub use geometry::{CameraMatrices, Fundamental, sampson_distance, symmetric_epip
 pub use hypotheses::Source;
 pub use image::{ImageSize, Line, Segment};
 pub use options::{CalibrateOptions, Method};
-pub use recording::{Barcodes, Recorder, RecorderOptions, Recording, RecordingParts, Silhouettes};
+pub use recording::{
+    Barcodes, Informative, Recorder, RecorderOptions, Recording, RecordingParts, Silhouettes,
+};
 pub use verify::{ErrorMap, Evidence, Kind, Rival, Verdict};
 pub use watch::{Stage, Unwatched, Watch};
 

@@ -7,10 +7,10 @@ use common::flying::Scene;
 use common::masks::Random;
 use common::pairs;
 use epibar::internals::{
-    CandidateOptions, Class, CommonFrame, HeldOut, Informative, TangentMatch, Views, normal_deviate,
-    plane_residual, shift_curve,
+    CandidateOptions, Class, CommonFrame, HeldOut, TangentMatch, Views, normal_deviate, plane_residual,
+    shift_curve,
 };
-use epibar::{CalibrateOptions, Calibration, Fundamental, Method, Recording, calibrate};
+use epibar::{CalibrateOptions, Calibration, Fundamental, Informative, Method, Recording, calibrate};
 use nalgebra::Vector3;
 
 const LINES: usize = 4000;

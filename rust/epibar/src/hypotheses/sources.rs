@@ -32,7 +32,7 @@ pub enum Source {
 
 impl Source {
     /// Every source.
-    pub const ALL: [Self; 5] =
+    pub(crate) const ALL: [Self; 5] =
         [Self::BestLines, Self::AllLines, Self::LineInliers, Self::Floor, Self::Tracks];
 
     /// A word for reports and files.
