@@ -10,8 +10,8 @@
 //! the matrix, a [`Verdict`] whether it can be relied on, and the numbers behind it. [`examine()`] asks what speaks for a
 //! matrix that you already have.
 //!
-//! Conventions: points are `(x, y)` in pixels with pixel centres at integers, `x_bᵀ F x_a = 0`, and one seed for
-//! everything random. No result depends on the number of threads.
+//! Conventions: points are `(x, y)` in pixels with pixel centres at integers, `x_bᵀ F x_a = 0`. Results
+//! depend on the recordings, the options and their seed, and not on the number of threads.
 //!
 //! Balls that fly before two cameras far away and at a right angle to one another: a ball is a disc at the same height
 //! in both, and the epipolar lines are horizontal.

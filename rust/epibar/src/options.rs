@@ -42,7 +42,8 @@ const MIN_CANDIDATES: usize = 3;
 pub struct CalibrateOptions {
     /// Which method.
     pub method: Method,
-    /// Seed of every random draw.
+    /// Seed of the hypotheses and of all that is drawn from them. The spots that geometries are compared at, the planes that are
+    /// tried and the lines that are added to a recording are the same for every seed.
     pub seed: u64,
     /// Which frames belong together.
     pub time_offset: TimeOffset,
