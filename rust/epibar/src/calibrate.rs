@@ -129,8 +129,9 @@ impl<'a> Pair<'a> {
             let busy = busy_frames(self.aligned.a(), self.aligned.b(), &self.split.fitted_busy, limit);
             seen.views_of(self, &busy)
         };
-        let ground = Ground::new(&seen.fitted, some, SearchOptions { draws, ..defaults });
-        let searched = search(&ground, candidates, self.options.seed, watch)?;
+        let ground =
+            Ground::new(&seen.fitted, some, SearchOptions { seed: self.options.seed, draws, ..defaults });
+        let searched = search(&ground, candidates, watch)?;
         settle(&ground, &seen.all, searched, watch)
     }
 
@@ -213,6 +214,7 @@ impl Seen {
             found,
             max_expected_error: pair.options.max_expected_error,
             frame_rate: pair.aligned.a().frame_rate(),
+            seed: pair.options.seed,
         }
     }
 }

@@ -42,8 +42,7 @@ const MIN_CANDIDATES: usize = 3;
 pub struct CalibrateOptions {
     /// Which method.
     pub method: Method,
-    /// Seed of the hypotheses and of all that is drawn from them. The spots that geometries are compared at, the planes that are
-    /// tried and the lines that are added to a recording are the same for every seed.
+    /// Seed of every random draw.
     pub seed: u64,
     /// Which frames belong together.
     pub time_offset: TimeOffset,
@@ -143,6 +142,7 @@ impl CalibrateOptions {
     pub(crate) fn candidate_options(&self) -> CandidateOptions {
         let mut options = self.matching.clone();
         options.limit = self.candidates;
+        options.seed = self.seed;
         options.reserve = options.reserve.max(self.candidates);
         if self.method == Method::Frontier {
             options.densify = options.densify.max(FRONTIER_LINES);

@@ -136,8 +136,9 @@ fn a_plane_is_known_from_a_volume() {
             })
             .collect()
     };
-    let (path, volume) = (plane_residual(&views, &matched(0.03)), plane_residual(&views, &matched(1.5)));
+    let (path, volume) =
+        (plane_residual(&views, &matched(0.03), 1), plane_residual(&views, &matched(1.5), 1));
     assert!(path < 0.2, "{path}");
     assert!(volume > 3.0 * path, "{path} {volume}");
-    assert!(plane_residual(&views, &matched(1.5)[..10]).is_infinite());
+    assert!(plane_residual(&views, &matched(1.5)[..10], 1).is_infinite());
 }

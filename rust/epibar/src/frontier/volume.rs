@@ -30,11 +30,17 @@ fn random_hull<'v>(view: &'v View, random: &mut Generator) -> Option<&'v [[f64; 
     view.hulls_of(frame).nth(random.random_range(0..count))
 }
 
-/// About `count` correspondences under `f`; fewer where its epipolar lines miss what moved in B.
-pub fn moving_correspondences(views: &Views, f: &Fundamental, count: usize) -> Vec<Correspondence> {
+/// About `count` correspondences under `f`, drawn by a seed; fewer where its epipolar lines miss what moved in B.
+pub fn moving_correspondences(
+    views: &Views,
+    f: &Fundamental,
+    count: usize,
+    seed: u64,
+) -> Vec<Correspondence> {
+    const SALT: u64 = 0x70_6F69_6E74;
     (0..count)
         .filter_map(|k| {
-            let mut random = generator(0x70_6F69_6E74, k as u64);
+            let mut random = generator(seed.wrapping_add(SALT), k as u64);
             let hull = random_hull(&views.a, &mut random)?;
             // A random mixture of three vertices lies inside a convex hull.
             let mut pick = || hull[random.random_range(0..hull.len())];

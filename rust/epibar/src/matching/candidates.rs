@@ -25,6 +25,8 @@ pub struct CandidateOptions {
     pub mutual_reserve: usize,
     /// Where fewer lines than this are informative, more are drawn near those that are; 0 keeps to the recording's.
     pub densify: usize,
+    /// Seed of the lines that are drawn.
+    pub seed: u64,
     /// What makes a line informative.
     pub informative: Informative,
     /// How motion lines are found; `None` keeps every pair.
@@ -39,6 +41,7 @@ impl Default for CandidateOptions {
             reserve: 4000,
             mutual_reserve: 10,
             densify: 0,
+            seed: 0,
             informative: Informative::default(),
             motion_lines: Some(MotionLineOptions::default()),
         }
@@ -101,7 +104,8 @@ fn informative_lines(
     let mut barcodes = selected.select_rows(&rows);
     let missing = options.densify.saturating_sub(rows.len());
     if missing > 0 {
-        let (more, bits) = more_lines(recording, &rows, frames, missing, recording.seed ^ salt);
+        let (more, bits) =
+            more_lines(recording, &rows, frames, missing, (recording.seed ^ salt).wrapping_add(options.seed));
         let kept = bits.informative(&options.informative);
         segments.extend(kept.iter().map(|&i| more[i as usize]));
         barcodes.count += kept.len();

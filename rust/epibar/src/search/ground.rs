@@ -9,6 +9,8 @@ use crate::hypotheses::Draws;
 /// Options of the search.
 #[derive(Debug, Clone)]
 pub struct SearchOptions {
+    /// Seed of every random draw.
+    pub seed: u64,
     /// How many hypotheses are drawn.
     pub draws: Draws,
     /// Silhouettes of a camera that score hypotheses: few frames of a crowd, many of a lone walker.
@@ -29,6 +31,7 @@ pub struct SearchOptions {
 impl Default for SearchOptions {
     fn default() -> Self {
         Self {
+            seed: 0,
             draws: Draws { lines: 10_000, floor: 1500, tracks: 20_000 },
             scoring_hulls: 700,
             comparing_hulls: 1600,
@@ -77,7 +80,7 @@ impl<'a> Ground<'a> {
 
     /// Spots of the moving volume under `f`.
     pub(super) fn spots(&self, f: &Fundamental) -> Vec<Correspondence> {
-        moving_correspondences(&self.scoring, f, SPOTS)
+        moving_correspondences(&self.scoring, f, SPOTS, self.options.seed)
     }
 
     /// Sorted by score, near copies of a better one dropped.

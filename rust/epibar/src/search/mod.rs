@@ -29,12 +29,7 @@ use crate::watch::Watch;
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
-pub fn search(
-    ground: &Ground,
-    candidates: &Candidates,
-    seed: u64,
-    watch: &mut dyn Watch,
-) -> Result<Searched> {
+pub fn search(ground: &Ground, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Searched> {
     let scoring = Scorer::new(&ground.scoring, ground.coarse_radius());
     let frames = Frames { train: ground.train, comparing: &ground.comparing, scoring: &scoring };
     let mut found = Searched::default();
@@ -46,7 +41,7 @@ pub fn search(
             break;
         }
         // Apart from one another, so that no pass repeats the draws of another.
-        let seed = seed.wrapping_add((pass as u64).wrapping_mul(GOLDEN));
+        let seed = ground.options.seed.wrapping_add((pass as u64).wrapping_mul(GOLDEN));
         let Hypotheses { scored, floors } =
             hypotheses(&frames, candidates, &ground.options.draws, seed, watch)?;
         found.floor = found.floor.or_else(|| floors.into_iter().next());

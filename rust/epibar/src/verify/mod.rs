@@ -58,6 +58,8 @@ pub struct Case<'a> {
     pub max_expected_error: f64,
     /// Frames per second of A; NaN where unknown.
     pub frame_rate: f64,
+    /// Seed of every random draw.
+    pub seed: u64,
 }
 
 /// What the tests gave.
@@ -87,11 +89,11 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
 
     let fitted = case.found.fitted;
     let (curve, mut evidence) = fitted.map_or_else(Default::default, |f| tested(case, &f, fundamental));
-    evidence.plane_residual = plane_residual(views, &matches);
+    evidence.plane_residual = plane_residual(views, &matches, case.seed);
     evidence.essential_deviation = views.cameras.map_or(f64::NAN, |k| k.deviation(fundamental));
 
     let block = block_of(case);
-    let volume = moving_correspondences(views, fundamental, 400);
+    let volume = moving_correspondences(views, fundamental, 400, case.seed);
     let others = case.found.solutions.get(1..).unwrap_or_default();
     let (rivals, best_radius) = rivals::rivals(views, fundamental, others, &volume, block);
     let systematic = systematic_error(&rivals, &matches, best_radius, scale);

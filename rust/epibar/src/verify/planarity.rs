@@ -31,7 +31,8 @@ type Match = (Vector3<f64>, Vector3<f64>);
 
 /// How far four fifths of the matched points lie from the best homography between the views, in widths of B's median
 /// silhouette; infinite with too few points to tell.
-pub fn plane_residual(views: &Views, points: &[TangentMatch]) -> f64 {
+pub fn plane_residual(views: &Views, points: &[TangentMatch], seed: u64) -> f64 {
+    const SALT: u64 = 0x70_6C_61_6E_65;
     let sizes = views.sizes();
     let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
     let step = points.len().div_ceil(POINTS).max(1);
@@ -47,7 +48,7 @@ pub fn plane_residual(views: &Views, points: &[TangentMatch]) -> f64 {
     let mut drawn: Vec<(f64, Matrix3<f64>)> = (0..SAMPLES)
         .into_par_iter()
         .filter_map(|k| {
-            let mut random = generator(0x70_6C_61_6E_65, k as u64);
+            let mut random = generator(seed.wrapping_add(SALT), k as u64);
             let drawn: [Match; 4] = std::array::from_fn(|_| matches[random.random_range(0..matches.len())]);
             let h = homography::from_points(drawn.iter())?;
             Some((within(&h, &matches).0, h))
