@@ -10,22 +10,32 @@
 
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy
+from .families import FAMILIES, WITH_ANSWER, situation
+from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
 from .scene import Scene, Solids
+from .situations import Answer, Fault, Situation
 from .video import render_frames, render_video
 
 __all__ = [
+    "FAMILIES",
     "HIGH_CAMERAS",
     "LOW_CAMERAS",
+    "WITH_ANSWER",
+    "Answer",
     "Camera",
+    "Clock",
     "Dirt",
+    "Fault",
     "Scene",
+    "Situation",
     "Solids",
     "cubes",
     "noisy",
     "people",
     "render_frames",
     "render_video",
+    "situation",
     "thin_cubes",
     "true_fundamental",
 ]

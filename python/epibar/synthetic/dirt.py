@@ -29,6 +29,8 @@ class Dirt:
         Radius of a hole, as a share of the square root of the component's area.
     missed : float
         Chance that a connected component is missed in a frame.
+    merged_px : int
+        Radius of a closing at the end, pixels: neighbours become one, and gaps are filled.
     """
 
     false_blobs: float = 2.0
@@ -38,6 +40,7 @@ class Dirt:
     holes: float = 0.5
     hole_share: tuple[float, float] = (0.05, 0.2)
     missed: float = 0.04
+    merged_px: int = 0
 
 
 def _blob(
@@ -76,6 +79,9 @@ def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -
         flat[band[noise > 1 - dirt.ragged / 2]] = 1
     for _ in range(rng.poisson(dirt.false_blobs)):
         _blob(out, rng.uniform(0, 1, 2) * (width, height), rng.uniform(*dirt.blob_px), 1, rng)
+    if dirt.merged_px > 0:
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * dirt.merged_px + 1,) * 2)
+        out = cv2.morphologyEx(out, cv2.MORPH_CLOSE, disc)
     return out
 
 
