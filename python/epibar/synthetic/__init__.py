@@ -10,7 +10,7 @@
 
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy
-from .families import FAMILIES, WITH_ANSWER, situation
+from .families import FAMILIES, WITH_ANSWER, WITHOUT_ANSWER, situation
 from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
 from .scene import Scene, Solids
@@ -21,6 +21,7 @@ __all__ = [
     "FAMILIES",
     "HIGH_CAMERAS",
     "LOW_CAMERAS",
+    "WITHOUT_ANSWER",
     "WITH_ANSWER",
     "Answer",
     "Camera",

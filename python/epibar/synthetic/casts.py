@@ -11,6 +11,12 @@ from .flights import Thrown
 Rng = np.random.Generator
 Area = tuple[float, float]
 
+ROOM_OF_A_CAR = 60.0
+"""Square metres."""
+
+CAR = 4.0
+"""Metres that cars keep from the edge of the area, both edges together."""
+
 
 def walkers(rng: Rng, count: int, length: float, area: Area) -> list[Movers]:
     """People on random ways."""
@@ -66,11 +72,12 @@ def mixed_habits(rng: Rng, count: int, length: float, area: Area) -> list[Movers
 
 
 def traffic(rng: Rng, count: int, length: float, area: Area) -> list[Movers]:
-    """Cyclists and cars, and a walker now and then."""
-    cars = int(rng.integers(0, count + 1))
+    """Cyclists and cars, at most one to 60 m², and a walker now and then."""
+    cars = int(rng.integers(0, min(count, int(area[0] * area[1] / ROOM_OF_A_CAR)) + 1))
     found: list[Movers] = []
     if cars:
-        found.append(Cars(rng, tracks.free(rng, cars, length, area, (2.0, 9.0), 0.6, 0.1)))
+        inner = area[0] - CAR, area[1] - CAR
+        found.append(Cars(rng, tracks.free(rng, cars, length, inner, (2.0, 9.0), 0.6, 0.1)))
     if count > cars:
         found.append(Cyclists(rng, tracks.free(rng, count - cars, length, area, (2.0, 6.5), 1.0, 0.1)))
     if rng.random() < 0.5:

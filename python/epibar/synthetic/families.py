@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from . import casts, networks, unanswerable
+from . import casts, networks
 from .rigs import Rig
 from .settings import Setting, dirty, draw, ragged
 from .situations import Situation
+from .unanswerable import WITHOUT_ANSWER
 
 LOW_SIZES = ((720, 576), (640, 480))
 
@@ -49,13 +50,14 @@ WITH_ANSWER: dict[str, Setting] = {
     "pacing": replace(GENERAL, movers=casts.pacers, count=(2, 12)),
     "dancing": replace(GENERAL, movers=casts.dancers, count=(2, 14)),
     "paths": replace(GENERAL, movers=casts.two_paths, count=(4, 12)),
+    "started_by_hand": replace(GENERAL, clocks=networks.hand_started, frames=(1500, 3000), rates=(25.0,)),
     "coming_and_going": replace(GENERAL, movers=casts.passers, count=(3, 12)),
 }
-"""Every pair that has enough in common has an answer, at offset 0."""
+"""Every pair that has enough in common has an answer: at offset 0, but for what was started by hand."""
 
 FAMILIES: dict[str, Callable[[int, str], Situation]] = {
     **dict.fromkeys(WITH_ANSWER, lambda seed, family: draw(seed, family, WITH_ANSWER[family])),
-    **unanswerable.WITHOUT_ANSWER,
+    **WITHOUT_ANSWER,
     **networks.NETWORKS,
 }
 

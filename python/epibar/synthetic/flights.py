@@ -1,4 +1,4 @@
-"""What does not walk: thrown things, things that move in one plane, pendulums and carousels."""
+"""What does not walk: thrown things, things in one plane, a pendulum and a carousel."""
 
 from __future__ import annotations
 
@@ -126,25 +126,22 @@ class InOnePlane:
         )
 
 
-class Pendulums:
-    """Equal balls on equal strings in a row, ``spacing`` metres apart, swinging in step across it."""
+class Pendulum:
+    """A ball on a string of 1.5–4 m that swings in a plane, and does not tire."""
 
-    def __init__(self, rng: np.random.Generator, count: int, spacing: float) -> None:
+    def __init__(self, rng: np.random.Generator) -> None:
         self.string, self.swing = rng.uniform(1.5, 4.0), rng.uniform(0.3, 0.8)
         self.radius = rng.uniform(0.15, 0.45)
-        self.first = rng.uniform(0, 2 * np.pi)
-        turn = rng.uniform(-np.pi, np.pi)
+        self.first, turn = rng.uniform(0, 2 * np.pi), rng.uniform(-np.pi, np.pi)
         self.across = np.array([np.cos(turn), np.sin(turn), 0.0])
-        row = np.array([-np.sin(turn), np.cos(turn), 0.0])
-        self.hooks = ((np.arange(count) - (count - 1) / 2) * spacing)[:, None] * row
-        self.hooks[:, 2] = self.string + self.radius + 0.4
-        self.box, self.owner = np.zeros(count, bool), np.arange(count)
+        self.hook = np.array([0.0, 0.0, self.string + self.radius + rng.uniform(0.1, 0.8)])
+        self.box, self.owner = np.zeros(1, bool), np.zeros(1, np.int64)
 
     def at(self, seconds: Array) -> Pose:
         """Return the solids at K seconds of the world."""
         angle = self.swing * np.sin(self.first + np.sqrt(GRAVITY / self.string) * seconds)
         hangs = np.sin(angle)[:, None] * self.across - np.cos(angle)[:, None] * [0, 0, 1.0]
-        centres = self.hooks + self.string * hangs[:, None]
+        centres = (self.hook + self.string * hangs)[:, None]
         axes = np.broadcast_to(self.radius * np.eye(3), (*centres.shape[:2], 3, 3))
         return Pose(centres, axes, np.ones(centres.shape[:2], bool))
 

@@ -8,11 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from . import casts
-from .camera import Camera
 from .film import Clock, Film
-from .motion import rotations
 from .rigs import Lenses, Rig
-from .settings import Rng, Setting, draw, ragged, stream, whole
+from .settings import Rng, Setting, draw, ragged, stream, turned, whole
 from .situations import Fault, Situation
 from .world import World
 
@@ -118,13 +116,6 @@ def shifted(seed: int, family: str) -> Situation:
     clocks[index] = replace(clocks[index], start=clocks[index].start + late)
     found = _blamed(made, index, replace(film, moments=film.moments + late), "shifted", f"{late:.1f} s")
     return replace(found, clocks=clocks)
-
-
-def turned(camera: Camera, rng: Rng, degrees: float) -> Camera:
-    """Turn a camera where it stands, about an axis drawn at random."""
-    axis = rng.normal(size=3)
-    turn = rotations(axis / np.linalg.norm(axis), np.array(np.deg2rad(degrees)))
-    return replace(camera, R=turn @ camera.R, t=turn @ camera.t)
 
 
 def knocked(seed: int, family: str) -> Situation:

@@ -42,7 +42,8 @@ class Rig:
     layouts : tuple of str
         ``circle``: around the origin, at ``beyond`` metres from it. ``ring``: around the area. ``corners``:
         in the corners of the area, then at its sides. ``row``: along one side, 1–4 m apart. ``facing``: the
-        first two opposite and aimed at each other, the rest around.
+        first two opposite and aimed at each other, the rest around. ``beside``: on either side of the x axis,
+        looking across it. ``before``: within 60° of the y axis, at ``beyond`` metres from the origin.
     height : (low, high)
         Metres.
     beyond : (low, high)
@@ -86,6 +87,13 @@ def _places(rng: np.random.Generator, layout: str, count: int, area: Area, rig: 
         signs = np.resize(signs * rng.choice([-1, 1], 2), (count, 2))
         jitter = rng.uniform(-0.15, 0.15, (count, 2)) * half
         return signs * (half + beyond[:, None] * 0.7) + jitter, aims
+    if layout == "beside":
+        places = np.column_stack([rng.uniform(-0.4, 0.4, count), rng.choice([-1, 1], count)]) * half
+        places[:, 1] += np.sign(places[:, 1]) * beyond
+        return places, np.column_stack([places[:, 0] + rng.uniform(-1.5, 1.5, count), np.zeros(count)])
+    if layout == "before":
+        angle = rng.uniform(np.pi / 6, 5 * np.pi / 6, count)
+        return np.column_stack([np.cos(angle), np.sin(angle)]) * beyond[:, None], aims
     if layout == "row":
         gap = rng.uniform(1.0, 4.0)
         along = (np.arange(count) - (count - 1) / 2) * gap + rng.uniform(-0.3, 0.3, count) * gap

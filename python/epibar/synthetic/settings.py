@@ -146,6 +146,13 @@ def whole(rng: Rng, bounds: tuple[int, int]) -> int:
     return int(rng.integers(bounds[0], bounds[1] + 1))
 
 
+def turned(camera: Camera, rng: Rng, degrees: float) -> Camera:
+    """Turn a camera where it stands, about an axis drawn at random."""
+    axis = rng.normal(size=3)
+    turn = rotations(axis / np.linalg.norm(axis), np.array(np.deg2rad(degrees)))
+    return replace(camera, R=turn @ camera.R, t=turn @ camera.t)
+
+
 def one_clock(fps: float, frames: int, count: int) -> list[Clock]:
     """All cameras alike, from second 0 of the world."""
     return [Clock(0.0, fps, frames)] * count

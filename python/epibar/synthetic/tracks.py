@@ -265,6 +265,15 @@ def timetable(rng: np.random.Generator, count: int, length: float) -> list[list[
     return table
 
 
+def visits(track: Track) -> list[list[tuple[float, float]]]:
+    """When each of the movers of a track was there, as a `timetable`."""
+    table = []
+    for there in track.present.T:
+        edges = np.flatnonzero(np.diff(there.astype(np.int8), prepend=0, append=0)) * STEP
+        table.append([(float(first), float(last) - STEP) for first, last in edges.reshape(-1, 2)])
+    return table
+
+
 def coming_and_going(
     rng: np.random.Generator,
     table: list[list[tuple[float, float]]],

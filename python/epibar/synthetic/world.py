@@ -56,6 +56,10 @@ def shadow_map(light: Array) -> Array:
     return np.eye(3) - np.outer(light / light[2], [0.0, 0.0, 1.0])
 
 
+def _nobody(moments: int) -> Pose:
+    return Pose(np.empty((moments, 0, 3)), np.empty((moments, 0, 3, 3)), np.empty((moments, 0), bool))
+
+
 class World:
     """Movers, furniture and light.
 
@@ -80,15 +84,14 @@ class World:
         self.furniture = furniture or Furniture()
         firsts = np.cumsum([0, *(int(group.owner.max(initial=-1)) + 1 for group in movers)])
         self.count = int(firsts[-1])
-        self.box = np.concatenate([group.box for group in movers])
-        self.owner = np.concatenate(
-            [group.owner + first for group, first in zip(movers, firsts, strict=False)]
-        )
+        self.box = np.concatenate([np.empty(0, bool), *(group.box for group in movers)])
+        owners = [group.owner + first for group, first in zip(movers, firsts[:-1], strict=True)]
+        self.owner = np.concatenate([np.empty(0, np.int64), *owners])
         self.only = np.full(self.count, ALL) if only is None else np.asarray(only)
 
     def at(self, seconds: Array) -> Pose:
         """Return the solids of all movers at K moments."""
-        poses = [group.at(seconds) for group in self.movers]
+        poses = [_nobody(len(seconds)), *(group.at(seconds) for group in self.movers)]
         return Pose(
             np.concatenate([pose.centres for pose in poses], axis=1),
             np.concatenate([pose.axes for pose in poses], axis=1),
