@@ -11,6 +11,7 @@ import os
 import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
+from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
@@ -56,38 +57,42 @@ def start_worker() -> None:
     cv2.setNumThreads(1)
 
 
-def chosen_pairs(situation: Any, job: Job) -> list[tuple[int, int]]:
-    """Choose at most so many pairs, those that are what the family is about."""
+def chosen_pairs(situation: Any, job: Job) -> tuple[list[tuple[int, int]], dict[str, int]]:
+    """Choose at most so many pairs of those that the family is about; and count why others are not."""
     import numpy as np
 
-    wanted = [
-        pair
-        for pair in situation.pairs()
-        if job.family in WITHOUT_ANSWER
-        or situation.answer(*pair).exists
-        or situation.groups[pair[0]] != situation.groups[pair[1]]
-    ]
+    wanted, left_out = [], Counter()
+    for a, b in situation.pairs():
+        answer = situation.answer(a, b)
+        if job.family in WITHOUT_ANSWER or answer.exists or situation.groups[a] != situation.groups[b]:
+            wanted.append((a, b))
+        else:
+            left_out[answer.reason] += 1
     order = np.random.default_rng((job.seed, 99)).permutation(len(wanted))[: job.pairs]
-    return [wanted[index] for index in sorted(order)]
+    return [wanted[index] for index in sorted(order)], dict(left_out)
 
 
-def run(job: Job) -> list[dict[str, Any]]:
-    """Draw the situation, record the cameras that are needed, and calibrate the pairs."""
+def run(job: Job) -> dict[str, Any]:
+    """Draw the situation, record the cameras that are needed, and calibrate the pairs.
+
+    Returns what is kept: ``outcomes``, and ``left_out``, which counts reasons.
+    """
     from epibar import synthetic
 
     situation = synthetic.situation(job.seed, job.family)
-    pairs = chosen_pairs(situation, job)
+    pairs, left_out = chosen_pairs(situation, job)
     known = any(camera.distorted for camera in situation.cameras)
     recordings, seconds = {}, {}
     for index in sorted({camera for pair in pairs for camera in pair}):
         started = time.perf_counter()
         recordings[index] = situation.recording(index, job.lines, undistorted=known)
         seconds[index] = time.perf_counter() - started
-    return [
+    outcomes = [
         {**judged(situation, recordings, pair, job, method), "recording": seconds[pair[0]] + seconds[pair[1]]}
         for pair in pairs
         for method in job.methods
     ]
+    return {"outcomes": outcomes, "left_out": left_out}
 
 
 def judged(
@@ -97,6 +102,7 @@ def judged(
     import epibar
     from epibar.errors import EpibarError
     from epibar.evaluation import image_correspondences
+    from epibar.synthetic import error_bound
 
     a, b = pair
     answer = situation.answer(a, b)
@@ -124,6 +130,8 @@ def judged(
         "F": None if cal.F is None else cal.F.tolist(),
         "evidence": {name: value for name, value in cal.evidence.items() if math.isfinite(value)},
     }
+    if found["truth"]:
+        found["bound"] = error_bound(situation, a, b)
     if cal.F is not None and found["truth"]:
         found["error"] = situation.error(cal.F, a, b)
         found["room_error"] = situation.error(cal.F, a, b, situation.room_points)
@@ -179,14 +187,14 @@ def jobs_of(args: Namespace, origin: str) -> Iterator[Job]:
             yield Job(family, seed, METHODS[args.method], *rest)
 
 
-def done(path: Path) -> dict[str, list[dict[str, Any]]]:
+def done(path: Path) -> dict[str, dict[str, Any]]:
     """Read what was done; a line that was cut off by an interruption is left out."""
     found = {}
     if path.exists():
         for line in path.read_text(encoding="utf-8").splitlines():
             try:
                 entry = json.loads(line)
-                found[entry["key"]] = entry["outcomes"]
+                found[entry["key"]] = {name: entry[name] for name in ("outcomes", "left_out")}
             except (json.JSONDecodeError, KeyError):
                 progress(f"{path}: a line that was cut off is left out")
     return found
@@ -233,8 +241,8 @@ def main() -> None:
         raise SystemExit(f"--seeds: development seeds are below {DEVELOPMENT_SEEDS}")
     origin = "" if args.seeds else commit()
     jobs = list(jobs_of(args, origin))
-    outcomes = done(args.out)
-    missing = [] if args.report_only else [job for job in jobs if job.key not in outcomes]
+    kept = done(args.out)
+    missing = [] if args.report_only else [job for job in jobs if job.key not in kept]
     progress(f"{len(jobs)} situations, {len(jobs) - len(missing)} of them done")
     with (
         ProcessPoolExecutor(args.workers, get_context("spawn"), start_worker) as pool,
@@ -243,21 +251,24 @@ def main() -> None:
         running = {pool.submit(run, job): job for job in missing}
         for number, future in enumerate(as_completed(running), 1):
             job = running[future]
-            outcomes[job.key] = future.result()
-            line = {"key": job.key, "commit": origin, "outcomes": outcomes[job.key]}
-            out.write(json.dumps(line, allow_nan=False) + "\n")
+            kept[job.key] = future.result()
+            out.write(json.dumps({"key": job.key, "commit": origin, **kept[job.key]}, allow_nan=False) + "\n")
             out.flush()
             progress(f"{number}/{len(missing)} {job.family} {job.seed}")
             if args.verbose:
-                for outcome in outcomes[job.key]:
+                for outcome in kept[job.key]["outcomes"]:
                     print(json.dumps({"family": job.family, "seed": job.seed, **outcome}), file=sys.stderr)
+    present = [(job, kept[job.key]) for job in jobs if job.key in kept]
     told = [
         {"family": job.family, "seed": job.seed, **outcome}
-        for job in jobs
-        for outcome in outcomes.get(job.key, [])
+        for job, found in present
+        for outcome in found["outcomes"]
     ]
+    left_out: dict[str, Counter[str]] = {}
+    for job, found in present:
+        left_out.setdefault(job.family, Counter()).update(found["left_out"])
     seeds = f"commit {origin}" if origin else f"development seeds {args.seeds[0]}–{args.seeds[-1]}"
-    print(report(told, seeds, args.lines))
+    print(report(told, left_out, seeds, args.lines))
 
 
 if __name__ == "__main__":

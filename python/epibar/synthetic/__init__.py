@@ -11,8 +11,11 @@
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy
 from .families import FAMILIES, WITH_ANSWER, WITHOUT_ANSWER, situation
+from .figures import Walkers
 from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
+from .information import error_bound
+from .rigs import field_of_view
 from .scene import Scene, Solids
 from .situations import Answer, Fault, Situation
 from .video import render_frames, render_video
@@ -31,7 +34,10 @@ __all__ = [
     "Scene",
     "Situation",
     "Solids",
+    "Walkers",
     "cubes",
+    "error_bound",
+    "field_of_view",
     "noisy",
     "people",
     "render_frames",

@@ -109,6 +109,12 @@ class Body:
         return Pose(centres, axes, np.tile(present, (1, parts)))
 
 
+def stepping(phase: Array) -> Array:
+    """How far a leg is forward, −1 … 1, most at phase π/2: evenly back, and swinging forward."""
+    share = np.mod(phase / (2 * np.pi) - 0.25, 1.0)
+    return np.where(share < 0.5, 1.0 - 4.0 * share, -np.cos(2 * np.pi * (share - 0.5)))
+
+
 class Walkers:
     """People who walk, stand or dance: 13 ellipsoids each.
 
@@ -159,7 +165,7 @@ class Walkers:
         legs, arms = between(self.legs, seconds), between(self.arms, seconds)
         swings = []
         for side in (1.0, -1.0):
-            thigh = side * legs * np.sin(phase)
+            thigh = legs * stepping(phase + (0.0 if side > 0 else np.pi))
             # The knee gives way while the leg swings forward.
             shank = thigh - (0.05 + 2.0 * legs * np.maximum(side * np.cos(phase), 0.0))
             swings.append((side, thigh, shank))

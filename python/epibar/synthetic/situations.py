@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .camera import Camera, true_fundamental
 from .film import Clock, Film
+from .information import error_bound
 
 if TYPE_CHECKING:
     from ..recording import Recording
@@ -28,6 +29,9 @@ LEAST_COMMON = 0.12
 
 LEAST_BASELINE = 0.4
 """Metres between two cameras that have an answer by definition."""
+
+DETERMINED = 1.0
+"""Pixels over the volume that the best method may expect, by `error_bound`, where there is an answer."""
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,8 @@ class Situation:
             return Answer(False, "no baseline")
         if (self.visible(a) & self.visible(b)).sum() < LEAST_COMMON * max(len(self.volume_points), 1):
             return Answer(False, "little in common")
+        if error_bound(self, a, b) > DETERMINED:
+            return Answer(False, "barely determined")
         return Answer(True)
 
     def fundamental(self, a: int, b: int) -> Array:

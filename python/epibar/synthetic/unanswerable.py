@@ -234,7 +234,7 @@ REPEATED = {
         movers=marching,
         frames=(200, 500),
         area=((6.0, 9.0), (2.0, 3.0)),
-        rig=Rig(("beside",), (1.2, 4.0), (4.0, 8.0), (1.0, 2.0), 0.1, least_seen=0.02),
+        rig=Rig(("beside",), (1.2, 4.0), (4.0, 8.0), (1.0, 2.0), roll=0.1, least_seen=0.02),
     ),
     "pendulum": replace(PAIR, movers=swinging, area=((4.0, 6.0), (4.0, 6.0))),
     "carousel": replace(PAIR, movers=going_round, area=((8.0, 10.0), (8.0, 10.0))),
