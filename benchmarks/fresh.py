@@ -248,6 +248,8 @@ def main() -> None:
         ProcessPoolExecutor(args.workers, get_context("spawn"), start_worker) as pool,
         args.out.open("a", encoding="utf-8") as out,
     ):
+        if args.out.stat().st_size and not args.out.read_bytes().endswith(b"\n"):
+            out.write("\n")
         running = {pool.submit(run, job): job for job in missing}
         for number, future in enumerate(as_completed(running), 1):
             job = running[future]

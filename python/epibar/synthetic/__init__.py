@@ -15,6 +15,7 @@ from .figures import Walkers
 from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
 from .information import error_bound
+from .network_errors import CameraError, network_errors, pair_error
 from .rigs import field_of_view
 from .scene import Scene, Solids
 from .situations import Answer, Fault, Situation
@@ -28,6 +29,7 @@ __all__ = [
     "WITH_ANSWER",
     "Answer",
     "Camera",
+    "CameraError",
     "Clock",
     "Dirt",
     "Fault",
@@ -38,7 +40,9 @@ __all__ = [
     "cubes",
     "error_bound",
     "field_of_view",
+    "network_errors",
     "noisy",
+    "pair_error",
     "people",
     "render_frames",
     "render_video",

@@ -51,7 +51,7 @@ class Fault:
     detail: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Situation:
     """Cameras before something that moves, drawn from one seed; `situation` makes one.
 
@@ -86,6 +86,9 @@ class Situation:
     groups: tuple[int, ...]
     undetermined: str = ""
     faults: tuple[Fault, ...] = field(default_factory=tuple)
+
+    def __repr__(self) -> str:
+        return f"<Situation {self.family} {self.seed}: {len(self.cameras)} cameras>"
 
     # --- what is true ---
 
