@@ -10,7 +10,7 @@ import numpy as np
 from . import casts
 from .film import Clock, Film
 from .rigs import Lenses, Rig
-from .settings import Rng, Setting, draw, ragged, stream, turned, whole
+from .settings import POINTS, Rng, Setting, draw, ragged, stream, turned, whole
 from .situations import Fault, Situation
 from .world import World
 
@@ -88,10 +88,9 @@ def _blamed(made: Situation, index: int, film: Film, kind: str, detail: str) -> 
 
 
 def another_world(made: Situation, rng: Rng, setting: Setting) -> World:
-    """Draw another motion that lasts as long."""
+    """Draw another motion on as much room, which lasts as long."""
     length = max(float(film.moments[-1]) for film in made.films)
-    area = tuple(float(rng.uniform(*bounds)) for bounds in setting.area)
-    return World(setting.movers(rng, whole(rng, setting.count), length, (area[0], area[1])))
+    return World(setting.movers(rng, whole(rng, setting.count), length, made.area))
 
 
 def stranger(seed: int, family: str) -> Situation:
@@ -137,7 +136,9 @@ def split(seed: int, family: str) -> Situation:
         replace(film, world=other) if group else film for film, group in zip(made.films, groups, strict=True)
     ]
     fault = Fault("two groups", tuple(number for number in range(count) if groups[number]), "")
-    return replace(made, films=films, groups=groups, faults=(fault,))
+    length = max(float(film.moments[-1]) for film in films)
+    points = np.concatenate([made.volume_points[::2], other.random_points(rng, length, POINTS // 2)])
+    return replace(made, films=films, groups=groups, faults=(fault,), volume_points=points)
 
 
 NETWORKS: dict[str, Callable[[int, str], Situation]] = {

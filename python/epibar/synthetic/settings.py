@@ -195,7 +195,7 @@ def draw(seed: int, family: str, setting: Setting) -> Situation:
         for index, (camera, clock) in enumerate(zip(cameras, clocks, strict=True))
     ]
     films = [_masked(masks, setting, film) for film in films]
-    return Situation(family, seed, cameras, clocks, films, points, room(rng, area), (0,) * count)
+    return Situation(family, seed, cameras, clocks, films, points, room(rng, area), (0,) * count, area)
 
 
 def _extended(

@@ -71,6 +71,8 @@ class Situation:
         moved there.
     groups : tuple of int
         Cameras with the same number have answers among each other.
+    area : (float, float)
+        Metres along x and y on which things move, about the origin.
     undetermined : str
         Why the motion determines no geometry, or empty. There is a true F then, which nobody can know.
     faults : tuple of Fault
@@ -84,6 +86,7 @@ class Situation:
     volume_points: Array
     room_points: Array
     groups: tuple[int, ...]
+    area: tuple[float, float]
     undetermined: str = ""
     faults: tuple[Fault, ...] = field(default_factory=tuple)
 

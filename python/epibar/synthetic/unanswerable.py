@@ -43,11 +43,10 @@ def _parted(made: Situation, film: Film, kind: str, detail: str = "") -> Situati
 
 
 def _elsewhere(seed: int, family: str, made: Situation) -> World:
-    """Draw what moves in another place."""
+    """Draw what moves in another place, on as much room."""
     rng = stream(seed, family, 20)
     length = max(float(film.moments[-1]) for film in made.films)
-    area = float(rng.uniform(*PAIR.area[0])), float(rng.uniform(*PAIR.area[1]))
-    return World(PAIR.movers(rng, whole(rng, PAIR.count), length, area))
+    return World(PAIR.movers(rng, whole(rng, PAIR.count), length, made.area))
 
 
 def unrelated(seed: int, family: str) -> Situation:
@@ -97,8 +96,7 @@ def same_timetable(seed: int, family: str) -> Situation:
     length = max(float(film.moments[-1]) for film in made.films)
     (walkers,) = made.films[0].world.movers
     table = tracks.visits(walkers.track)
-    area = float(rng.uniform(*PAIR.area[0])), float(rng.uniform(*PAIR.area[1]))
-    world = World([Walkers(rng, tracks.coming_and_going(rng, table, length, area))])
+    world = World([Walkers(rng, tracks.coming_and_going(rng, table, length, made.area))])
     return _parted(made, replace(made.films[1], world=world), "another room, the same timetable")
 
 
@@ -248,7 +246,10 @@ def repeated_pattern(seed: int, family: str) -> Situation:
 
 
 def no_baseline(seed: int, family: str) -> Situation:
-    """Two cameras within a centimetre, the second turned and zoomed."""
+    """Two cameras within a centimetre, the second turned and zoomed.
+
+    Every F of the family [e]×H fits, all points of the room too, so that no error tells a wrong one.
+    """
     made, rng = draw(seed, family, PAIR), stream(seed, family, 20)
     first, size = made.cameras[0], made.cameras[1].size
     far = float(np.linalg.norm(first.centre))
@@ -257,8 +258,8 @@ def no_baseline(seed: int, family: str) -> Situation:
     place = first.centre + away / np.linalg.norm(away) * rng.uniform(0.0005, 0.01)
     focal = float(first.K[0, 0]) / first.size[0] * size[0] * rng.uniform(0.75, 1.3)
     second = Camera.look_at(place, aim, focal, size, float(np.rad2deg(rng.uniform(-0.2, 0.2))), "cam02")
-    films = [made.films[0], replace(made.films[1], camera=second)]
-    return replace(made, cameras=[first, second], films=films, undetermined="no baseline")
+    found = _parted(made, replace(made.films[1], camera=second), "no baseline")
+    return replace(found, cameras=[first, second])
 
 
 PATH = replace(PAIR, movers=path_walkers)
