@@ -230,6 +230,20 @@ def test_what_is_planted_is_what_is_said():
     assert (np.diff(back.films[0].moments) > 0).all()
 
 
+def test_a_false_pair_agrees_on_a_geometry_of_its_own():
+    made = synthetic.situation(1, "network_false_pair")
+    a, b = made.faults[0].cameras
+    assert [index for index, film in enumerate(made.films) if film.also is not None] == [a, b]
+    F_false = synthetic.true_fundamental(made.films[a].also.camera, made.films[b].also.camera)
+    assert made.error(F_false, a, b) > 10
+    recordings = [made.recording(index, lines=50, undistorted=True, frames=300)._core for index in (a, b)]
+    offset, excess = made.time_offset(a, b), []
+    for F in (made.fundamental(a, b), F_false, made.fundamental(a, b)[::-1].copy()):
+        found = _core.examine(*recordings, np.ascontiguousarray(F), 1.0, offset, True, False, None)
+        excess.append(found["tops"]["excess"] + found["bottoms"]["excess"])
+    assert min(excess[:2]) > 3 * max(excess[2], 10.0)
+
+
 def test_mirrored():
     made = synthetic.situation(4, "mirrored")
     plain = replace(made.films[1], mirrored=False)

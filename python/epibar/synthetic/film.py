@@ -98,6 +98,9 @@ class Film:
     mirrored : bool
         Left and right changed about.
     lights : Lights or None
+    also : Film or None
+        What moves in this image besides, as in a mirror: the masks of a film of as many frames are added,
+        before dirt.
     """
 
     camera: Camera
@@ -113,11 +116,16 @@ class Film:
     knocked_at: int = 0
     mirrored: bool = False
     lights: Lights | None = None
+    also: Film | None = None
 
     def without_lens(self) -> Film:
         """Return the same film as a pinhole of the same matrix takes it."""
-        knocked = None if self.knocked is None else self.knocked.without_lens()
-        return replace(self, camera=self.camera.without_lens(), knocked=knocked)
+        return replace(
+            self,
+            camera=self.camera.without_lens(),
+            knocked=None if self.knocked is None else self.knocked.without_lens(),
+            also=None if self.also is None else self.also.without_lens(),
+        )
 
     def iter_masks(self, start: int = 0, stop: int | None = None) -> Iterator[Mask]:
         """Draw masks frame by frame: (H, W) uint8, 0 and 1."""
@@ -133,7 +141,10 @@ class Film:
                 if first < self.knocked_at < last:
                     last = self.knocked_at
                 camera = self.knocked if first >= self.knocked_at else camera
-            for offset, mask in enumerate(self._drawn(camera, first, last)):
+            masks = self._drawn(camera, first, last)
+            if self.also is not None:
+                masks |= self.also._drawn(self.also.camera, first, last)
+            for offset, mask in enumerate(masks):
                 mask = self._spoilt(mask, first + offset)
                 yield clean(mask) if clean is not None else mask
             first = last

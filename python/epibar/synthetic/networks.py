@@ -9,6 +9,7 @@ import numpy as np
 
 from . import casts
 from .film import Clock, Film
+from .motion import rotations
 from .rigs import Lenses, Rig
 from .settings import POINTS, Rng, Setting, draw, ragged, stream, turned, whole
 from .situations import Fault, Situation
@@ -141,6 +142,28 @@ def split(seed: int, family: str) -> Situation:
     return replace(made, films=films, groups=groups, faults=(fault,), volume_points=points)
 
 
+def false_pair(seed: int, family: str) -> Situation:
+    """Two cameras see more people than the others, 8–14 whom one of the two shows as from elsewhere.
+
+    As a large mirror would: the two agree on a geometry that is not theirs, and that no other pair has. What
+    all see is still there, and so is the true geometry.
+    """
+    made, index, rng = _faulty(seed, family)
+    other = int(rng.choice([number for number in range(len(made.cameras)) if number != index]))
+    length = max(float(film.moments[-1]) for film in made.films)
+    besides = World(casts.walkers(rng, int(rng.integers(8, 15)), length, made.area))
+    films = list(made.films)
+    for number in (index, other):
+        films[number] = replace(films[number], also=replace(films[number], world=besides, dirt=None))
+    camera = films[other].camera
+    # The same camera, a quarter to three quarters of a turn round the middle of the room.
+    turn = rotations(np.array([0.0, 0.0, 1.0]), np.array(rng.uniform(np.pi / 2, 3 * np.pi / 2)))
+    mirrored = replace(camera, R=camera.R @ turn.T, t=camera.t)
+    films[other] = replace(films[other], also=replace(films[other].also, camera=mirrored))
+    fault = Fault("false pair", (min(index, other), max(index, other)))
+    return replace(made, films=films, faults=(fault,))
+
+
 NETWORKS: dict[str, Callable[[int, str], Situation]] = {
     **dict.fromkeys(SETTINGS, _plain),
     "network_stranger": stranger,
@@ -148,4 +171,5 @@ NETWORKS: dict[str, Callable[[int, str], Situation]] = {
     "network_shifted": shifted,
     "network_knocked": knocked,
     "network_split": split,
+    "network_false_pair": false_pair,
 }
