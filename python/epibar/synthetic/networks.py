@@ -51,6 +51,7 @@ NETWORK = Setting(
         roll=0.15,
         sizes=SIZES,
         least_seen=0.4,
+        least_span=0.35,
         one_size=True,
     ),
     cameras=(3, 8),

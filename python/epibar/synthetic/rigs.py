@@ -57,6 +57,8 @@ class Rig:
     sizes : dict of size to weight, or tuple of sizes that are taken in turn
     least_seen : float
         Share of the points where things move that a camera must see, or it is drawn anew.
+    least_span : float
+        Share of its image's width that they must span there, from the 2nd percentile to the 98th.
     one_size : bool
         Whether all cameras have one size (and, nearly, one focal length) in half of the situations.
     """
@@ -69,6 +71,7 @@ class Rig:
     roll: float = 0.2
     sizes: dict[tuple[int, int], float] | tuple[tuple[int, int], ...] | None = None
     least_seen: float = 0.3
+    least_span: float = 0.0
     one_size: bool = False
 
 
@@ -166,7 +169,8 @@ def draw_cameras(
         for index in range(count):
             for _ in range(6):
                 camera = one(index, places[index], aims[index])
-                good = seen_share(camera, points) >= rig.least_seen and not crowded(camera, cameras)
+                seen, span = coverage(camera, points)
+                good = seen >= rig.least_seen and span >= rig.least_span and not crowded(camera, cameras)
                 if good or attempt == TRIES - 1:
                     cameras.append(camera)
                     break
@@ -182,13 +186,17 @@ def crowded(camera: Camera, others: list[Camera]) -> bool:
     return any(np.linalg.norm(camera.centre - other.centre) < 0.7 for other in others)
 
 
-def seen_share(camera: Camera, points: Array) -> float:
-    """Share of (n, 3) points that a camera sees through its lens."""
+def coverage(camera: Camera, points: Array) -> tuple[float, float]:
+    """Share of (n, 3) points that a camera sees, and share of the width of its image that these span."""
     pixels, depth = camera.project(points)
     with np.errstate(invalid="ignore"):
         bent = camera.distort(pixels)
         inside = ((bent >= 0) & (bent <= np.array(camera.size) - 1)).all(axis=1)
-    return float((inside & (depth > 0)).mean()) if len(points) else 1.0
+    inside &= depth > 0
+    if not inside.any():
+        return (0.0, 0.0) if len(points) else (1.0, 1.0)
+    left, right = np.percentile(bent[inside, 0], (2, 98))
+    return float(inside.mean()), float((right - left) / camera.size[0])
 
 
 @dataclass(frozen=True)
