@@ -143,6 +143,8 @@ def judged(
             found["image_error"] = None
         if offset == "search":
             found["offset_error"] = cal.time_offset - situation.time_offset(a, b)
+    if cal.F is not None and any(situation.films[camera].mirrored for camera in pair):
+        found["mirrored_error"] = situation.error(cal.F, a, b)
     if job.swap:
         found["swapped"] = calibrated(b, a, job.seed % 2**32).accepted
     if job.search_seeds > 1:

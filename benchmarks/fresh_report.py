@@ -166,8 +166,10 @@ def report(outcomes: list[Outcome], left_out: dict[str, Counter[str]], seeds: st
 
 def told(o: Outcome) -> str:
     """Return the errors of an outcome in words."""
+    if o.get("mirrored_error") is not None:
+        return f"mirrored, {px(o['mirrored_error'])} px over the volume as the mirrored pixels have it"
     if not o["truth"]:
-        return o["why_not"]
+        return str(o["why_not"])
     errors = [o.get(name) for name in ("error", "room_error", "image_error")]
     volume, room, image = (px(math.nan if error is None else error) for error in errors)
     return f"{volume} px over the volume, {room} over the room, {image} over the image"

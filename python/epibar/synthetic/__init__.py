@@ -10,7 +10,7 @@
 
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy
-from .families import FAMILIES, WITH_ANSWER, WITHOUT_ANSWER, situation
+from .families import FAMILIES, WITH_ANSWER, situation
 from .figures import Walkers
 from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
@@ -19,6 +19,7 @@ from .network_errors import CameraError, network_errors, pair_error
 from .rigs import field_of_view
 from .scene import Scene, Solids
 from .situations import Answer, Fault, Situation
+from .unanswerable import WITHOUT_ANSWER
 from .video import render_frames, render_video
 
 __all__ = [

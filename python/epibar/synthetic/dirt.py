@@ -88,7 +88,8 @@ def _band(mask: NDArray[np.uint8], width: int) -> NDArray[np.int64]:
         return np.empty(0, np.int64)
     kernel = np.ones((2 * width + 1,) * 2, np.uint8)
     rows, columns = np.nonzero(cv2.dilate(part, kernel) != cv2.erode(part, kernel))
-    return (rows + top) * mask.shape[1] + columns + left
+    places: NDArray[np.int64] = (rows + top) * mask.shape[1] + columns + left
+    return places
 
 
 def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -> NDArray[np.uint8]:
@@ -113,7 +114,8 @@ def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -
         part = _around(out, 2 * dirt.merged_px + 1)[2]
         if part.size:
             part[:] = cv2.morphologyEx(part, cv2.MORPH_CLOSE, disc)
-    return out
+    result: NDArray[np.uint8] = out
+    return result
 
 
 def noisy(masks: ArrayLike, seed: int = 0, dirt: Dirt | None = None) -> NDArray[np.uint8]:

@@ -94,7 +94,13 @@ class Body:
         self.axes.append(axes)
 
     def bar(
-        self, ahead: Array, aside: Array | float, above: Array, angle: Array, length: Array, thick: Array
+        self,
+        ahead: Array | float,
+        aside: Array | float,
+        above: Array,
+        angle: Array,
+        length: Array,
+        thick: Array,
     ) -> tuple[Array, Array]:
         """Add a limb from a joint, at an angle (0: hanging, positive: its end forward); returns its end."""
         along, down = np.sin(angle) * length, np.cos(angle) * length

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -206,7 +206,7 @@ class Film:
         return np.ascontiguousarray(mask[:, ::-1]) if self.mirrored else mask
 
 
-def _fill(masks: NDArray[np.uint8], frame: NDArray[np.int64], spans: Spans, value: object) -> None:
+def _fill(masks: NDArray[np.uint8], frame: NDArray[np.int64], spans: Spans, value: int | Mask) -> None:
     """Set the pixels of spans in a stack of masks."""
     height, width = masks.shape[1:]
     span, pixel = spans.pixels(width)
@@ -224,7 +224,7 @@ def _rectangles(low: Array, high: Array, size: tuple[int, int]) -> Spans:
     return Spans(item, row, first[item, 0], last[item, 0])
 
 
-def _cleaner():
+def _cleaner() -> Callable[[Mask], Mask]:
     from ..foreground import Foreground, ForegroundOptions
 
     foreground = Foreground(ForegroundOptions())

@@ -36,7 +36,7 @@ def _polynomial(distortions: Sequence[float]) -> tuple[float, float, float]:
 def fold_radius(distortions: Sequence[float]) -> float:
     """Find the least r at which the radial part stops growing; infinite where it always grows."""
     k1, k2, k3 = _polynomial(distortions)
-    roots = np.roots(np.trim_zeros([7 * k3, 5 * k2, 3 * k1, 1.0], "f"))
+    roots = np.roots(np.trim_zeros(np.array([7 * k3, 5 * k2, 3 * k1, 1.0]), "f"))
     squared = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0)]
     return float(np.sqrt(squared.min())) if len(squared) else float("inf")
 
@@ -80,7 +80,8 @@ def bend(points: ArrayLike, distortions: Sequence[float], limit: float = np.inf)
     k1, k2, k3 = _polynomial(distortions)
     slope = 1 + limit**2 * (3 * k1 + limit**2 * (5 * k2 + limit**2 * 7 * k3))
     edge = points / beyond
-    return _bent(edge, distortions) + (points - edge) * slope
+    straight_on: Array = _bent(edge, distortions) + (points - edge) * slope
+    return straight_on
 
 
 def unbend(points: ArrayLike, distortions: Sequence[float], limit: float = np.inf) -> Array:

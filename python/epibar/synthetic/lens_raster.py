@@ -57,7 +57,8 @@ def _by_corners(wanted: Array, least: int) -> list[tuple[int, Index]]:
 def _near_image(camera: Camera, corners: Array) -> NDArray[np.bool_]:
     """Tell which (m, k, 2) polygons have a bounding box that meets the image."""
     low, high = corners.min(axis=1), corners.max(axis=1)
-    return ((high >= 0) & (low <= np.array(camera.size) - 1)).all(axis=1)
+    near: NDArray[np.bool_] = ((high >= 0) & (low <= np.array(camera.size) - 1)).all(axis=1)
+    return near
 
 
 def _ellipses(camera: Camera, mean: Array, shape: Array) -> Spans:

@@ -51,7 +51,8 @@ def angle_between(one: Array, other: Array) -> float:
 def nearest_rotation(matrix: Array) -> Array:
     """Rotation matrix that is nearest to a matrix."""
     u, _, vt = np.linalg.svd(matrix)
-    return u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    rotation: Array = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    return rotation
 
 
 def _orientation(true: list[Array], found: list[Array]) -> Array:
@@ -62,14 +63,14 @@ def _orientation(true: list[Array], found: list[Array]) -> Array:
     )
     best = int(np.median(errors, axis=1).argmin())
     near = errors[best] <= 3 * np.median(errors[best]) + 1e-9
-    return nearest_rotation(sum(turn for turn, good in zip(turns, near, strict=True) if good))
+    return nearest_rotation(np.array(turns)[near].sum(axis=0))
 
 
 def _placed(true: Array, found: Array) -> Array:
     """Scale and move (n, 3) found places, already turned, on the true ones, robustly."""
     best, least = found, np.inf
     for i, j in combinations(range(len(true)), 2):
-        scale = np.linalg.norm(true[i] - true[j]) / max(np.linalg.norm(found[i] - found[j]), 1e-12)
+        scale = np.linalg.norm(true[i] - true[j]) / max(float(np.linalg.norm(found[i] - found[j])), 1e-12)
         moved = scale * (found - (found[i] + found[j]) / 2) + (true[i] + true[j]) / 2
         median = float(np.median(np.linalg.norm(moved - true, axis=1)))
         if median < least:
@@ -79,7 +80,8 @@ def _placed(true: Array, found: Array) -> Array:
         return best
     ours, theirs = best[near] - best[near].mean(axis=0), true[near] - true[near].mean(axis=0)
     scale = (ours * theirs).sum() / (ours**2).sum()
-    return scale * (best - best[near].mean(axis=0)) + true[near].mean(axis=0)
+    placed: Array = scale * (best - best[near].mean(axis=0)) + true[near].mean(axis=0)
+    return placed
 
 
 def network_errors(situation: Situation, found: Mapping[str, Camera]) -> dict[str, CameraError]:

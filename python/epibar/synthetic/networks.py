@@ -154,13 +154,13 @@ def false_pair(seed: int, family: str) -> Situation:
     length = max(float(film.moments[-1]) for film in made.films)
     besides = World(casts.walkers(rng, int(rng.integers(8, 15)), length, made.area))
     films = list(made.films)
-    for number in (index, other):
-        films[number] = replace(films[number], also=replace(films[number], world=besides, dirt=None))
     camera = films[other].camera
     # The same camera, a quarter to three quarters of a turn round the middle of the room.
     turn = rotations(np.array([0.0, 0.0, 1.0]), np.array(rng.uniform(np.pi / 2, 3 * np.pi / 2)))
     mirrored = replace(camera, R=camera.R @ turn.T, t=camera.t)
-    films[other] = replace(films[other], also=replace(films[other].also, camera=mirrored))
+    for number, seen_from in ((index, films[index].camera), (other, mirrored)):
+        more = replace(films[number], world=besides, camera=seen_from)
+        films[number] = replace(films[number], also=more)
     fault = Fault("false pair", (min(index, other), max(index, other)))
     return replace(made, films=films, faults=(fault,))
 

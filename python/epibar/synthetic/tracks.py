@@ -47,7 +47,7 @@ class Track:
     @property
     def count(self) -> int:
         """Number of movers."""
-        return self.heading.shape[1]
+        return len(self.heading.T)
 
     def joined(self, other: Track) -> Track:
         """Put the movers of two tracks into one."""
@@ -71,12 +71,13 @@ def evened(values: Array, width: int) -> Array:
     padded = np.concatenate([np.repeat(values[:1], width // 2 + 1, axis=0), values])
     padded = np.concatenate([padded, np.repeat(values[-1:], width // 2, axis=0)])
     total = np.cumsum(padded, axis=0)
-    return (total[width:] - total[:-width]) / width
+    mean: Array = (total[width:] - total[:-width]) / width
+    return mean
 
 
 def samples(length: float) -> Array:
     """Seconds of the samples of a world of this length, with a little more at its end."""
-    return np.arange(int(np.ceil(length / STEP)) + 3) * STEP
+    return np.arange(int(np.ceil(length / STEP)) + 3, dtype=np.float64) * STEP
 
 
 def free(
@@ -135,7 +136,8 @@ def wandering(rng: np.random.Generator, count: int, times: Array, period: Range 
     periods, phases = rng.uniform(*period, (3, count)), rng.uniform(0, 2 * np.pi, (3, count))
     shares = rng.dirichlet(np.ones(3), count).T
     angle = 2 * np.pi * times[:, None, None] / periods + phases
-    return (np.sin(angle) * shares).sum(axis=1)
+    curves: Array = (np.sin(angle) * shares).sum(axis=1)
+    return curves
 
 
 def to_and_fro(

@@ -94,8 +94,9 @@ def same_timetable(seed: int, family: str) -> Situation:
     made = draw(seed, family, setting)
     rng = stream(seed, family, 20)
     length = max(float(film.moments[-1]) for film in made.films)
-    (walkers,) = made.films[0].world.movers
-    table = tracks.visits(walkers.track)
+    (people,) = made.films[0].world.movers
+    assert isinstance(people, Walkers)
+    table = tracks.visits(people.track)
     world = World([Walkers(rng, tracks.coming_and_going(rng, table, length, made.area))])
     return _parted(made, replace(made.films[1], world=world), "another room, the same timetable")
 

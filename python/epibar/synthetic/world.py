@@ -134,4 +134,5 @@ class World:
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         within = direction * np.cbrt(rng.uniform(0, 1, (count, 1)))
         time, solid = time[pick], solid[pick]
-        return pose.centres[time, solid] + np.einsum("nij,nj->ni", pose.axes[time, solid], within)
+        points: Array = pose.centres[time, solid] + np.einsum("nij,nj->ni", pose.axes[time, solid], within)
+        return points
