@@ -10,22 +10,44 @@
 
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy
+from .families import FAMILIES, WITH_ANSWER, situation
+from .figures import Walkers
+from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
+from .information import error_bound
+from .network_errors import CameraError, network_errors, pair_error
+from .rigs import field_of_view
 from .scene import Scene, Solids
+from .situations import Answer, Fault, Situation
+from .unanswerable import WITHOUT_ANSWER
 from .video import render_frames, render_video
 
 __all__ = [
+    "FAMILIES",
     "HIGH_CAMERAS",
     "LOW_CAMERAS",
+    "WITHOUT_ANSWER",
+    "WITH_ANSWER",
+    "Answer",
     "Camera",
+    "CameraError",
+    "Clock",
     "Dirt",
+    "Fault",
     "Scene",
+    "Situation",
     "Solids",
+    "Walkers",
     "cubes",
+    "error_bound",
+    "field_of_view",
+    "network_errors",
     "noisy",
+    "pair_error",
     "people",
     "render_frames",
     "render_video",
+    "situation",
     "thin_cubes",
     "true_fundamental",
 ]

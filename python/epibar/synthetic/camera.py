@@ -1,20 +1,22 @@
-"""A pinhole camera in a world with z up, in metres: ``X_c = R X + t``, ``x ~ K X_c``."""
+"""A camera in a world with z up, in metres: ``X_c = R X + t``, ``x ~ K X_c``, maybe with a lens."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..evaluation import fundamental_from_cameras, project, projection_matrix
+from .lens import bend, image_limit, unbend
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A known, stationary, undistorted camera.
+    """A known, stationary camera.
 
     Attributes
     ----------
@@ -24,6 +26,9 @@ class Camera:
         World to camera, metres.
     size : (width, height)
     name : str
+    distortions : tuple of float
+        k1, k2, p1, p2, k3 of OpenCV's lens model; empty for a pinhole. They bend what is drawn; projections
+        and fundamental matrices are in undistorted pixels of the same K.
     """
 
     K: Array
@@ -31,6 +36,7 @@ class Camera:
     t: Array
     size: tuple[int, int]
     name: str = ""
+    distortions: tuple[float, ...] = ()
 
     @classmethod
     def look_at(
@@ -72,6 +78,36 @@ class Camera:
     def project(self, points: ArrayLike) -> tuple[Array, Array]:
         """Project (n, 3) world points: (n, 2) pixels, NaN behind the camera, and (n,) depths in metres."""
         return project(self, points)
+
+    @property
+    def distorted(self) -> bool:
+        """Whether the lens bends lines."""
+        return any(self.distortions)
+
+    @cached_property
+    def lens_limit(self) -> float:
+        """How far from the axis the lens follows its polynomial, in units of the focal length."""
+        return image_limit(self.K, self.distortions, self.size) if self.distorted else float("inf")
+
+    def distort(self, pixels: ArrayLike) -> Array:
+        """Take (..., 2) undistorted pixels to where the lens shows them."""
+        pixels = np.asarray(pixels, dtype=np.float64)
+        if not self.distorted:
+            return pixels
+        focal, middle = self.K[[0, 1], [0, 1]], self.K[:2, 2]
+        return bend((pixels - middle) / focal, self.distortions, self.lens_limit) * focal + middle
+
+    def undistort(self, pixels: ArrayLike) -> Array:
+        """Take (..., 2) pixels as the lens shows them to undistorted ones."""
+        pixels = np.asarray(pixels, dtype=np.float64)
+        if not self.distorted:
+            return pixels
+        focal, middle = self.K[[0, 1], [0, 1]], self.K[:2, 2]
+        return unbend((pixels - middle) / focal, self.distortions, self.lens_limit) * focal + middle
+
+    def without_lens(self) -> Camera:
+        """Return the same camera as a pinhole."""
+        return replace(self, distortions=())
 
 
 def true_fundamental(cam_a: Camera, cam_b: Camera) -> Array:

@@ -29,6 +29,8 @@ class Dirt:
         Radius of a hole, as a share of the square root of the component's area.
     missed : float
         Chance that a connected component is missed in a frame.
+    merged_px : int
+        Radius of a closing at the end, pixels: neighbours become one, and gaps are filled.
     """
 
     false_blobs: float = 2.0
@@ -38,6 +40,7 @@ class Dirt:
     holes: float = 0.5
     hole_share: tuple[float, float] = (0.05, 0.2)
     missed: float = 0.04
+    merged_px: int = 0
 
 
 def _blob(
@@ -48,25 +51,55 @@ def _blob(
     cv2.ellipse(image, middle, axes, float(rng.uniform(0, 180)), 0, 360, value, -1)
 
 
-def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -> NDArray[np.uint8]:
-    """One (H, W) mask made dirty; 0 and 1."""
-    height, width = mask.shape
-    out = (mask != 0).astype(np.uint8)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(out, connectivity=8)
+def _around(mask: NDArray[np.uint8], margin: int, step: int = 1) -> tuple[int, int, NDArray[np.uint8]]:
+    """Cut out the part of a mask in which anything is set: its first column and row, and the part.
+
+    Column and row are multiples of ``step``.
+    """
+    x, y, width, height = cv2.boundingRect(mask)
+    left, top = (max(at - margin, 0) // step * step for at in (x, y))
+    return left, top, mask[top : y + height + margin, left : x + width + margin]
+
+
+def _lose(out: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -> None:
+    """Miss components, or cut holes into them."""
+    # OpenCV goes through blocks of 2×2, on which the order of its labels depends.
+    left, top, part = _around(out, 0, 2)
+    if part.size == 0:
+        return
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(part, connectivity=8)
     for label in range(1, count):
         x, y, w, h, area = stats[label]
         window = labels[y : y + h, x : x + w] == label
         if rng.random() < dirt.missed:
-            out[y : y + h, x : x + w][window] = 0
+            part[y : y + h, x : x + w][window] = 0
             continue
         for _ in range(rng.poisson(dirt.holes)):
             rows, columns = np.nonzero(window)
             pick = rng.integers(len(rows))
             radius = rng.uniform(*dirt.hole_share) * np.sqrt(area)
-            _blob(out, np.array([x + columns[pick], y + rows[pick]]), radius, 0, rng)
+            _blob(out, np.array([left + x + columns[pick], top + y + rows[pick]]), radius, 0, rng)
+
+
+def _band(mask: NDArray[np.uint8], width: int) -> NDArray[np.int64]:
+    """List the pixels within a width of an outline, as places row · width + x."""
+    left, top, part = _around(mask, width)
+    if part.size == 0:
+        return np.empty(0, np.int64)
+    kernel = np.ones((2 * width + 1,) * 2, np.uint8)
+    rows, columns = np.nonzero(cv2.dilate(part, kernel) != cv2.erode(part, kernel))
+    places: NDArray[np.int64] = (rows + top) * mask.shape[1] + columns + left
+    return places
+
+
+def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -> NDArray[np.uint8]:
+    """One (H, W) mask made dirty; 0 and 1."""
+    height, width = mask.shape
+    out = (mask != 0).astype(np.uint8)
+    if dirt.missed > 0 or dirt.holes > 0:
+        _lose(out, dirt, rng)
     if dirt.ragged > 0 and dirt.ragged_px > 0:
-        kernel = np.ones((2 * dirt.ragged_px + 1,) * 2, np.uint8)
-        band = np.flatnonzero(cv2.dilate(out, kernel) != cv2.erode(out, kernel))
+        band = _band(out, dirt.ragged_px)
         # Noise at half resolution: real outlines are ragged in clumps, not in single pixels.
         half_width = (width + 1) // 2
         coarse = rng.random(((height + 1) // 2) * half_width)
@@ -76,7 +109,13 @@ def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -
         flat[band[noise > 1 - dirt.ragged / 2]] = 1
     for _ in range(rng.poisson(dirt.false_blobs)):
         _blob(out, rng.uniform(0, 1, 2) * (width, height), rng.uniform(*dirt.blob_px), 1, rng)
-    return out
+    if dirt.merged_px > 0:
+        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * dirt.merged_px + 1,) * 2)
+        part = _around(out, 2 * dirt.merged_px + 1)[2]
+        if part.size:
+            part[:] = cv2.morphologyEx(part, cv2.MORPH_CLOSE, disc)
+    result: NDArray[np.uint8] = out
+    return result
 
 
 def noisy(masks: ArrayLike, seed: int = 0, dirt: Dirt | None = None) -> NDArray[np.uint8]:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ..evaluation import inside, volume_correspondences
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy_frame
-from .raster import Spans, solid_spans
+from .lens_raster import solid_spans
+from .raster import Spans
 
 Array = NDArray[np.float64]
 

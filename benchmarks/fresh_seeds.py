@@ -1,0 +1,39 @@
+"""Seeds that nobody can have looked at: from the hash of the commit that is measured."""
+
+from __future__ import annotations
+
+import subprocess
+from hashlib import sha256
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+def commit() -> str:
+    """Return the hash of HEAD; what is not committed would make a table that belongs to no commit.
+
+    Raises
+    ------
+    SystemExit
+        There are changes that are not committed, or there is no repository.
+    """
+
+    def git(*words: str) -> str:
+        done = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise SystemExit(f"git {' '.join(words)}: {done.stderr.strip()}; give --seeds for a trial")
+        return done.stdout.strip()
+
+    changed = git("status", "--porcelain", "--untracked-files=no")
+    if changed:
+        raise SystemExit(f"not committed, so the seeds would be those of another program:\n{changed}")
+    return git("rev-parse", "HEAD")
+
+
+def commit_seed(origin: str, family: str, index: int) -> int:
+    """Derive a seed of 64 bits from commit, family and number; its top bit is set.
+
+    Development seeds are below 2³², so that the two can never be the same.
+    """
+    digest = sha256(f"{origin} {family} {index}".encode()).digest()
+    return int.from_bytes(digest[:8], "big") | 1 << 63

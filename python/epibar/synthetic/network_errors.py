@@ -1,0 +1,130 @@
+"""How far a calibrated network is from the true cameras of a situation.
+
+A network from videos alone is known up to a similarity. Orientation, scale and place are taken from the
+cameras in such a way that a few wrong ones do not spoil the figures of the others: of all alignments by one
+camera (of orientations) and by two (of positions) the one with the least median error counts, refined over
+the cameras that are within three times that median.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .camera import Camera, true_fundamental
+
+if TYPE_CHECKING:
+    from .situations import Situation
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CameraError:
+    """How wrong one camera is.
+
+    Attributes
+    ----------
+    rotation : float
+        Degrees.
+    position : float
+        Share of the size of the rig, which is the largest distance between two of the true cameras.
+    focal : float
+        Share: estimated by true focal length (geometric mean of fx and fy), less one.
+    """
+
+    rotation: float
+    position: float
+    focal: float
+
+
+def angle_between(one: Array, other: Array) -> float:
+    """Angle of the rotation between two rotation matrices, degrees; exact for small ones too."""
+    return float(np.rad2deg(2 * np.arcsin(np.clip(np.linalg.norm(one - other) / np.sqrt(8), 0, 1))))
+
+
+def nearest_rotation(matrix: Array) -> Array:
+    """Rotation matrix that is nearest to a matrix."""
+    u, _, vt = np.linalg.svd(matrix)
+    rotation: Array = u @ np.diag([1.0, 1.0, np.linalg.det(u @ vt)]) @ vt
+    return rotation
+
+
+def _orientation(true: list[Array], found: list[Array]) -> Array:
+    """World rotation Q such that found ≈ true Qᵀ, robustly."""
+    turns = [f.T @ t for t, f in zip(true, found, strict=True)]
+    errors = np.array(
+        [[angle_between(f @ turn, t) for t, f in zip(true, found, strict=True)] for turn in turns]
+    )
+    best = int(np.median(errors, axis=1).argmin())
+    near = errors[best] <= 3 * np.median(errors[best]) + 1e-9
+    return nearest_rotation(np.array(turns)[near].sum(axis=0))
+
+
+def _placed(true: Array, found: Array) -> Array:
+    """Scale and move (n, 3) found places, already turned, on the true ones, robustly."""
+    best, least = found, np.inf
+    for i, j in combinations(range(len(true)), 2):
+        scale = np.linalg.norm(true[i] - true[j]) / max(float(np.linalg.norm(found[i] - found[j])), 1e-12)
+        moved = scale * (found - (found[i] + found[j]) / 2) + (true[i] + true[j]) / 2
+        median = float(np.median(np.linalg.norm(moved - true, axis=1)))
+        if median < least:
+            best, least = moved, median
+    near = np.linalg.norm(best - true, axis=1) <= 3 * least + 1e-9
+    if near.sum() < 2:
+        return best
+    ours, theirs = best[near] - best[near].mean(axis=0), true[near] - true[near].mean(axis=0)
+    scale = (ours * theirs).sum() / (ours**2).sum()
+    placed: Array = scale * (best - best[near].mean(axis=0)) + true[near].mean(axis=0)
+    return placed
+
+
+def network_errors(situation: Situation, found: Mapping[str, Camera]) -> dict[str, CameraError]:
+    """Hold calibrated cameras against the true ones.
+
+    Parameters
+    ----------
+    situation : Situation
+    found : mapping of name to Camera
+        Two cameras of the situation or more, in a world of their own.
+
+    Returns
+    -------
+    dict of name to CameraError
+    """
+    known = {camera.name: camera for camera in situation.cameras}
+    true = [known[name] for name in found]
+    estimates = list(found.values())
+    turn = _orientation([camera.R for camera in true], [camera.R for camera in estimates])
+    centres = np.array([camera.centre for camera in true])
+    placed = _placed(centres, np.array([camera.centre for camera in estimates]) @ turn)
+    size = max(np.linalg.norm(one - other) for one, other in combinations(centres, 2))
+    return {
+        name: CameraError(
+            angle_between(estimate.R @ turn, camera.R),
+            float(np.linalg.norm(place - camera.centre) / size),
+            float(np.sqrt(np.prod(np.diag(estimate.K)[:2]) / np.prod(np.diag(camera.K)[:2])) - 1),
+        )
+        for name, camera, estimate, place in zip(found, true, estimates, placed, strict=True)
+    }
+
+
+def pair_error(situation: Situation, found: Mapping[str, Camera], a: int, b: int) -> float:
+    """Mean symmetric epipolar distance of a pair of calibrated cameras over the volume, pixels.
+
+    Where the true lenses show a point is taken through the estimated lenses, so that it is in undistorted
+    pixels of the estimated cameras. NaN where the two see nothing in common.
+    """
+    from .. import symmetric_epipolar_distance
+
+    points = situation.correspondences(a, b, lens=True)
+    if not len(points[0]):
+        return float("nan")
+    one, other = (found[situation.cameras[index].name] for index in (a, b))
+    straight = one.undistort(points[0]), other.undistort(points[1])
+    return float(symmetric_epipolar_distance(true_fundamental(one, other), *straight).mean())
