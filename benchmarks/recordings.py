@@ -23,18 +23,20 @@ import epibar
 from epibar import EpibarError, Recording, _core
 from epibar.evaluation import (
     GOOD_PAIR_PX,
-    PosedCamera,
     compare,
-    fundamental_from_cameras,
     matched_tangent_points,
     moving_volume,
-    project,
-    projection_matrix,
-    symmetric_epipolar_distance,
-    triangulate,
     volume_correspondences,
 )
 from epibar.foreground import ForegroundOptions
+from epibar.geometry.cameras import (
+    PosedCamera,
+    fundamental_from_cameras,
+    project,
+    projection_matrix,
+    triangulate,
+)
+from epibar.geometry.epipolar import symmetric_epipolar_distance
 from epibar.intrinsics import Intrinsics, find_camera, load_cameras
 
 ROOT = Path(__file__).resolve().parents[1]

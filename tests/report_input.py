@@ -9,7 +9,7 @@ import numpy as np
 
 import epibar
 from epibar import synthetic
-from epibar.calibration import FrontierPoints
+from epibar.geometry.correspondences import FrontierPoints
 from epibar.report.html import ReportCamera, ReportPair
 
 SIZE = (320, 240)

@@ -14,7 +14,7 @@ from report_input import LATE, NO_POINTS, SIZE, make_report_input, numbered_fram
 
 import epibar
 from epibar.calibration import Timing
-from epibar.evaluation import epipoles
+from epibar.geometry.epipolar import epipoles
 from epibar.report.html import ReportCamera, ReportPair, write_report
 from epibar.report.html.lines import hull_barcodes
 from epibar.report.html.moments import choose_moments

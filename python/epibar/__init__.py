@@ -20,15 +20,16 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from . import export, live, plot
-    from .calibration import Calibration, Candidates, FrontierPoints, calibrate
+    from .calibration import Calibration, calibrate
     from .diagnosis import Diagnosis, inspect
     from .errors import EpibarError
-    from .evaluation import symmetric_epipolar_distance
     from .foreground import ForegroundOptions
+    from .geometry.correspondences import Candidates, FrontierPoints
+    from .geometry.epipolar import symmetric_epipolar_distance
+    from .geometry.pose import RelativePose, relative_pose
     from .intrinsics import Intrinsics, load_cameras
     from .jobs import AllPairs, calibrate_all
     from .matching import barcodes, match_barcodes
-    from .pose import RelativePose, relative_pose
     from .recorder import record
     from .recording import Recording
 
@@ -61,14 +62,14 @@ __all__ = [
 _HOME = {
     "AllPairs": "jobs",
     "Calibration": "calibration",
-    "Candidates": "calibration",
+    "Candidates": "geometry",
     "Diagnosis": "diagnosis",
     "EpibarError": "errors",
     "ForegroundOptions": "foreground",
-    "FrontierPoints": "calibration",
+    "FrontierPoints": "geometry",
     "Intrinsics": "intrinsics",
     "Recording": "recording",
-    "RelativePose": "pose",
+    "RelativePose": "geometry",
     "barcodes": "matching",
     "calibrate": "calibration",
     "calibrate_all": "jobs",
@@ -76,8 +77,8 @@ _HOME = {
     "load_cameras": "intrinsics",
     "match_barcodes": "matching",
     "record": "recorder",
-    "relative_pose": "pose",
-    "symmetric_epipolar_distance": "evaluation",
+    "relative_pose": "geometry",
+    "symmetric_epipolar_distance": "geometry",
 }
 
 _MODULES = ("export", "live", "plot")

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .archive import read_archive, write_archive
-from .calibration_file import KIND, from_arrays, to_arrays
-from .correspondences import Candidates, FrontierPoints
+from .arguments import MAX_SEED, Array, as_camera_matrix, as_positive, as_whole_number, core_errors, is_number
 from .diagnosis import cause_of_refusal
 from .errors import EpibarError
-from .recording import Recording
+from .files.archive import read_archive, write_archive
+from .files.calibration_npz import KIND, from_arrays, to_arrays
+from .geometry.correspondences import Candidates, FrontierPoints
+from .recording import Recording, as_recording
 from .timing import Timing, frame_interval, position_in_b
-from .validation import MAX_SEED, as_camera_matrix, as_whole_number, core_errors
 
 __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "calibrate"]
 
@@ -27,8 +27,6 @@ METHODS = ("frontier", "lines")
 
 SEARCH_SECONDS = 21.0
 """How far either way ``time_offset="search"`` looks, unless told."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,20 +238,13 @@ def calibrate(
     >>> if cal.accepted:  # doctest: +SKIP
     ...     print(cal.F, cal.expected_error)
     """
-    for name, recording in (("rec_a", rec_a), ("rec_b", rec_b)):
-        if not isinstance(recording, Recording):
-            raise EpibarError(
-                f"{name} is a {type(recording).__name__}, expected a Recording, e.g. from epibar.record"
-            )
+    as_recording("rec_a", rec_a)
+    as_recording("rec_b", rec_b)
     if method not in METHODS:
         raise EpibarError(f"method = {method!r}: it must be one of {', '.join(METHODS)}")
     seed = as_whole_number("seed", seed, 0, MAX_SEED)
-    if not (_is_number(max_expected_error) and max_expected_error > 0):
-        raise EpibarError(
-            f"max_expected_error = {max_expected_error!r}: it must be a positive number of pixels"
-        )
-    if not (_is_number(search_seconds) and search_seconds > 0):
-        raise EpibarError(f"search_seconds = {search_seconds!r}: it must be a positive number of seconds")
+    limit = as_positive("max_expected_error", max_expected_error, "pixels")
+    reach = as_positive("search_seconds", search_seconds, "seconds")
     with core_errors():
         result = _core.calibrate(
             rec_a._core,
@@ -261,12 +252,12 @@ def calibrate(
             method,
             seed,
             _checked_offset(time_offset, rec_a, rec_b),
-            float(search_seconds),
+            reach,
             bool(upright),
             _matrices(rec_a, rec_b) if essential else None,
             as_whole_number("candidates", candidates, 3),
             as_whole_number("draws", draws, 1),
-            float(max_expected_error),
+            limit,
             progress,
         )
     error = result.expected_error
@@ -302,20 +293,11 @@ def _matrices(rec_a: Recording, rec_b: Recording) -> tuple[NDArray[np.float64], 
     return as_camera_matrix(rec_a.matrix), as_camera_matrix(rec_b.matrix)
 
 
-def _is_number(value: Any) -> bool:
-    """Whether a value is a finite real number, and not a truth value."""
-    return (
-        isinstance(value, (int, float, np.integer, np.floating))
-        and not isinstance(value, bool)
-        and bool(math.isfinite(value))
-    )
-
-
 def _checked_offset(time_offset: Any, rec_a: Recording, rec_b: Recording) -> float | None:
     """Return the offset in frames of B, None to search for it."""
     if isinstance(time_offset, str) and time_offset == "search":
         return None
-    if not _is_number(time_offset):
+    if not is_number(time_offset):
         raise EpibarError(f"time_offset = {time_offset!r}: expected a finite number of frames, or 'search'")
     before = (rec_a.times[-1] - rec_a.times[0]) / frame_interval(rec_b)
     if time_offset >= rec_b.frames or -time_offset > before + 1:

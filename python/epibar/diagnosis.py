@@ -12,18 +12,16 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .arguments import Array
 from .camera_health import FLOOD_SHARE
-from .errors import EpibarError
+from .files.json_values import plain
 from .findings import Finding, camera_findings, motion_findings
-from .json_values import plain
 from .motion_measures import lines_left, share_by_ninth, spread_of, straightness_of
-from .recording import Recording
+from .recording import Recording, as_recording
 
 __all__ = ["Diagnosis", "cause_of_refusal", "inspect"]
 
-Array = NDArray[np.float64]
 
 PLACES = (
     ("top left", "top", "top right"),
@@ -160,10 +158,7 @@ def inspect(recording: Recording) -> Diagnosis:
     >>> import epibar
     >>> print(epibar.inspect(epibar.Recording.load("cam1.npz")))  # doctest: +SKIP
     """
-    if not isinstance(recording, Recording):
-        raise EpibarError(
-            f"recording is a {type(recording).__name__}, expected a Recording, e.g. from epibar.record"
-        )
+    as_recording("recording", recording)
     width, height = recording.size
     moving = recording.moving_pixels.astype(np.int64)
     heat = recording.heat.astype(np.float64)

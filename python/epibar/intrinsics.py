@@ -16,28 +16,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .archive import write_atomically
+from .arguments import Array, as_camera_matrix, as_numbers
 from .errors import EpibarError
+from .files.atomic import write_atomically
+from .geometry.cameras import Pose
 from .undistortion import MaskUndistorter
-from .validation import as_camera_matrix
 
-__all__ = ["Intrinsics", "MaskUndistorter", "Pose", "find_camera", "load_cameras", "write_cameras"]
+__all__ = ["Intrinsics", "MaskUndistorter", "find_camera", "load_cameras", "write_cameras"]
 
-Array = NDArray[np.float64]
 DISTORTION_COUNTS = (0, 4, 5, 8, 12, 14)
 """Of the OpenCV lens model: k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [τx τy]]]]."""
-
-
-@dataclass(frozen=True)
-class Pose:
-    """A camera in the world: x ~ K X_c, X_c = R X + t, ``size`` = (width, height) in pixels."""
-
-    K: Array
-    R: Array
-    t: Array
-    size: tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +63,7 @@ class Intrinsics:
     translation: Array | None = None
 
     def __post_init__(self) -> None:
-        size = _numbers(self.name, "size", self.size, (2,))
+        size = as_numbers(f"{self.name}: size", self.size, (2,))
         if not all(value > 0 and value == int(value) for value in size):
             raise EpibarError(
                 f"{self.name}: size is {list(self.size)}, expected [width, height] in whole pixels"
@@ -85,7 +74,7 @@ class Intrinsics:
             raise EpibarError(f"{self.name}: {error}") from None
         if abs(matrix[0, 1]) > 1e-3 or abs(matrix[1, 0]) > 1e-3:
             raise EpibarError(f"{self.name}: matrix has skew, which OpenCV's lens model does not know")
-        distortions = _numbers(self.name, "distortions", self.distortions, None).ravel()
+        distortions = as_numbers(f"{self.name}: distortions", self.distortions, None).ravel()
         allowed = (0, 4) if self.fisheye else DISTORTION_COUNTS
         if len(distortions) not in allowed:
             model = "fisheye" if self.fisheye else "OpenCV"
@@ -96,7 +85,7 @@ class Intrinsics:
         values["size"] = int(size[0]), int(size[1])
         for key in ("rotation", "translation"):
             if getattr(self, key) is not None:
-                values[key] = _numbers(self.name, key, getattr(self, key), (3,))
+                values[key] = as_numbers(f"{self.name}: {key}", getattr(self, key), (3,))
         for key, value in values.items():
             object.__setattr__(self, key, value)
 
@@ -193,15 +182,15 @@ def _camera(path: str, section: str, table: dict[str, Any]) -> Intrinsics:
         if rotation is not None and np.shape(rotation) == (3, 3):
             import cv2
 
-            rotation = cv2.Rodrigues(_numbers(name, "rotation", rotation, (3, 3)))[0]
+            rotation = cv2.Rodrigues(as_numbers(f"{name}: rotation", rotation, (3, 3)))[0]
         return Intrinsics(
             name,
             table["size"],
             table["matrix"],
             table["distortions"],
             bool(table.get("fisheye", False)),
-            None if rotation is None else _numbers(name, "rotation", rotation, None).ravel(),
-            None if translation is None else _numbers(name, "translation", translation, None).ravel(),
+            None if rotation is None else as_numbers(f"{name}: rotation", rotation, None).ravel(),
+            None if translation is None else as_numbers(f"{name}: translation", translation, None).ravel(),
         )
     except EpibarError as error:
         raise EpibarError(f"{path}: [{section}] {error}") from error
@@ -211,18 +200,6 @@ def _optional(table: dict[str, Any], key: str) -> Any:
     """Return a value, or None for the empty lists and strings of a camera that was not placed yet."""
     value = table.get(key)
     return None if value in (None, [], "", "null") else value
-
-
-def _numbers(name: str, key: str, value: Any, shape: tuple[int, ...] | None) -> Array:
-    try:
-        numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise EpibarError(f"{name}: {key} is {value!r}, expected numbers") from None
-    if shape is not None and numbers.shape != shape:
-        raise EpibarError(f"{name}: {key} has shape {numbers.shape}, expected {shape}")
-    if not np.isfinite(numbers).all():
-        raise EpibarError(f"{name}: {key} is {numbers.tolist()}, which is not finite")
-    return numbers
 
 
 def find_camera(cameras: Sequence[Intrinsics], stem: str, index: int | None) -> Intrinsics:

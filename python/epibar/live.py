@@ -21,16 +21,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import as_whole_number, camera_names, check_pairs
 from .calibration import Calibration
 from .errors import EpibarError
-from .evaluation import clip_lines
-from .evaluation.checks import homogeneous
+from .geometry.lines import clip_lines
+from .geometry.vectors import homogeneous
 from .images import opencv
 from .intrinsics import Intrinsics, MaskUndistorter
 from .recording import Recording
 from .report.picture import COLOURS as BGR
 from .timing import clock_rate, frame_interval
-from .validation import as_whole_number, camera_names, check_pairs
 from .video import Frames
 
 __all__ = ["log", "save", "show"]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
+from .arguments import as_masks, as_whole_number, core_errors
 from .errors import EpibarError
-from .validation import as_masks, as_whole_number, core_errors
 
 __all__ = ["barcodes", "match_barcodes"]
 

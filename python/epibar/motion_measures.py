@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .evaluation import area_between_lines
+from .arguments import Array
+from .geometry.lines import area_between_lines, lines_through
 from .recording import Recording
 
 __all__ = ["lines_left", "share_by_ninth", "spread_of", "straightness_of"]
 
-Array = NDArray[np.float64]
 
 INFORMATIVE_SHARE = 0.05
 INFORMATIVE_CHANGES, FRAMES_PER_CHANGE = 8, 25
@@ -50,7 +50,7 @@ def lines_left(recording: Recording, arrays: Mapping[str, NDArray[Any]]) -> tupl
     paths = _core.motion_lines(recording._core)
     off = informative.copy()
     for path in paths:
-        lines = _through(arrays["segments"][off])
+        lines = lines_through(arrays["segments"][off])
         apart = area_between_lines(lines, np.broadcast_to(path, lines.shape), recording.size)
         off[off] = np.asarray(apart) >= PATH_OVERLAP * recording.width
     counts = {"crossed": crossed, "free": free, "informative": informative, "off_paths": off}
@@ -58,14 +58,6 @@ def lines_left(recording: Recording, arrays: Mapping[str, NDArray[Any]]) -> tupl
         "drawn": len(packed),
         **{name: int(np.count_nonzero(kept)) for name, kept in counts.items()},
     }, len(paths)
-
-
-def _through(segments: Array) -> Array:
-    """Lines (a, b, c), a² + b² = 1, through segments (x0, y0, x1, y1)."""
-    x0, y0, x1, y1 = segments.T
-    lines = np.stack([y0 - y1, x1 - x0, x0 * y1 - x1 * y0], axis=1)
-    lengths: Array = np.hypot(lines[:, 0], lines[:, 1])
-    return lines / np.maximum(lengths, 1e-12)[:, None]
 
 
 def spread_of(heat: Array) -> float:

@@ -18,18 +18,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import Mask, core_errors
 from .errors import EpibarError
 from .foreground import CameraHealth, Foreground, ForegroundOptions
 from .frame_range import FrameRange
 from .images import read_image
 from .intrinsics import Intrinsics, MaskUndistorter, find_camera, load_cameras
 from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder
-from .validation import core_errors
 from .video import Frames, MaskFrames, prefetched
 
 __all__ = ["intrinsics_of", "record"]
 
-Mask = NDArray[np.uint8]
 Moment = tuple[float, Mask]
 Stream = Generator[Moment, None, None]
 

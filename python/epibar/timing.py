@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import _core
+from .arguments import Array, Index
 
 if TYPE_CHECKING:
     from .calibration import Calibration
@@ -29,9 +30,6 @@ __all__ = [
     "position_in_b",
     "positions_in_b",
 ]
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

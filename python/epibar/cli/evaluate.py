@@ -7,27 +7,18 @@ from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from ..errors import EpibarError
-from ..evaluation import (
-    compare,
-    fundamental_from_cameras,
-    image_correspondences,
-    moving_volume,
-    project,
-    projection_matrix,
-    symmetric_epipolar_distance,
-    triangulate,
-    volume_correspondences,
-)
+from ..evaluation import compare, image_correspondences, moving_volume, volume_correspondences
 from ..export.run import Camera, Pair, Run
-from ..intrinsics import Pose, load_cameras
+from ..geometry.cameras import Pose, fundamental_from_cameras, project, projection_matrix, triangulate
+from ..geometry.epipolar import symmetric_epipolar_distance
+from ..intrinsics import load_cameras
 from .console import Console
 
 __all__ = ["run"]
 
-Array = NDArray[np.float64]
 
 RADIUS = 6.0
 """Pixels: a frontier point that is farther from the true epipolar lines is a wrong match."""

@@ -16,15 +16,14 @@ from collections.abc import Mapping
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from ..errors import EpibarError
-from ..pose import RelativePose, depths
+from ..geometry.pose import RelativePose, depths
 from .run import Pair, Run
 
 __all__ = ["place_cameras"]
 
-Array = NDArray[np.float64]
 Name = tuple[str, str]
 
 CONTRADICTION = 5.0

@@ -11,18 +11,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..calibration import Calibration, FrontierPoints
+from ..arguments import Array, camera_names, check_pairs
+from ..calibration import Calibration
 from ..errors import EpibarError
+from ..geometry.correspondences import FrontierPoints
+from ..geometry.pose import RelativePose, relative_pose
 from ..intrinsics import Intrinsics, find_camera
-from ..pose import RelativePose, relative_pose
 from ..recording import Recording
 from ..report.files import read_frontier_points, read_json
 from ..timing import nearest_frame, position_in_b
-from ..validation import camera_names, check_pairs
 
 __all__ = ["Camera", "Pair", "Run"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..archive import write_archive, write_atomically
+from ..files.archive import write_archive
+from ..files.atomic import write_atomically
 from ..images import opencv
 from .run import Pair, Run
 

@@ -8,18 +8,16 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from ..errors import EpibarError
+from ..geometry.pose import RelativePose
 from ..images import opencv
 from ..intrinsics import Intrinsics, load_cameras, write_cameras
-from ..pose import RelativePose
 from .network import place_cameras
 from .run import Pair, Run
 
 __all__ = ["write_toml"]
-
-Array = NDArray[np.float64]
 
 
 def write_toml(

@@ -10,13 +10,13 @@ from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
+from ..arguments import MAX_SEED, as_whole_number
 from ..calibration import METHODS, SEARCH_SECONDS
 from ..errors import EpibarError
 from ..foreground import METHODS as FOREGROUNDS
 from ..frame_range import FrameRange
 from ..intrinsics import Intrinsics, find_camera, load_cameras
 from ..recording import DEFAULT_LINES, MAX_LINES
-from ..validation import MAX_SEED, as_whole_number
 
 __all__ = [
     "Camera",

@@ -8,9 +8,8 @@ from typing import Any
 
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..pose import pose_entry
 from ..recording import Recording
-from ..report.files import camera_entry, pair_entry, run_entry, write_frontier_points, write_json
+from ..report.files import camera_entry, pair_entry, pose_entry, run_entry, write_frontier_points, write_json
 from ..report.picture import write_pair_picture
 from .inputs import Camera, Job, Pair
 from .saved import is_saved

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import Image
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..recording import Recording
@@ -30,7 +31,6 @@ __all__ = [
     "two_axes",
 ]
 
-Image = NDArray[np.uint8]
 
 DARK = "#222222"
 # White, the last of them, does not show on paper.

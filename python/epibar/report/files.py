@@ -14,16 +14,20 @@ from typing import Any
 
 import numpy as np
 
-from ..archive import write_atomically
-from ..calibration import Calibration, FrontierPoints
+from ..arguments import Array
+from ..calibration import Calibration
 from ..errors import EpibarError
-from ..json_values import plain
+from ..files.atomic import write_atomically
+from ..files.json_values import plain
+from ..geometry.correspondences import FrontierPoints
+from ..geometry.pose import relative_pose
 from ..recording import Recording
 
 __all__ = [
     "camera_entry",
     "json_text",
     "pair_entry",
+    "pose_entry",
     "read_frontier_points",
     "read_json",
     "run_entry",
@@ -172,3 +176,29 @@ def read_frontier_points(path: Path) -> FrontierPoints:
     except (OSError, ValueError) as error:
         raise EpibarError(f"{path}: the frontier points cannot be read ({error})") from error
     return FrontierPoints(table[:, 0].astype(np.int64), table[:, 1:3], table[:, 3:5], table[:, 5])
+
+
+def pose_entry(calibration: Calibration, K_a: Array | None, K_b: Array | None) -> dict[str, Any] | None:
+    """Describe the pose of a pair for calibration.json.
+
+    Returns
+    -------
+    dict or None
+        E, R, t and the check; or the ``reason`` why an accepted pair has no pose. None where the pair was not
+        accepted or a camera matrix is not known.
+    """
+    if not calibration.accepted or K_a is None or K_b is None:
+        return None
+    try:
+        pose = relative_pose(calibration, K_a, K_b)
+    except EpibarError as error:
+        return {"reason": str(error)}
+    return {
+        "convention": "X_b = R X_a + t, t of length 1; E = [t]x R ~ K_b^T F K_a",
+        "E": pose.E,
+        "R": pose.R,
+        "t": pose.t,
+        "points": pose.points,
+        "in_front": pose.in_front,
+        "singular_ratio": pose.singular_ratio,
+    }

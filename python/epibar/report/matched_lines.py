@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import Array, Size
 from ..calibration import Calibration
-from ..evaluation import clip_lines, epipoles
-from ..evaluation.checks import homogeneous
+from ..geometry.epipolar import epipoles
+from ..geometry.lines import clip_lines
+from ..geometry.vectors import homogeneous
 from ..recording import Recording
 from ..timing import nearest_frame, positions_in_b
 
 __all__ = ["MatchedLine", "frames_to_show", "matched_lines"]
 
-Array = NDArray[np.float64]
-Size = tuple[int, int]
 
 APART = 0.04
 """Lines nearer to each other than this, in half turns and image sizes, look like one."""

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..archive import write_atomically
+from ..arguments import Array, Image
 from ..calibration import Calibration
 from ..errors import EpibarError
+from ..files.atomic import write_atomically
 from ..recording import Recording
 from .matched_lines import frames_to_show, matched_lines
 
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_pair", "write_pair_picture"]
 
-Image = NDArray[np.uint8]
-Array = NDArray[np.float64]
 
 PANEL_HEIGHT = 600
 LINES = 8

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..evaluation import fundamental_from_cameras, project, projection_matrix
-
-Array = NDArray[np.float64]
+from ..arguments import Array
+from ..geometry.cameras import fundamental_from_cameras, project, projection_matrix
 
 
 @dataclass(frozen=True, eq=False)

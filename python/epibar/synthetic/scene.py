@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import inside, volume_correspondences
+from ..arguments import Array
+from ..evaluation import volume_correspondences
+from ..geometry.cameras import inside
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy_frame
 from .raster import Spans, solid_spans
-
-Array = NDArray[np.float64]
 
 _CHUNK = 16
 

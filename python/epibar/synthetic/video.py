@@ -14,10 +14,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import Image
 from .raster import Spans
 from .scene import Scene
-
-Image = NDArray[np.uint8]
 
 _CHUNK = 8
 

@@ -12,16 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arguments import Array, Bits, Index
 from ...calibration import Calibration
-from ...evaluation import clip_lines, epipoles
-from ...evaluation.checks import homogeneous
+from ...geometry.epipolar import epipoles
+from ...geometry.lines import clip_lines
+from ...geometry.vectors import homogeneous
 from ...recording import Recording
 
 __all__ = ["WINDOW", "LineSet", "hull_barcodes", "line_sets"]
 
-Array = NDArray[np.float64]
-Bits = NDArray[np.bool_]
-Index = NDArray[np.int64]
 
 WINDOW = 600
 """Frames of a barcode that are shown: more would be narrower than a pixel."""

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arguments import Index
 from ...calibration import Calibration
 from ...recording import Recording
 
 __all__ = ["MOMENTS", "busiest_window", "choose_moments", "points_per_frame"]
 
-Index = NDArray[np.int64]
 
 MOMENTS = 16
 """Frames to scrub through, per pair."""

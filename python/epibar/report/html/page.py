@@ -11,9 +11,9 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from ...archive import write_atomically
 from ...errors import EpibarError
-from ...json_values import plain
+from ...files.atomic import write_atomically
+from ...files.json_values import plain
 from ..picture import COLOURS
 from .inputs import ReportCamera, ReportPair
 from .overview import camera_cards, error_list, legend, matrix, summary

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import _core
-from ...calibration import Calibration, FrontierPoints
+from ...calibration import Calibration
+from ...geometry.correspondences import FrontierPoints
 from ...recording import Recording
 from ...timing import common_frames
 from .inputs import ReportCamera, ReportPair

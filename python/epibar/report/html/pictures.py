@@ -7,8 +7,8 @@ from collections.abc import Collection
 from contextlib import closing
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arguments import Image
 from ...errors import EpibarError
 from ...frame_range import FrameRange
 from ...images import opencv
@@ -19,7 +19,6 @@ from .inputs import ReportCamera
 
 __all__ = ["data_url", "heat_picture", "read_frames"]
 
-Image = NDArray[np.uint8]
 
 WIDTHS = (960, 800, 640, 480, 360, 240)
 QUALITY = 80

@@ -1,12 +1,12 @@
-"""Lines in an image, the area between two of them, and the true candidate rate of §4.1."""
+"""Lines in an image: clipped to it, through segments, and the area between two of them."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arguments import Array, Size, as_finite
 from ..errors import EpibarError
-from .checks import Array, Size, checked, homogeneous
 
 
 def clip_lines(lines: ArrayLike, size: Size) -> tuple[Array, NDArray[np.bool_]]:
@@ -24,7 +24,7 @@ def clip_lines(lines: ArrayLike, size: Size) -> tuple[Array, NDArray[np.bool_]]:
     hit : (n,) bool array
         Whether the line crosses the image.
     """
-    lines = checked("lines", lines, 3)
+    lines = as_finite("lines", lines, 3)
     norm = np.hypot(lines[:, 0], lines[:, 1])
     usable = norm > 0
     a, b, c = (lines / np.where(usable, norm, 1.0)[:, None]).T
@@ -87,7 +87,7 @@ def area_between_lines(line1: ArrayLike, line2: ArrayLike, size: Size) -> Array 
         Square pixels.
     """
     single = np.ndim(line1) == 1
-    first, second = checked("line1", np.atleast_2d(line1), 3), checked("line2", np.atleast_2d(line2), 3)
+    first, second = as_finite("line1", np.atleast_2d(line1), 3), as_finite("line2", np.atleast_2d(line2), 3)
     if len(first) != len(second):
         raise EpibarError(f"line2: {len(second)} lines, but line1 has {len(first)}")
     right, bottom = size[0] - 1.0, size[1] - 1.0
@@ -99,49 +99,9 @@ def area_between_lines(line1: ArrayLike, line2: ArrayLike, size: Size) -> Array 
     return float(area[0]) if single else area
 
 
-def epipoles(F: ArrayLike) -> tuple[Array, Array]:
-    """Find the epipoles in A and in B, homogeneous and of norm 1: ``F e_a = 0`` and ``Fᵀ e_b = 0``."""
-    u, _, vt = np.linalg.svd(checked("F", F, (3, 3)))
-    return vt[2], u[:, 2]
-
-
-def true_candidates(
-    lines_a: ArrayLike, lines_b: ArrayLike, F_true: ArrayLike, size_a: Size, size_b: Size
-) -> NDArray[np.bool_]:
-    """Tell which candidate pairs of corresponding epipolar lines are true, by §4.1.
-
-    A line is true when the image area between it and the true epipolar line through its midpoint (of the part
-    inside the image) is below 3 × image width; a pair is true when both its lines are. As in the paper, the
-    two lines are not asked to correspond to each other.
-
-    Parameters
-    ----------
-    lines_a, lines_b : (n, 3) array
-        Line i of A is paired with line i of B.
-    F_true : (3, 3) array
-    size_a, size_b : (width, height)
-
-    Returns
-    -------
-    (n,) bool array
-    """
-    lines_a, lines_b = checked("lines_a", lines_a, 3), checked("lines_b", lines_b, 3)
-    if len(lines_a) != len(lines_b):
-        raise EpibarError(f"lines_b: {len(lines_b)} lines, but lines_a has {len(lines_a)}")
-    true = np.ones(len(lines_a), dtype=bool)
-    for lines, epipole, size in zip((lines_a, lines_b), epipoles(F_true), (size_a, size_b), strict=True):
-        segments, hit = clip_lines(lines, size)
-        middle = homogeneous(np.where(hit[:, None], segments.mean(axis=1), 0.0))
-        epipolar = np.cross(epipole, middle)
-        at_epipole = np.hypot(epipolar[:, 0], epipolar[:, 1]) < 1e-12
-        area = area_between_lines(lines, np.where(at_epipole[:, None], lines, epipolar), size)
-        true &= hit & (area < 3 * size[0])
-    return true
-
-
-def true_candidate_rate(
-    lines_a: ArrayLike, lines_b: ArrayLike, F_true: ArrayLike, size_a: Size, size_b: Size
-) -> float:
-    """Return the share of pairs that are true (§4.1), see `true_candidates`; NaN where there are none."""
-    true = true_candidates(lines_a, lines_b, F_true, size_a, size_b)
-    return float(true.mean()) if len(true) else float("nan")
+def lines_through(segments: Array) -> Array:
+    """Lines (a, b, c), a² + b² = 1, through segments (x0, y0, x1, y1); (n, 3) from (n, 4)."""
+    x0, y0, x1, y1 = segments.T
+    lines = np.stack([y0 - y1, x1 - x0, x0 * y1 - x1 * y0], axis=1)
+    lengths: Array = np.hypot(lines[:, 0], lines[:, 1])
+    return lines / np.maximum(lengths, 1e-12)[:, None]

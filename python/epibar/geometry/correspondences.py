@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Candidates", "FrontierPoints"]
+from ..arguments import Array
 
-Array = NDArray[np.float64]
+__all__ = ["Candidates", "FrontierPoints"]
 
 
 @dataclass(frozen=True, eq=False)

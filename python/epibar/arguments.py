@@ -1,26 +1,50 @@
-"""Checks of what a caller passes in, shared by the public functions; every message names the argument."""
+"""What a caller passes in: the types of arrays, and the checks, whose messages name the argument."""
 
 from __future__ import annotations
 
+import math
 import operator
+import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .errors import EpibarError
 
 __all__ = [
     "MAX_SEED",
+    "Array",
+    "Bits",
+    "Image",
+    "Index",
+    "Mask",
+    "PathLike",
+    "Size",
     "as_camera_matrix",
+    "as_finite",
     "as_masks",
+    "as_numbers",
+    "as_positive",
     "as_whole_number",
     "camera_names",
     "check_pairs",
     "core_errors",
+    "is_number",
 ]
+
+Array = NDArray[np.float64]
+Bits = NDArray[np.bool_]
+Index = NDArray[np.int64]
+Image = NDArray[np.uint8]
+"""(H, W, 3), blue, green, red; or (H, W), grey."""
+Mask = NDArray[np.uint8]
+"""(H, W) or (T, H, W), non-zero where something moves."""
+Size = tuple[int, int]
+"""Width and height, pixels."""
+PathLike = str | os.PathLike[str]
 
 MAX_SEED = 2**64 - 1
 
@@ -66,19 +90,48 @@ def as_masks(masks: Any) -> NDArray[np.uint8]:
     return array.view(np.uint8)
 
 
-def as_camera_matrix(matrix: Any) -> NDArray[np.float64]:
+def as_camera_matrix(matrix: Any, name: str = "matrix") -> Array:
     """Return a camera matrix as a (3, 3) array, or say what is wrong with it."""
     try:
         array = np.array(matrix, dtype=np.float64, order="C")
     except (TypeError, ValueError):
-        raise EpibarError(f"matrix = {matrix!r}: expected numbers, 3 x 3") from None
+        raise EpibarError(f"{name} = {matrix!r}: expected numbers, 3 x 3") from None
     if array.shape != (3, 3):
-        raise EpibarError(f"matrix has shape {array.shape}, expected 3 x 3 numbers")
+        raise EpibarError(f"{name} has shape {array.shape}, expected 3 x 3 numbers")
     if not np.isfinite(array).all():
-        raise EpibarError(f"matrix is {array.tolist()}, which is not finite")
+        raise EpibarError(f"{name} is {array.tolist()}, which is not finite")
     if array[0, 0] <= 0 or array[1, 1] <= 0 or not np.allclose(array[2], (0, 0, 1), atol=1e-9):
-        raise EpibarError(f"matrix is {array.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
+        raise EpibarError(f"{name} is {array.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
     return array
+
+
+def as_numbers(name: str, value: Any, shape: tuple[int, ...] | None) -> Array:
+    """Return finite numbers of a shape, or of any where that is None."""
+    try:
+        numbers = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise EpibarError(f"{name} is {value!r}, expected numbers") from None
+    if shape is not None and numbers.shape != shape:
+        raise EpibarError(f"{name} has shape {numbers.shape}, expected {shape}")
+    if not np.isfinite(numbers).all():
+        raise EpibarError(f"{name} is {numbers.tolist()}, which is not finite")
+    return numbers
+
+
+def is_number(value: Any) -> bool:
+    """Whether a value is a finite real number, and not a truth value."""
+    return (
+        isinstance(value, (int, float, np.integer, np.floating))
+        and not isinstance(value, bool)
+        and bool(math.isfinite(value))
+    )
+
+
+def as_positive(name: str, value: Any, unit: str) -> float:
+    """Return a number above 0; ``unit`` says of what, for the error."""
+    if not (is_number(value) and value > 0):
+        raise EpibarError(f"{name} = {value!r}: it must be a positive number of {unit}")
+    return float(value)
 
 
 def camera_names(names: Iterable[str]) -> list[str]:
@@ -95,3 +148,15 @@ def check_pairs(keys: Iterable[Any], cameras: int) -> None:
         pair = isinstance(key, tuple) and len(key) == 2 and key[0] != key[1]
         if not pair or not all(index in range(cameras) for index in key):
             raise EpibarError(f"calibrations have key {key!r}: expected two places in recordings")
+
+
+def as_finite(name: str, value: ArrayLike, columns: int | tuple[int, int]) -> Array:
+    """``value`` as finite float64 of shape (n, columns), or of the exact shape when a tuple is given."""
+    array = np.asarray(value, dtype=np.float64)
+    exact = isinstance(columns, tuple)
+    if array.shape != columns if exact else (array.ndim != 2 or array.shape[1] != columns):
+        wanted = columns if exact else f"(n, {columns})"
+        raise EpibarError(f"{name}: shape {array.shape}, expected {wanted}")
+    if not np.isfinite(array).all():
+        raise EpibarError(f"{name}: {int((~np.isfinite(array)).sum())} values are NaN or infinite")
+    return array

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arguments import Array, Size, as_finite
 from ..errors import EpibarError
-from .checks import Array, Size, checked, cross_matrix
+from .vectors import cross_matrix
 
 
 class PosedCamera(Protocol):
@@ -62,7 +64,7 @@ def projection_matrix(camera: PosedCamera) -> Array:
 
 def project(camera: PosedCamera, points3d: ArrayLike) -> tuple[Array, Array]:
     """Project world points: (n, 2) pixels, NaN behind the camera, and (n,) depths."""
-    local = checked("points3d", points3d, 3) @ camera.R.T + camera.t
+    local = as_finite("points3d", points3d, 3) @ camera.R.T + camera.t
     depth = local[:, 2]
     with np.errstate(divide="ignore", invalid="ignore"):
         pixels = (local @ camera.K.T)[:, :2] / np.where(depth > 0, depth, np.nan)[:, None]
@@ -92,7 +94,7 @@ def triangulate(P_a: ArrayLike, P_b: ArrayLike, points_a: ArrayLike, points_b: A
     """
     rows = []
     for name, matrix, points in (("a", P_a, points_a), ("b", P_b, points_b)):
-        matrix, points = checked(f"P_{name}", matrix, (3, 4)), checked(f"points_{name}", points, 2)
+        matrix, points = as_finite(f"P_{name}", matrix, (3, 4)), as_finite(f"points_{name}", points, 2)
         rows += [points[:, axis, None] * matrix[2] - matrix[axis] for axis in (0, 1)]
     if len(rows[0]) != len(rows[2]):
         raise EpibarError(f"points_b: {len(rows[2])} points, but points_a has {len(rows[0])}")
@@ -100,3 +102,13 @@ def triangulate(P_a: ArrayLike, P_b: ArrayLike, points_a: ArrayLike, points_b: A
     system /= np.linalg.norm(system, axis=2, keepdims=True)
     solution = np.linalg.svd(system)[2][:, 3]
     return solution[:, :3] / solution[:, 3:]
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A camera in the world: x ~ K X_c, X_c = R X + t, ``size`` = (width, height) in pixels."""
+
+    K: Array
+    R: Array
+    t: Array
+    size: tuple[int, int]

@@ -8,18 +8,18 @@ Geometry*, 9.6). Pitfall: a wrong F passes this test as well. The verdict is wha
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .calibration import Calibration, FrontierPoints
-from .errors import EpibarError
-from .evaluation.checks import cross_matrix, homogeneous
+from ..arguments import Array, as_camera_matrix
+from ..errors import EpibarError
+from .correspondences import FrontierPoints
+from .vectors import cross_matrix, homogeneous
 
-__all__ = ["RelativePose", "pose_entry", "relative_pose"]
+__all__ = ["PairGeometry", "RelativePose", "depths", "relative_pose"]
 
-Array = NDArray[np.float64]
 
 LEAST_POINTS = 20
 DECISIVE = 0.8
@@ -99,7 +99,7 @@ def relative_pose(calibration: PairGeometry, K_a: ArrayLike, K_b: ArrayLike) -> 
 
     if calibration.F is None:
         raise EpibarError("no F was found for this pair, so there is no pose")
-    matrix_a, matrix_b = _camera_matrix("K_a", K_a), _camera_matrix("K_b", K_b)
+    matrix_a, matrix_b = as_camera_matrix(K_a, "K_a"), as_camera_matrix(K_b, "K_b")
     points = calibration.frontier_points
     if len(points) < LEAST_POINTS:
         raise EpibarError(
@@ -126,46 +126,9 @@ def relative_pose(calibration: PairGeometry, K_a: ArrayLike, K_b: ArrayLike) -> 
     return RelativePose(cross_matrix(t) @ R, R, t, len(points), in_front, ratio)
 
 
-def pose_entry(calibration: Calibration, K_a: Array | None, K_b: Array | None) -> dict[str, Any] | None:
-    """Describe the pose of a pair for calibration.json.
-
-    Returns
-    -------
-    dict or None
-        E, R, t and the check; or the ``reason`` why an accepted pair has no pose. None where the pair was not
-        accepted or a camera matrix is not known.
-    """
-    if not calibration.accepted or K_a is None or K_b is None:
-        return None
-    try:
-        pose = relative_pose(calibration, K_a, K_b)
-    except EpibarError as error:
-        return {"reason": str(error)}
-    return {
-        "convention": "X_b = R X_a + t, t of length 1; E = [t]x R ~ K_b^T F K_a",
-        "E": pose.E,
-        "R": pose.R,
-        "t": pose.t,
-        "points": pose.points,
-        "in_front": pose.in_front,
-        "singular_ratio": pose.singular_ratio,
-    }
-
-
 def depths(pose: RelativePose, a: Array, b: Array, K_a: Array, K_b: Array) -> tuple[Array, Array]:
     """Depths of correspondences in both cameras, two (n,) arrays in units of the baseline."""
     return _depths(pose.R, pose.t, _rays(a, K_a), _rays(b, K_b))
-
-
-def _camera_matrix(name: str, value: ArrayLike) -> Array:
-    try:
-        matrix = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        matrix = np.empty(0)
-    usable = matrix.shape == (3, 3) and np.isfinite(matrix).all() and matrix[0, 0] > 0 and matrix[1, 1] > 0
-    if not usable or not np.allclose(matrix[2], (0, 0, 1), atol=1e-9):
-        raise EpibarError(f"{name} = {value!r}: expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels")
-    return matrix
 
 
 def _rays(points: Array, matrix: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import EpibarError
+from ..errors import EpibarError
 
 __all__ = ["KIND", "from_arrays", "to_arrays"]
 
