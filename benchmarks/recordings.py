@@ -37,7 +37,8 @@ from epibar.geometry.cameras import (
     triangulate,
 )
 from epibar.geometry.epipolar import symmetric_epipolar_distance
-from epibar.intrinsics import Intrinsics, find_camera, load_cameras
+from epibar.lens.camera_file import find_camera, load_cameras
+from epibar.lens.intrinsics import Intrinsics
 
 ROOT = Path(__file__).resolve().parents[1]
 LEAST_POINTS = 20

@@ -19,7 +19,7 @@ from tables import mean, px, table, worst, write_json
 import epibar
 from epibar.evaluation import GOOD_PAIR_PX, compare
 from epibar.geometry.cameras import fundamental_from_cameras
-from epibar.intrinsics import load_cameras
+from epibar.lens.camera_file import load_cameras
 from epibar.timing import frame_interval
 
 SHIFTS = (3.0, -3.0)

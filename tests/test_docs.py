@@ -28,7 +28,8 @@ import epibar
 from epibar import synthetic
 from epibar.cli import demo, main
 from epibar.cli.parser import build_parser
-from epibar.intrinsics import Intrinsics, write_cameras
+from epibar.lens.camera_file import write_cameras
+from epibar.lens.intrinsics import Intrinsics
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]

@@ -12,7 +12,8 @@ from known_poses import DEGREES, angle, between, true_pose, world_error
 import epibar
 from epibar import export, synthetic
 from epibar.cli import main
-from epibar.intrinsics import Intrinsics, load_cameras, write_cameras
+from epibar.lens.camera_file import load_cameras, write_cameras
+from epibar.lens.intrinsics import Intrinsics
 from epibar.report.files import camera_entry, write_frontier_points, write_json
 
 

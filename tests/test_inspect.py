@@ -18,7 +18,7 @@ from epibar.cli import main
 from epibar.diagnosis import cause_of_refusal
 from epibar.errors import EpibarError
 from epibar.findings import camera_findings
-from epibar.video import Frames
+from epibar.sources.colour_frames import ColourFrames
 
 FRAMES = 240
 SIZE = (320, 240)
@@ -382,7 +382,7 @@ def test_inspect_masks(tmp_path, capsys):
 )
 def test_real_cameras(video, moved_at):
     motion = CameraMotion()
-    with Frames(DATA / video) as frames:
+    with ColourFrames(DATA / video) as frames:
         for index, _, frame in frames:
             if index % 10 == 0:
                 motion.look(index, frame)

@@ -27,8 +27,9 @@ if TYPE_CHECKING:
     from .geometry.correspondences import Candidates, FrontierPoints
     from .geometry.epipolar import symmetric_epipolar_distance
     from .geometry.pose import RelativePose, relative_pose
-    from .intrinsics import Intrinsics, load_cameras
     from .jobs import AllPairs, calibrate_all
+    from .lens.camera_file import load_cameras
+    from .lens.intrinsics import Intrinsics
     from .matching import barcodes, match_barcodes
     from .recorder import record
     from .recording import Recording
@@ -67,14 +68,14 @@ _HOME = {
     "EpibarError": "errors",
     "ForegroundOptions": "foreground",
     "FrontierPoints": "geometry",
-    "Intrinsics": "intrinsics",
+    "Intrinsics": "lens",
     "Recording": "recording",
     "RelativePose": "geometry",
     "barcodes": "matching",
     "calibrate": "calibration",
     "calibrate_all": "jobs",
     "inspect": "diagnosis",
-    "load_cameras": "intrinsics",
+    "load_cameras": "lens",
     "match_barcodes": "matching",
     "record": "recorder",
     "relative_pose": "geometry",

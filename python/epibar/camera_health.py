@@ -14,7 +14,7 @@ import numpy as np
 
 from .camera_motion import CameraMotion
 from .findings import camera_findings
-from .images import opencv
+from .sources.opencv import opencv
 
 __all__ = ["FLOOD_SHARE", "CameraHealth", "flicker", "moving_share"]
 

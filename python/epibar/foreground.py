@@ -28,7 +28,7 @@ from .background import collect, steady_background
 from .background_models import FLOOD_LEARNING_RATE, largest_difference, new_model
 from .camera_health import FLOOD_SHARE, CameraHealth, moving_share
 from .errors import EpibarError
-from .video import Frames
+from .sources.colour_frames import ColourFrames
 
 __all__ = ["CameraHealth", "Foreground", "ForegroundOptions"]
 
@@ -106,7 +106,7 @@ class Foreground:
 
     Examples
     --------
-    >>> with Frames("hall.mp4") as frames:  # doctest: +SKIP
+    >>> with ColourFrames("hall.mp4") as frames:  # doctest: +SKIP
     ...     foreground = Foreground.for_frames(frames)
     ...     for index, time, frame in frames:
     ...         mask = foreground.apply(frame)
@@ -124,14 +124,14 @@ class Foreground:
         self._rate = 1.0 / (slow * self.options.memory)
 
     @classmethod
-    def for_frames(cls, frames: Frames, options: ForegroundOptions | None = None) -> Foreground:
+    def for_frames(cls, frames: ColourFrames, options: ForegroundOptions | None = None) -> Foreground:
         """Return a model primed from the background clip if there is one, or else from all of ``frames``."""
         foreground = cls(options)
         clip = foreground.options.background
         if clip is None:
             foreground.prime(frames.sample(foreground.options.warm_up))
             return foreground
-        with Frames(clip) as empty:
+        with ColourFrames(clip) as empty:
             if empty.size != frames.size:
                 raise EpibarError(
                     f"{empty.path}: {empty.width}x{empty.height}, but {frames.path} is "

@@ -26,12 +26,13 @@ from .calibration import Calibration
 from .errors import EpibarError
 from .geometry.lines import clip_lines
 from .geometry.vectors import homogeneous
-from .images import opencv
-from .intrinsics import Intrinsics, MaskUndistorter
+from .lens.intrinsics import Intrinsics
+from .lens.undistortion import Undistorter
 from .recording import Recording
 from .report.picture import COLOURS as BGR
+from .sources.colour_frames import ColourFrames
+from .sources.opencv import opencv
 from .timing import clock_rate, frame_interval
-from .video import Frames
 
 __all__ = ["log", "save", "show"]
 
@@ -261,13 +262,13 @@ def _log_frames(
     every: int,
 ) -> None:
     cv2 = opencv()
-    with Frames(video) as source:
+    with ColourFrames(video) as source:
         if source.size != recording.size:
             raise EpibarError(
                 f"{os.fspath(video)}: {source.width}x{source.height} frames, but the recording {name!r} "
                 f"has {recording.width}x{recording.height}"
             )
-        straighten = MaskUndistorter(lens, source.size, name).image if lens is not None else None
+        straighten = Undistorter(lens, source.size, name).image if lens is not None else None
         for index, _, image in source:
             frame = index - recording.first_frame
             if frame >= recording.frames:

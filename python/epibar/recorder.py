@@ -21,11 +21,15 @@ from numpy.typing import NDArray
 from .arguments import Mask, core_errors
 from .errors import EpibarError
 from .foreground import CameraHealth, Foreground, ForegroundOptions
-from .frame_range import FrameRange
-from .images import read_image
-from .intrinsics import Intrinsics, MaskUndistorter, find_camera, load_cameras
+from .lens.camera_file import find_camera, load_cameras
+from .lens.intrinsics import Intrinsics
+from .lens.undistortion import Undistorter
 from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder
-from .video import Frames, MaskFrames, prefetched
+from .sources.colour_frames import ColourFrames
+from .sources.frame_range import FrameRange
+from .sources.images import read_image
+from .sources.mask_frames import MaskFrames
+from .sources.prefetch import prefetched
 
 __all__ = ["intrinsics_of", "record"]
 
@@ -101,7 +105,11 @@ def record(
     >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)  # doctest: +SKIP
     """
     part = FrameRange.of(frames)
-    with MaskFrames(path, fps=fps, frames=part) if masks else Frames(path, fps=fps, frames=part) as source:
+    with (
+        MaskFrames(path, fps=fps, frames=part)
+        if masks
+        else ColourFrames(path, fps=fps, frames=part) as source
+    ):
         name = name or source.name
         if isinstance(intrinsics, (str, os.PathLike)):
             intrinsics = intrinsics_of(intrinsics, name)
@@ -110,7 +118,7 @@ def record(
         hidden = _ignore_mask(ignore, source.size)
         undistort = None
         if intrinsics is not None:
-            undistort = MaskUndistorter(intrinsics, source.size, name)
+            undistort = Undistorter(intrinsics, source.size, name)
         visible = _visible_area(undistort, hidden)
         recorder = new_recorder(source.width, source.height, lines, seed, MIN_COMPONENT_AREA, visible)
         health = CameraHealth(name, ignore=hidden)
@@ -152,7 +160,7 @@ def _options(
     return options if hidden is None else replace(options, ignore=hidden)
 
 
-def _moving(frames: Frames, options: ForegroundOptions, health: CameraHealth) -> Stream:
+def _moving(frames: ColourFrames, options: ForegroundOptions, health: CameraHealth) -> Stream:
     """Time and mask of each frame of a colour video."""
     foreground = Foreground.for_frames(frames, options)
 
@@ -218,7 +226,7 @@ def _ignore_mask(ignore: str | os.PathLike[str] | NDArray[Any] | None, size: tup
     return (image != 0).astype(np.uint8)
 
 
-def _visible_area(undistort: MaskUndistorter | None, hidden: Mask | None) -> Mask | None:
+def _visible_area(undistort: Undistorter | None, hidden: Mask | None) -> Mask | None:
     """Where motion is seen and counted, in pixels of the recording, without its edge; None if everywhere."""
     import cv2
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import EpibarError
-from ..intrinsics import Intrinsics, write_cameras
+from ..lens.camera_file import write_cameras
+from ..lens.intrinsics import Intrinsics
 from .console import Console
 from .parser import build_parser
 

@@ -14,7 +14,7 @@ from ..evaluation import compare, image_correspondences, moving_volume, volume_c
 from ..export.run import Camera, Pair, Run
 from ..geometry.cameras import Pose, fundamental_from_cameras, project, projection_matrix, triangulate
 from ..geometry.epipolar import symmetric_epipolar_distance
-from ..intrinsics import load_cameras
+from ..lens.camera_file import load_cameras
 from .console import Console
 
 __all__ = ["run"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from .. import export
 from ..errors import EpibarError
-from ..intrinsics import load_cameras
+from ..lens.camera_file import load_cameras
 from .console import Console
 
 __all__ = ["run"]

@@ -9,9 +9,9 @@ from typing import Any
 
 from ..diagnosis import inspect
 from ..errors import EpibarError
-from ..intrinsics import find_camera, load_cameras
 from ..jobs.inputs import Camera, one_each, source_name
 from ..jobs.tasks import record_camera
+from ..lens.camera_file import find_camera, load_cameras
 from .calibrate import record_options
 from .console import Console
 

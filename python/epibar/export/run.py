@@ -16,7 +16,8 @@ from ..calibration import Calibration
 from ..errors import EpibarError
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
-from ..intrinsics import Intrinsics, find_camera
+from ..lens.camera_file import find_camera
+from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 from ..report.files import read_frontier_points, read_json
 from ..timing import nearest_frame, position_in_b

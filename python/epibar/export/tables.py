@@ -12,7 +12,7 @@ import numpy as np
 
 from ..files.archive import write_archive
 from ..files.atomic import write_atomically
-from ..images import opencv
+from ..sources.opencv import opencv
 from .run import Pair, Run
 
 __all__ = ["write_csv", "write_npz", "write_opencv"]

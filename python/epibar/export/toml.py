@@ -12,8 +12,9 @@ import numpy as np
 from ..arguments import Array
 from ..errors import EpibarError
 from ..geometry.pose import RelativePose
-from ..images import opencv
-from ..intrinsics import Intrinsics, load_cameras, write_cameras
+from ..lens.camera_file import load_cameras, write_cameras
+from ..lens.intrinsics import Intrinsics
+from ..sources.opencv import opencv
 from .network import place_cameras
 from .run import Pair, Run
 

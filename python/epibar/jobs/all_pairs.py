@@ -13,8 +13,8 @@ from typing import Any, Literal
 
 from ..calibration import SEARCH_SECONDS, Calibration
 from ..errors import EpibarError
-from ..frame_range import FrameRange
 from ..recording import DEFAULT_LINES, Recording
+from ..sources.frame_range import FrameRange
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
 from .runner import Progress, Runner
 from .watch import Watch

@@ -14,9 +14,10 @@ from ..arguments import MAX_SEED, as_whole_number
 from ..calibration import METHODS, SEARCH_SECONDS
 from ..errors import EpibarError
 from ..foreground import METHODS as FOREGROUNDS
-from ..frame_range import FrameRange
-from ..intrinsics import Intrinsics, find_camera, load_cameras
+from ..lens.camera_file import find_camera, load_cameras
+from ..lens.intrinsics import Intrinsics
 from ..recording import DEFAULT_LINES, MAX_LINES
+from ..sources.frame_range import FrameRange
 
 __all__ = [
     "Camera",

@@ -17,7 +17,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from ..images import IMAGE_SUFFIXES
+from ..sources.images import IMAGE_SUFFIXES
 from .inputs import Camera, PairOptions, RecordOptions
 from .saved import is_saved
 

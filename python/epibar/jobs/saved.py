@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import EpibarError
-from ..frame_range import FrameRange
-from ..intrinsics import Intrinsics
+from ..lens.intrinsics import Intrinsics
 from ..recording import DEFAULT_LINES, Recording
+from ..sources.frame_range import FrameRange
 from .inputs import Camera, RecordOptions
 
 __all__ = ["is_saved", "load_saved"]

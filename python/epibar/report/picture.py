@@ -16,7 +16,7 @@ from ..recording import Recording
 from .matched_lines import frames_to_show, matched_lines
 
 if TYPE_CHECKING:
-    from ..intrinsics import Intrinsics
+    from ..lens.intrinsics import Intrinsics
 
 __all__ = ["draw_pair", "write_pair_picture"]
 
@@ -107,7 +107,7 @@ def draw_pair(
 
 def _view(source: str, frame: int, recording: Recording, intrinsics: Intrinsics | None) -> Image:
     """Read one frame, undistorted where the recording is; the heat map where there is no such frame."""
-    from ..video import read_frame
+    from ..sources.single_frame import read_frame
 
     try:
         image = read_frame(source, recording.first_frame + frame)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...calibration import Calibration
-from ...intrinsics import Intrinsics
+from ...lens.intrinsics import Intrinsics
 from ...recording import Recording
 
 __all__ = ["ReportCamera", "ReportPair"]

@@ -10,11 +10,12 @@ import numpy as np
 
 from ...arguments import Image
 from ...errors import EpibarError
-from ...frame_range import FrameRange
-from ...images import opencv
-from ...intrinsics import MaskUndistorter
+from ...lens.undistortion import Undistorter
 from ...recording import Recording
-from ...video import Frames, MaskFrames
+from ...sources.colour_frames import ColourFrames
+from ...sources.frame_range import FrameRange
+from ...sources.mask_frames import MaskFrames
+from ...sources.opencv import opencv
 from .inputs import ReportCamera
 
 __all__ = ["data_url", "heat_picture", "read_frames"]
@@ -50,8 +51,8 @@ def read_frames(camera: ReportCamera, wanted: Collection[int], budget: int) -> d
     part = FrameRange(first, first + max(wanted) + 1)
     pictures: dict[int, bytes] = {}
     try:
-        undistort = MaskUndistorter(camera.intrinsics, recording.size) if camera.intrinsics else None
-        with (MaskFrames if camera.masks else Frames)(source, frames=part) as frames:
+        undistort = Undistorter(camera.intrinsics, recording.size) if camera.intrinsics else None
+        with (MaskFrames if camera.masks else ColourFrames)(source, frames=part) as frames:
             if frames.size != recording.size:
                 return {}
             with closing(iter(frames)) as stream:

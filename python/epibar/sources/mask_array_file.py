@@ -12,15 +12,15 @@ from typing import IO
 
 import numpy as np
 
-from .errors import EpibarError
+from ..errors import EpibarError
 
-__all__ = ["ARRAY_SUFFIXES", "MaskArray"]
+__all__ = ["ARRAY_SUFFIXES", "MaskArrayFile"]
 
 ARRAY_SUFFIXES = {".npz", ".npy"}
 DAMAGED = (OSError, ValueError, EOFError, TypeError, KeyError, zipfile.BadZipFile, zlib.error)
 
 
-class MaskArray:
+class MaskArrayFile:
     """The array ``masks`` of an ``.npz``, or an ``.npy``: (T, H, W), bool or uint8, non-zero = moving.
 
     Iterating yields (H, W) uint8 masks of 0 and 1; it ends early where the file is cut off.

@@ -6,21 +6,51 @@ strong barrel lens sees more than fits into an image of that size and matrix: wh
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from .intrinsics import Intrinsics
+from ..arguments import Array, Size
 
-__all__ = ["MaskUndistorter"]
+__all__ = ["Lens", "Undistorter"]
 
 OUTSIDE = -1e4
 """Pixels: no source is there."""
 
 
-class MaskUndistorter:
+class Lens(Protocol):
+    """What has to be known to take a lens out: :class:`~epibar.Intrinsics` has it."""
+
+    @property
+    def name(self) -> str:
+        """Of the camera."""
+
+    @property
+    def size(self) -> Size:
+        """Width and height, pixels."""
+
+    @property
+    def matrix(self) -> Array:
+        """(3, 3), pixels."""
+
+    @property
+    def distortions(self) -> Array:
+        """OpenCV's coefficients."""
+
+    @property
+    def fisheye(self) -> bool:
+        """Whether they are those of OpenCV's fisheye model."""
+
+    @property
+    def distorted(self) -> bool:
+        """Whether the lens bends lines."""
+
+    def check_size(self, size: Size, name: str) -> None:
+        """Raise EpibarError where frames of this size are not what this is for; ``name`` has them."""
+
+
+class Undistorter:
     """Turns masks and images into undistorted pixels of the same camera matrix.
 
     Parameters
@@ -45,13 +75,11 @@ class MaskUndistorter:
 
     Examples
     --------
-    >>> undistort = MaskUndistorter(camera, (1920, 1080))  # doctest: +SKIP
+    >>> undistort = Undistorter(camera, (1920, 1080))  # doctest: +SKIP
     >>> straight = undistort(mask)  # doctest: +SKIP
     """
 
-    def __init__(
-        self, intrinsics: Intrinsics, size: tuple[int, int] | None = None, name: str | None = None
-    ) -> None:
+    def __init__(self, intrinsics: Lens, size: Size | None = None, name: str | None = None) -> None:
         self.intrinsics = intrinsics
         self._name = name or intrinsics.name
         intrinsics.check_size(size or intrinsics.size, self._name)
@@ -83,7 +111,7 @@ class MaskUndistorter:
         return self._remap(image) if self.intrinsics.distorted else image.copy()
 
 
-def _maps(camera: Intrinsics) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _maps(camera: Lens) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Source pixel of each undistorted pixel, far outside where there is none."""
     import cv2
 
@@ -101,7 +129,7 @@ def _maps(camera: Intrinsics) -> tuple[NDArray[np.float32], NDArray[np.float32]]
     return np.where(folded, outside, map_x), np.where(folded, outside, map_y)
 
 
-def _fold_radius(camera: Intrinsics, largest: float) -> float:
+def _fold_radius(camera: Lens, largest: float) -> float:
     """Where the distorted radius stops growing with the undistorted one, in units of the focal length."""
     radius = np.linspace(0.0, largest, 4097)
     if camera.fisheye:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from .colour_frames import ColourFrames
 from .frame_range import FrameRange
-from .frame_source import FrameSource
-from .frames import Frames
-from .mask_array import ARRAY_SUFFIXES, MaskArray
+from .mask_array_file import ARRAY_SUFFIXES, MaskArrayFile
+from .source import FrameSource
 
 __all__ = ["MaskFrames"]
 
@@ -23,7 +23,7 @@ MOST_BETWEEN = 0.4
 
 
 class MaskFrames(FrameSource[np.ndarray]):
-    """Ready-made masks, with the same iteration as :class:`Frames`.
+    """Ready-made masks, with the same iteration as :class:`ColourFrames`.
 
     Iterating yields ``(index, time, mask)`` with an (H, W) uint8 mask, 1 where something moves.
 
@@ -36,30 +36,30 @@ class MaskFrames(FrameSource[np.ndarray]):
     fps : float, optional
         Frames per second. Overrides what the file says.
     frames : FrameRange, optional
-        As for :class:`Frames`.
+        As for :class:`ColourFrames`.
 
     Raises
     ------
     EpibarError
-        As for :class:`Frames`; a missing key, a wrong rank or dtype, no frames.
+        As for :class:`ColourFrames`; a missing key, a wrong rank or dtype, no frames.
     """
 
     def __init__(
         self, path: str | os.PathLike[str], *, fps: float | None = None, frames: FrameRange | None = None
     ) -> None:
         super().__init__(path, fps, frames)
-        self._frames: Frames | None = None
+        self._frames: ColourFrames | None = None
         if Path(self.path).suffix.lower() in ARRAY_SUFFIXES and not Path(self.path).is_dir():
             self._open_array()
         else:
-            self._frames = Frames(path, fps=fps, frames=frames)
+            self._frames = ColourFrames(path, fps=fps, frames=frames)
             self.name, self.fps = self._frames.name, self._frames.fps
             self.width, self.height = self._frames.size
             self.frame_count = self._frames.frame_count
             self.warnings = self._frames.warnings
 
     def _open_array(self) -> None:
-        self._array = MaskArray(self.path)
+        self._array = MaskArrayFile(self.path)
         total, self.height, self.width = self._array.shape
         self.frame_count = self._range.count(self.path, total)
         self._choose_fps(self._array.fps)
@@ -69,7 +69,7 @@ class MaskFrames(FrameSource[np.ndarray]):
             return self._iterate_frames(self._frames)
         return self._iterate_array(self._array)
 
-    def _iterate_array(self, array: MaskArray) -> Iterator[tuple[int, float, np.ndarray]]:
+    def _iterate_array(self, array: MaskArrayFile) -> Iterator[tuple[int, float, np.ndarray]]:
         expected = self._range.count(self.path, array.shape[0])
         found = 0
         for found, mask in enumerate(islice(array, self.first, self.first + expected), 1):
@@ -79,7 +79,7 @@ class MaskFrames(FrameSource[np.ndarray]):
             self._warn(f"{self.path}: truncated, read {found} of {expected} frames; those are used")
         self.frame_count = found
 
-    def _iterate_frames(self, frames: Frames) -> Iterator[tuple[int, float, np.ndarray]]:
+    def _iterate_frames(self, frames: ColourFrames) -> Iterator[tuple[int, float, np.ndarray]]:
         brightest, moving = 0, False
         between: list[float] = []
         for index, time, frame in frames:

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Generator, Iterable, Iterator
 from typing import Any, TypeVar
 
-from .errors import EpibarError
+from ..errors import EpibarError
 
 __all__ = ["prefetched"]
 

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from .errors import EpibarError
+from ..errors import EpibarError
 from .frame_range import FrameRange
-from .frame_source import FrameSource
-from .images import IMAGE_SUFFIXES, as_bgr, natural_order, opencv, read_image
-from .mask_array import ARRAY_SUFFIXES
+from .images import IMAGE_SUFFIXES, as_bgr, natural_order, read_image
+from .mask_array_file import ARRAY_SUFFIXES
+from .opencv import opencv
+from .source import FrameSource
 
-__all__ = ["Frames"]
+__all__ = ["ColourFrames"]
 
 # A container may announce a frame or two more than it holds without anything being wrong with it.
 TRUNCATION_FRAMES = 2
@@ -28,7 +29,7 @@ def _is_stream_or_pattern(source: str) -> bool:
     return "://" in source or re.search(r"%0?\d*d", source) is not None
 
 
-class Frames(FrameSource[np.ndarray]):
+class ColourFrames(FrameSource[np.ndarray]):
     """Colour frames of a video, a folder of images, or anything ``cv2.VideoCapture`` opens.
 
     Iterating yields ``(index, time, frame)``: the frame number from 0, seconds since frame 0, and an
@@ -66,7 +67,7 @@ class Frames(FrameSource[np.ndarray]):
 
     Examples
     --------
-    >>> with Frames("hall.mp4") as frames:  # doctest: +SKIP
+    >>> with ColourFrames("hall.mp4") as frames:  # doctest: +SKIP
     ...     times = [time for index, time, frame in frames]
     """
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from .errors import EpibarError
+from ..errors import EpibarError
 from .frame_range import FrameRange
 
 __all__ = ["DEFAULT_FPS", "FrameSource"]

@@ -1,31 +1,18 @@
-"""Single images, and OpenCV itself: imported late, kept quiet."""
+"""Single images."""
 
 from __future__ import annotations
 
-import os
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from .errors import EpibarError
+from ..errors import EpibarError
+from .opencv import opencv
 
-__all__ = ["IMAGE_SUFFIXES", "as_bgr", "natural_order", "opencv", "read_image"]
+__all__ = ["IMAGE_SUFFIXES", "as_bgr", "natural_order", "read_image"]
 
 IMAGE_SUFFIXES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"}
-
-
-def opencv() -> Any:
-    """OpenCV, imported late because it is slow, with its chatter on stderr switched off."""
-    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
-    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
-    import cv2
-
-    logging = getattr(getattr(cv2, "utils", None), "logging", None)
-    if logging is not None:
-        logging.setLogLevel(logging.LOG_LEVEL_SILENT)
-    return cv2
 
 
 def natural_order(path: Path) -> list[tuple[int, int, str]]:
