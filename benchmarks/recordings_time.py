@@ -17,10 +17,10 @@ from recordings import DATA, View, matched, parser_of, present, view, volume_of
 from tables import mean, px, table, worst, write_json
 
 import epibar
+from epibar.clocks import frame_interval
 from epibar.evaluation import GOOD_PAIR_PX, compare
 from epibar.geometry.cameras import fundamental_from_cameras
 from epibar.lens.camera_file import load_cameras
-from epibar.timing import frame_interval
 
 SHIFTS = (3.0, -3.0)
 """Seconds by which B starts later than A."""

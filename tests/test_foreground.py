@@ -5,9 +5,11 @@ import numpy as np
 import pytest
 
 from epibar import _core
-from epibar.background import collect, median_background, steady_background
 from epibar.errors import EpibarError
-from epibar.foreground import CameraHealth, Foreground, ForegroundOptions
+from epibar.foreground import Foreground
+from epibar.foreground.empty_scene import collect, median_background, steady_background
+from epibar.foreground.options import ForegroundOptions
+from epibar.health.camera_health import CameraHealth
 from epibar.sources.colour_frames import ColourFrames
 
 HEIGHT, WIDTH, COUNT = 120, 160, 60

@@ -12,12 +12,12 @@ import pytest
 
 import epibar
 from epibar import synthetic
-from epibar.camera_health import CameraHealth
-from epibar.camera_motion import CameraMotion
 from epibar.cli import main
-from epibar.diagnosis import cause_of_refusal
 from epibar.errors import EpibarError
-from epibar.findings import camera_findings
+from epibar.health.camera_findings import camera_findings
+from epibar.health.camera_health import CameraHealth
+from epibar.health.camera_motion import CameraMotion
+from epibar.health.inspection import cause_of_refusal
 from epibar.sources.colour_frames import ColourFrames
 
 FRAMES = 240
@@ -321,7 +321,7 @@ def test_a_recording_is_inspected_once_for_all_its_pairs(monkeypatch):
         inspected.append(recording)
         return epibar.inspect(recording)
 
-    monkeypatch.setattr("epibar.diagnosis.inspect", counting)
+    monkeypatch.setattr("epibar.health.inspection.inspect", counting)
     still = [epibar.Recording.from_masks(np.zeros((40, 48, 64), bool), lines=50, name=name) for name in "abc"]
     for a, b in ((0, 1), (0, 2), (1, 2)):
         cause = cause_of_refusal("too_little_motion", still[a], still[b])

@@ -13,7 +13,7 @@ import pytest
 from report_input import LATE, NO_POINTS, SIZE, make_report_input, numbered_frames
 
 import epibar
-from epibar.calibration import Timing
+from epibar.clocks import Timing
 from epibar.geometry.epipolar import epipoles
 from epibar.report.html import ReportCamera, ReportPair, write_report
 from epibar.report.html.lines import hull_barcodes

@@ -21,17 +21,18 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from . import export, live, plot
     from .calibration import Calibration, calibrate
-    from .diagnosis import Diagnosis, inspect
     from .errors import EpibarError
-    from .foreground import ForegroundOptions
+    from .foreground.options import ForegroundOptions
+    from .from_video import record
     from .geometry.correspondences import Candidates, FrontierPoints
     from .geometry.epipolar import symmetric_epipolar_distance
     from .geometry.pose import RelativePose, relative_pose
+    from .health.diagnosis import Diagnosis
+    from .health.inspection import inspect
     from .jobs import AllPairs, calibrate_all
     from .lens.camera_file import load_cameras
     from .lens.intrinsics import Intrinsics
-    from .matching import barcodes, match_barcodes
-    from .recorder import record
+    from .motion_barcodes import barcodes, match_barcodes
     from .recording import Recording
 
 __all__ = [
@@ -64,20 +65,20 @@ _HOME = {
     "AllPairs": "jobs",
     "Calibration": "calibration",
     "Candidates": "geometry",
-    "Diagnosis": "diagnosis",
+    "Diagnosis": "health",
     "EpibarError": "errors",
-    "ForegroundOptions": "foreground",
+    "ForegroundOptions": "foreground.options",
     "FrontierPoints": "geometry",
     "Intrinsics": "lens",
     "Recording": "recording",
     "RelativePose": "geometry",
-    "barcodes": "matching",
+    "barcodes": "motion_barcodes",
     "calibrate": "calibration",
     "calibrate_all": "jobs",
-    "inspect": "diagnosis",
+    "inspect": "health",
     "load_cameras": "lens",
-    "match_barcodes": "matching",
-    "record": "recorder",
+    "match_barcodes": "motion_barcodes",
+    "record": "from_video",
     "relative_pose": "geometry",
     "symmetric_epipolar_distance": "geometry",
 }

@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from .arguments import MAX_SEED, Array, as_camera_matrix, as_positive, as_whole_number, core_errors, is_number
-from .diagnosis import cause_of_refusal
+from .clocks import Timing, frame_interval, position_in_b
 from .errors import EpibarError
 from .files.archive import read_archive, write_archive
 from .files.calibration_npz import KIND, from_arrays, to_arrays
 from .geometry.correspondences import Candidates, FrontierPoints
+from .health.inspection import cause_of_refusal
 from .recording import Recording, as_recording
-from .timing import Timing, frame_interval, position_in_b
 
 __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "calibrate"]
 
@@ -103,7 +103,7 @@ class Calibration:
     def frame_of_b(self, frame: ArrayLike) -> Array:
         """Return where frames of A fall among the frames of B, where no frame of either is missing.
 
-        Where frames were dropped the recordings know more: see :func:`epibar.timing.positions_in_b`.
+        Where frames were dropped the recordings know more: see :func:`epibar.clocks.positions_in_b`.
         """
         return position_in_b(frame, self.time_offset, self.timing.frames_per_frame)
 

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from .arguments import as_whole_number, camera_names, check_pairs
 from .calibration import Calibration
+from .clocks import clock_rate, frame_interval
 from .errors import EpibarError
 from .geometry.lines import clip_lines
 from .geometry.vectors import homogeneous
@@ -32,7 +33,6 @@ from .recording import Recording
 from .report.picture import COLOURS as BGR
 from .sources.colour_frames import ColourFrames
 from .sources.opencv import opencv
-from .timing import clock_rate, frame_interval
 
 __all__ = ["log", "save", "show"]
 

@@ -7,8 +7,8 @@ from argparse import Namespace
 from dataclasses import replace
 from typing import Any
 
-from ..diagnosis import inspect
 from ..errors import EpibarError
+from ..health.inspection import inspect
 from ..jobs.inputs import Camera, one_each, source_name
 from ..jobs.tasks import record_camera
 from ..lens.camera_file import find_camera, load_cameras

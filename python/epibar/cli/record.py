@@ -8,7 +8,7 @@ from pathlib import Path
 from ..errors import EpibarError
 from ..jobs.inputs import Camera, source_name
 from ..jobs.tasks import record_camera
-from ..recorder import intrinsics_of
+from ..lens.camera_file import intrinsics_of
 from .calibrate import record_options
 from .console import Console
 

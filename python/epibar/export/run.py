@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..arguments import Array, camera_names, check_pairs
 from ..calibration import Calibration
+from ..clocks import nearest_frame, position_in_b
 from ..errors import EpibarError
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
@@ -20,7 +21,6 @@ from ..lens.camera_file import find_camera
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 from ..report.files import read_frontier_points, read_json
-from ..timing import nearest_frame, position_in_b
 
 __all__ = ["Camera", "Pair", "Run"]
 

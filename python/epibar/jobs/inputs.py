@@ -13,7 +13,7 @@ from typing import Literal
 from ..arguments import MAX_SEED, as_whole_number
 from ..calibration import METHODS, SEARCH_SECONDS
 from ..errors import EpibarError
-from ..foreground import METHODS as FOREGROUNDS
+from ..foreground.options import METHODS as FOREGROUNDS
 from ..lens.camera_file import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..recording import DEFAULT_LINES, MAX_LINES

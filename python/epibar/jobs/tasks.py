@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 
 from ..calibration import Calibration, calibrate
-from ..recorder import record
+from ..from_video import record
 from ..recording import Recording
 from .inputs import Camera, PairOptions, RecordOptions
 from .saved import is_saved, load_saved

@@ -21,7 +21,7 @@ from ..errors import EpibarError
 from ..files.atomic import write_atomically
 from .intrinsics import Intrinsics
 
-__all__ = ["find_camera", "load_cameras", "write_cameras"]
+__all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras"]
 
 
 def load_cameras(path: str | os.PathLike[str]) -> list[Intrinsics]:
@@ -155,3 +155,9 @@ def write_cameras(
         tables.append("\n".join(["[metadata]", *rows]) + "\n")
     text = "\n".join(tables)
     write_atomically(path, lambda stream: stream.write(text.encode()))
+
+
+def intrinsics_of(path: str | os.PathLike[str], name: str) -> Intrinsics:
+    """Look one camera up by its name: alone it has no place in an order, unless the file has only one."""
+    cameras = load_cameras(path)
+    return find_camera(cameras, name, 0 if len(cameras) == 1 else None)

@@ -10,11 +10,11 @@ import numpy as np
 from .. import _core
 from ..arguments import as_whole_number
 from ..calibration import Calibration
+from ..clocks import nearest_frame, positions_in_b
 from ..errors import EpibarError
 from ..geometry.lines import clip_lines
 from ..recording import Recording
 from ..report.matched_lines import frames_to_show, matched_lines
-from ..timing import nearest_frame, positions_in_b
 from .canvas import (
     COLOURS,
     DARK,

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from ..arguments import Array, Size
 from ..calibration import Calibration
+from ..clocks import nearest_frame, positions_in_b
 from ..geometry.epipolar import epipoles
 from ..geometry.lines import clip_lines
 from ..geometry.vectors import homogeneous
 from ..recording import Recording
-from ..timing import nearest_frame, positions_in_b
 
 __all__ = ["MatchedLine", "frames_to_show", "matched_lines"]
 

@@ -33,7 +33,7 @@ def choose_moments(
     Parameters
     ----------
     common : ndarray, shape (n, 2)
-        Frames of A and of B, see :func:`epibar.timing.common_frames`.
+        Frames of A and of B, see :func:`epibar.clocks.common_frames`.
     worth : ndarray, shape (n,)
         How much each has to show.
     wanted_a, wanted_b : collections of int

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ... import _core
 from ...calibration import Calibration
+from ...clocks import common_frames
 from ...geometry.correspondences import FrontierPoints
 from ...recording import Recording
-from ...timing import common_frames
 from .inputs import ReportCamera, ReportPair
 from .lines import WINDOW, LineSet, line_sets
 from .moments import busiest_window, choose_moments, points_per_frame

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .sources.opencv import opencv
+from ..sources.opencv import opencv
 
 __all__ = ["CameraMotion", "Move"]
 

@@ -1,4 +1,4 @@
-"""What one recording is good for, before any pairing: :func:`inspect`.
+"""All that :func:`epibar.inspect` says about one camera, as a value and as text.
 
 How much moved and where, how many lines are left after each filter, whether the camera stood still and the
 light stayed on, and, in plain English, what is wrong and what to do about it.
@@ -7,20 +7,16 @@ light stayed on, and, in plain English, what is wrong and what to do about it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from .arguments import Array
-from .camera_health import FLOOD_SHARE
-from .files.json_values import plain
-from .findings import Finding, camera_findings, motion_findings
-from .motion_measures import lines_left, share_by_ninth, spread_of, straightness_of
-from .recording import Recording, as_recording
+from ..arguments import Array
+from ..files.json_values import plain
+from .finding import Finding
 
-__all__ = ["Diagnosis", "cause_of_refusal", "inspect"]
+__all__ = ["Diagnosis"]
 
 
 PLACES = (
@@ -28,10 +24,6 @@ PLACES = (
     ("left", "middle", "right"),
     ("bottom left", "bottom", "bottom right"),
 )
-
-
-# Each recording of a job is in many pairs.
-_worst: WeakKeyDictionary[Recording, Finding | None] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,88 +124,6 @@ class Diagnosis:
         if not self.findings:
             rows.append("  nothing wrong was found")
         return "\n".join(rows)
-
-
-def inspect(recording: Recording) -> Diagnosis:
-    """Tell what a recording is good for, before it is paired with another.
-
-    Parameters
-    ----------
-    recording : Recording
-        From :func:`epibar.record`, a file or masks. Without images, as for masks, nothing can be said about
-        the camera and the light.
-
-    Returns
-    -------
-    Diagnosis
-        ``print`` it, or read ``findings``.
-
-    Raises
-    ------
-    EpibarError
-        The argument is no recording.
-
-    Examples
-    --------
-    >>> import epibar
-    >>> print(epibar.inspect(epibar.Recording.load("cam1.npz")))  # doctest: +SKIP
-    """
-    as_recording("recording", recording)
-    width, height = recording.size
-    moving = recording.moving_pixels.astype(np.int64)
-    heat = recording.heat.astype(np.float64)
-    arrays = recording._core.to_arrays()
-    lines, paths = lines_left(recording, arrays)
-    blanked = recording.health.get("blanked", 0.0)
-    flooded = blanked + np.count_nonzero(moving > FLOOD_SHARE * width * height)
-    diagnosis = Diagnosis(
-        name=recording.name,
-        size=recording.size,
-        frames=recording.frames,
-        seconds=float(recording.times[-1] - recording.times[0]),
-        moving_frames=float(np.mean(moving > 0)),
-        flooded_frames=float(flooded / recording.frames),
-        moving_area=float(np.median(moving[moving > 0]) / (width * height)) if moving.any() else 0.0,
-        spread=spread_of(heat),
-        where=share_by_ninth(heat),
-        lines=lines,
-        paths=paths,
-        straightness=straightness_of(arrays, (width, height)),
-        silhouettes=len(arrays["hull_area"]),
-        cut=float(arrays["hull_border"].mean()) if len(arrays["hull_border"]) else 0.0,
-        health=recording.health,
-    )
-    found = [*camera_findings(recording.health), *motion_findings(diagnosis)]
-    found.sort(key=lambda finding: not finding.serious)
-    return replace(diagnosis, findings=tuple(found))
-
-
-def cause_of_refusal(kind: str, rec_a: Recording, rec_b: Recording) -> str | None:
-    """Say what in either camera may be why a pair was refused.
-
-    Parameters
-    ----------
-    kind : str
-        The verdict's.
-    rec_a, rec_b : Recording
-        Of the two cameras.
-
-    Returns
-    -------
-    str or None
-        One sentence that names the camera; None where the pair was accepted or both cameras are sound.
-    """
-    if kind == "accepted":
-        return None
-    told = []
-    for recording, side in ((rec_a, "camera A"), (rec_b, "camera B")):
-        if recording not in _worst:
-            serious = (finding for finding in inspect(recording).findings if finding.serious)
-            _worst[recording] = next(serious, None)
-        worst = _worst[recording]
-        if worst is not None:
-            told.append(f"in {recording.name or side} {worst.text}")
-    return f"A possible cause: {'. And '.join(told)}." if told else None
 
 
 def _camera(health: Mapping[str, float]) -> str:

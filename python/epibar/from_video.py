@@ -1,4 +1,4 @@
-"""From one camera's video to a :class:`~epibar.recording.Recording`, streamed.
+"""A :class:`~epibar.Recording` made from the video of one camera, streamed: :func:`record`.
 
 decode -> foreground -> health check, undistort, pack: three threads, which overlap because OpenCV and the
 compiled recorder release the interpreter. A few frames are in the queues; the recorder keeps one block of
@@ -20,8 +20,10 @@ from numpy.typing import NDArray
 
 from .arguments import Mask, core_errors
 from .errors import EpibarError
-from .foreground import CameraHealth, Foreground, ForegroundOptions
-from .lens.camera_file import find_camera, load_cameras
+from .foreground import Foreground
+from .foreground.options import ForegroundOptions
+from .health.camera_health import CameraHealth
+from .lens.camera_file import intrinsics_of
 from .lens.intrinsics import Intrinsics
 from .lens.undistortion import Undistorter
 from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder
@@ -31,7 +33,7 @@ from .sources.images import read_image
 from .sources.mask_frames import MaskFrames
 from .sources.prefetch import prefetched
 
-__all__ = ["intrinsics_of", "record"]
+__all__ = ["record"]
 
 Moment = tuple[float, Mask]
 Stream = Generator[Moment, None, None]
@@ -141,12 +143,6 @@ def record(
             health=health.numbers,
             first_frame=source.first,
         )
-
-
-def intrinsics_of(path: str | os.PathLike[str], name: str) -> Intrinsics:
-    """Look one camera up by its name: alone it has no place in an order, unless the file has only one."""
-    cameras = load_cameras(path)
-    return find_camera(cameras, name, 0 if len(cameras) == 1 else None)
 
 
 def _options(

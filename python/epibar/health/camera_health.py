@@ -1,9 +1,9 @@
 """Whether the camera stood still, the light stayed on and every frame was a new one.
 
-:mod:`epibar.camera_motion` follows the corners. The light is measured on the image averaged over 8x8 pixels,
-where noise must not look like a change: in horizontal bands, because a rolling shutter under flickering light
-brightens some rows and darkens others, and by the middle half of the differences to the first frame in each
-band, because that half is background unless a band is full of people.
+:mod:`epibar.health.camera_motion` follows the corners. The light is measured on the image averaged over 8x8
+pixels, where noise must not look like a change: in horizontal bands, because a rolling shutter under
+flickering light brightens some rows and darkens others, and by the middle half of the differences to the
+first frame in each band, because that half is background unless a band is full of people.
 
 A flooded frame, more than 60 % foreground, tells nothing about what moves: it is blanked.
 """
@@ -12,13 +12,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..foreground.flooding import FLOOD_SHARE, moving_share
+from ..sources.opencv import opencv
+from .camera_findings import camera_findings
 from .camera_motion import CameraMotion
-from .findings import camera_findings
-from .sources.opencv import opencv
 
-__all__ = ["FLOOD_SHARE", "CameraHealth", "flicker", "moving_share"]
+__all__ = ["CameraHealth", "flicker"]
 
-FLOOD_SHARE = 0.6
 BRIGHTNESS_JUMP = 8
 """Grey levels by which half of the pixels change, or more, from one frame to the next."""
 BANDS = 8
@@ -200,10 +200,3 @@ def _levels(change: np.ndarray) -> np.ndarray:
         quarter = len(values) // 4
         levels[band] = values[quarter : len(values) - quarter].mean() if len(values) else 0.0
     return levels
-
-
-def moving_share(mask: np.ndarray, counted: np.ndarray | None = None) -> float:
-    """Share of the image that is foreground, where it counts."""
-    if counted is None:
-        return float(np.count_nonzero(mask) / mask.size)
-    return float(np.count_nonzero(mask[counted]) / max(1, np.count_nonzero(counted)))

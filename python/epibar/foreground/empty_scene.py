@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from .errors import EpibarError
+from ..errors import EpibarError
 
 __all__ = ["collect", "median_background", "steady_background"]
 

@@ -1,4 +1,4 @@
-"""Which frame of B shows the moment of a frame of A: the one place where that is said.
+"""Clocks: which frame of B shows the moment of a frame of A, and how the clocks of the two cameras run.
 
 A pair of clocks is a line: A's first frame falls at ``time_offset`` in B, in frames of B, and each frame of A
 takes ``frames_per_frame`` frames of B (:func:`position_in_b`). Where frames are missing, or the rates differ,
@@ -9,19 +9,17 @@ the estimation goes by.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
 from .arguments import Array, Index
-
-if TYPE_CHECKING:
-    from .calibration import Calibration
-    from .recording import Recording
+from .recording import Recording
 
 __all__ = [
+    "Clocked",
     "Timing",
     "clock_rate",
     "common_frames",
@@ -68,6 +66,18 @@ class Timing:
     offsets_tried: int = 1
 
 
+class Clocked(Protocol):
+    """What has the clocks of a pair: a :class:`~epibar.Calibration`."""
+
+    @property
+    def time_offset(self) -> float:
+        """Where A's first frame falls in B, in frames of B."""
+
+    @property
+    def timing(self) -> Timing:
+        """The rest."""
+
+
 def position_in_b(frame: ArrayLike, time_offset: float, frames_per_frame: float) -> Array:
     """Where frames of A fall among the frames of B, where no frame of either is missing."""
     return time_offset + np.asarray(frame, dtype=np.float64) * frames_per_frame
@@ -91,7 +101,7 @@ def clock_rate(rec_a: Recording, rec_b: Recording, frames_per_frame: float) -> f
     return _core.clock_rate(rec_a._core, rec_b._core, frames_per_frame)
 
 
-def positions_in_b(rec_a: Recording, rec_b: Recording, calibration: Calibration) -> Array:
+def positions_in_b(rec_a: Recording, rec_b: Recording, calibration: Clocked) -> Array:
     """Where each frame of A falls among the frames of B, whichever frames are missing.
 
     Equal frame rates go by index, so that rounded time stamps cannot slip a frame; others, and recordings
@@ -112,7 +122,7 @@ def positions_in_b(rec_a: Recording, rec_b: Recording, calibration: Calibration)
     return _core.positions(rec_a._core, rec_b._core, *_clock(calibration))
 
 
-def common_frames(rec_a: Recording, rec_b: Recording, calibration: Calibration) -> Index:
+def common_frames(rec_a: Recording, rec_b: Recording, calibration: Clocked) -> Index:
     """Pair the frames that show the same moment, as the estimation does.
 
     Returns
@@ -123,5 +133,5 @@ def common_frames(rec_a: Recording, rec_b: Recording, calibration: Calibration) 
     return _core.common_frames(rec_a._core, rec_b._core, *_clock(calibration))
 
 
-def _clock(calibration: Calibration) -> tuple[float, float]:
+def _clock(calibration: Clocked) -> tuple[float, float]:
     return calibration.time_offset, calibration.timing.frames_per_frame

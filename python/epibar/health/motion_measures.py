@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
-from .arguments import Array
-from .geometry.lines import area_between_lines, lines_through
-from .recording import Recording
+from .. import _core
+from ..arguments import Array
+from ..geometry.lines import area_between_lines, lines_through
+from ..recording import Recording
 
 __all__ = ["lines_left", "share_by_ninth", "spread_of", "straightness_of"]
 

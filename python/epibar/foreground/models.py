@@ -7,14 +7,12 @@ et al. 2003.
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
-from .background import median_background
-
-if TYPE_CHECKING:
-    from .foreground import ForegroundOptions
+from .empty_scene import median_background
+from .options import ForegroundOptions
 
 __all__ = ["FLOOD_LEARNING_RATE", "BackgroundModel", "largest_difference", "new_model"]
 

@@ -1,4 +1,4 @@
-"""What moves: a streamed background model and the cleaning of its mask.
+"""Background subtraction, streamed: a model of the empty scene, and the cleaning of the mask it gives.
 
 Models: MOG2 (Zivkovic 2004) and KNN (Zivkovic and van der Heijden 2006) from OpenCV with their shadow test,
 and a selective temporal median with the HSV shadow test of Cucchiara et al. 2003.
@@ -16,85 +16,23 @@ noise as well.
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from . import _core
-from .background import collect, steady_background
-from .background_models import FLOOD_LEARNING_RATE, largest_difference, new_model
-from .camera_health import FLOOD_SHARE, CameraHealth, moving_share
-from .errors import EpibarError
-from .sources.colour_frames import ColourFrames
+from .. import _core
+from ..errors import EpibarError
+from ..sources.colour_frames import ColourFrames
+from .empty_scene import collect, steady_background
+from .flooding import FLOOD_SHARE, moving_share
+from .models import FLOOD_LEARNING_RATE, largest_difference, new_model
+from .options import ForegroundOptions
 
-__all__ = ["CameraHealth", "Foreground", "ForegroundOptions"]
+__all__ = ["Foreground"]
 
-METHODS = ("mog2", "knn", "median")
 REFERENCE_HEIGHT = 480.0
 FLOOD_PATIENCE = 3  # flooded frames in a row before the model learns anew
-
-
-@dataclass(frozen=True)
-class ForegroundOptions:
-    """How masks are made. Sizes are pixels in an image 480 lines high and grow with the image.
-
-    Parameters
-    ----------
-    method : {"mog2", "knn", "median"}
-        Background model.
-    warm_up : int
-        Frames that teach the model: the number sampled over the video when primed, or else the number of
-        first frames whose masks stay empty.
-    shadows : bool
-        Drop what is only darker than the background.
-    ignore : ndarray, shape (H, W), optional
-        Non-zero where motion does not count: a clock in the picture, a screen, trees.
-    median_filter, closing : float
-        Diameter of the median filter that removes specks and of the closing that joins parts; 0 switches off.
-    min_area : float
-        Components below this share of the image are removed.
-    threshold : float
-        Squared distance to the background, in variances (MOG2) or grey levels (KNN, median); 0 is the
-        method's default: 80, 400, 625.
-    memory : int
-        Frames over which the model adapts to slow changes. With a background clip ten times as slow.
-    background : str or path, optional
-        Video, picture or folder of the empty scene.
-    """
-
-    method: str = "mog2"
-    warm_up: int = 60
-    shadows: bool = True
-    ignore: np.ndarray | None = None
-    median_filter: float = 5.0
-    closing: float = 7.0
-    min_area: float = 0.0005
-    threshold: float = 0.0
-    memory: int = 2000
-    background: str | os.PathLike[str] | None = None
-
-    def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise EpibarError(f"foreground method {self.method!r}: choose one of {', '.join(METHODS)}")
-        if self.warm_up < 1 or self.memory < 1:
-            raise EpibarError(
-                f"warm_up is {self.warm_up}, memory is {self.memory}: both must be at least 1 frame"
-            )
-        if not 0 <= self.min_area < 1:
-            raise EpibarError(f"min_area is {self.min_area}: it is a share of the image, from 0 to below 1")
-        if not all(0 <= value < 100 for value in (self.median_filter, self.closing)):
-            raise EpibarError(
-                f"median_filter {self.median_filter}, closing {self.closing}: 0 (off) to 100 pixels"
-            )
-        if not 0 <= self.threshold < float("inf"):
-            raise EpibarError(
-                f"threshold is {self.threshold}: it must be positive, or 0 for the method's default"
-            )
-        if self.ignore is not None and np.ndim(self.ignore) != 2:
-            raise EpibarError(f"ignore mask has shape {np.shape(self.ignore)}, expected (height, width)")
 
 
 class Foreground:
