@@ -10,7 +10,7 @@ import numpy as np
 import epibar
 from epibar import synthetic
 from epibar.geometry.correspondences import FrontierPoints
-from epibar.report.html import ReportCamera, ReportPair
+from epibar.report.inputs import ReportCamera, ReportPair
 
 SIZE = (320, 240)
 LATE = 7

@@ -7,10 +7,10 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from ..errors import EpibarError
+from ..files.calibration_json import json_text
 from ..jobs.all_pairs import run_job
 from ..jobs.dask import dask_executor
 from ..jobs.inputs import Job, PairOptions, RecordOptions, camera_inputs
-from ..report.files import json_text
 from ..sources.frame_range import FrameRange
 from .console import Console
 

@@ -11,10 +11,10 @@ import numpy as np
 from ..arguments import Array
 from ..errors import EpibarError
 from ..evaluation import compare, image_correspondences, moving_volume, volume_correspondences
-from ..export.run import Camera, Pair, Run
 from ..geometry.cameras import Pose, fundamental_from_cameras, project, projection_matrix, triangulate
 from ..geometry.epipolar import symmetric_epipolar_distance
 from ..lens.camera_file import load_cameras
+from ..runs.run import Camera, Pair, Run
 from .console import Console
 
 __all__ = ["run"]

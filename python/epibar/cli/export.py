@@ -5,25 +5,19 @@ from __future__ import annotations
 from argparse import Namespace
 from pathlib import Path
 
-from .. import export
 from ..errors import EpibarError
+from ..export.formats import FORMATS
 from ..lens.camera_file import load_cameras
+from ..runs.run import Run
 from .console import Console
 
 __all__ = ["run"]
-
-PLAIN = {
-    "opencv": export.write_opencv,
-    "npz": export.write_npz,
-    "colmap": export.write_colmap,
-    "csv": export.write_csv,
-}
 
 
 def run(args: Namespace) -> int:
     """Run the command."""
     console = Console(args.quiet)
-    found = export.Run.load(args.folder)
+    found = Run.load(args.folder)
     out = Path(args.out)
     if out.resolve() in [file.resolve() for file in found.files]:
         raise EpibarError(f"--out {out}: this is part of the run itself")
@@ -31,15 +25,16 @@ def run(args: Namespace) -> int:
     if args.intrinsics:
         selected = selected.with_intrinsics(load_cameras(args.intrinsics), args.intrinsics)
     known = any(camera.matrix is not None for camera in selected.cameras)
-    if known and args.format != "csv":
+    chosen = FORMATS[args.format]
+    if known and chosen.poses:
         for reason in selected.poses()[1]:
             console.warning(f"without a pose: {reason}")
-    if args.format in PLAIN:
-        written = PLAIN[args.format](selected, out)
-    else:
-        written = export.write_toml(selected, out, args.intrinsics, caliscope=args.format == "caliscope")
+    if chosen.lenses:
+        written = chosen.write(selected, out, args.intrinsics)
         if len(written) > 1 or written[0] != out:
             console.warning("the pairs cannot be put into one world: a file for each; [metadata] says why")
+    else:
+        written = chosen.write(selected, out)
     left_out = len(found.pairs) - len(selected.pairs)
     if left_out:
         console.note(f"left out: {left_out} of {len(found.pairs)} pairs, not accepted; --all takes them too")

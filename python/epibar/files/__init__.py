@@ -1,1 +1,1 @@
-"""Files of our own, written whole or not at all: npz archives without pickle, JSON, CSV."""
+"""Files of our own, written whole or not at all: archives without pickle, JSON, CSV."""

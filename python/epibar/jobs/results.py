@@ -8,9 +8,11 @@ from typing import Any
 
 from ..calibration import Calibration
 from ..errors import EpibarError
+from ..files.calibration_json import write_json
+from ..files.frontier_csv import write_frontier_points
 from ..recording import Recording
-from ..report.files import camera_entry, pair_entry, pose_entry, run_entry, write_frontier_points, write_json
-from ..report.picture import write_pair_picture
+from ..report.pair_picture import write_pair_picture
+from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
 from .inputs import Camera, Job, Pair
 from .saved import is_saved
 
@@ -54,7 +56,7 @@ class Results:
         points, picture = self._points(stem), self._picture(stem)
         self.calibrations[pair], self.seconds[pair] = calibration, seconds
         if not points.exists():
-            write_frontier_points(points, calibration)
+            write_frontier_points(points, calibration.frontier_points)
         if not picture.exists():
             write_pair_picture(
                 picture,
@@ -116,7 +118,8 @@ class Results:
 
     def write_report(self) -> None:
         """Write report.html."""
-        from ..report.html import ReportCamera, ReportPair, write_report
+        from ..report.inputs import ReportCamera, ReportPair
+        from ..report.page import write_report
 
         job = self._job
         cameras = [

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from ..recording import Recording
+from ..recording import Recording
 
 __all__ = ["Watch"]
 

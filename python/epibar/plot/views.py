@@ -14,7 +14,7 @@ from ..clocks import nearest_frame, positions_in_b
 from ..errors import EpibarError
 from ..geometry.lines import clip_lines
 from ..recording import Recording
-from ..report.matched_lines import frames_to_show, matched_lines
+from ..show.matched_lines import frames_to_show, matched_lines
 from .canvas import (
     COLOURS,
     DARK,

@@ -8,14 +8,14 @@ from contextlib import closing
 
 import numpy as np
 
-from ...arguments import Image
-from ...errors import EpibarError
-from ...lens.undistortion import Undistorter
-from ...recording import Recording
-from ...sources.colour_frames import ColourFrames
-from ...sources.frame_range import FrameRange
-from ...sources.mask_frames import MaskFrames
-from ...sources.opencv import opencv
+from ..arguments import Image
+from ..errors import EpibarError
+from ..lens.undistortion import Undistorter
+from ..recording import Recording
+from ..sources.colour_frames import ColourFrames
+from ..sources.frame_range import FrameRange
+from ..sources.mask_frames import MaskFrames
+from ..sources.opencv import opencv
 from .inputs import ReportCamera
 
 __all__ = ["data_url", "heat_picture", "read_frames"]

@@ -6,9 +6,9 @@ from collections.abc import Collection
 
 import numpy as np
 
-from ...arguments import Index
-from ...calibration import Calibration
-from ...recording import Recording
+from ..arguments import Index
+from ..calibration import Calibration
+from ..recording import Recording
 
 __all__ = ["MOMENTS", "busiest_window", "choose_moments", "points_per_frame"]
 

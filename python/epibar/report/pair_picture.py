@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from ..arguments import Array, Image
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..files.atomic import write_atomically
+from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
-from .matched_lines import frames_to_show, matched_lines
-
-if TYPE_CHECKING:
-    from ..lens.intrinsics import Intrinsics
+from ..show.colours import RGB
+from ..show.matched_lines import frames_to_show, matched_lines
+from ..sources.single_frame import read_frame
 
 __all__ = ["draw_pair", "write_pair_picture"]
 
@@ -24,17 +24,7 @@ __all__ = ["draw_pair", "write_pair_picture"]
 PANEL_HEIGHT = 600
 LINES = 8
 MARGIN = 12
-# Told apart by most colour-blind eyes too (Okabe and Ito), blue-green-red, the dark ones lightened.
-COLOURS = [
-    (0, 159, 230),
-    (233, 180, 86),
-    (115, 190, 0),
-    (66, 228, 240),
-    (220, 130, 30),
-    (40, 94, 235),
-    (190, 121, 204),
-    (245, 245, 245),
-]
+BGR = [colour[::-1] for colour in RGB]
 
 
 def write_pair_picture(
@@ -107,8 +97,6 @@ def draw_pair(
 
 def _view(source: str, frame: int, recording: Recording, intrinsics: Intrinsics | None) -> Image:
     """Read one frame, undistorted where the recording is; the heat map where there is no such frame."""
-    from ..sources.single_frame import read_frame
-
     try:
         image = read_frame(source, recording.first_frame + frame)
     except EpibarError:
@@ -142,7 +130,7 @@ def _draw_lines(
 ) -> None:
     """Draw the epipolar lines of a few points, and the points of the frame that is shown."""
     sizes = [(image.shape[1], image.shape[0]) for image in images]
-    lines = list(zip(COLOURS, matched_lines(calibration, sizes[0], sizes[1], frame, LINES), strict=False))
+    lines = list(zip(BGR, matched_lines(calibration, sizes[0], sizes[1], frame, LINES), strict=False))
     for colour, line in lines:
         for (view, scale), segment in zip(views, line.segments, strict=True):
             _line(view, segment, scale, colour)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...calibration import Calibration
+from ..calibration import Calibration
 
 __all__ = ["advice", "verdict_words"]
 

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import _core
-from ...calibration import Calibration
-from ...clocks import common_frames
-from ...geometry.correspondences import FrontierPoints
-from ...recording import Recording
+from .. import _core
+from ..calibration import Calibration
+from ..clocks import common_frames
+from ..geometry.correspondences import FrontierPoints
+from ..recording import Recording
+from ..show.line_barcodes import WINDOW, LineSet, line_sets
+from ..show.moments import busiest_window, choose_moments, points_per_frame
 from .inputs import ReportCamera, ReportPair
-from .lines import WINDOW, LineSet, line_sets
-from .moments import busiest_window, choose_moments, points_per_frame
 from .words import advice, verdict_words
 
 __all__ = ["camera_entry", "pair_entries"]

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ...calibration import Calibration
-from ...lens.intrinsics import Intrinsics
-from ...recording import Recording
+from ..calibration import Calibration
+from ..lens.intrinsics import Intrinsics
+from ..recording import Recording
 
 __all__ = ["ReportCamera", "ReportPair"]
 

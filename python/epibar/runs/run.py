@@ -15,12 +15,13 @@ from ..arguments import Array, camera_names, check_pairs
 from ..calibration import Calibration
 from ..clocks import nearest_frame, position_in_b
 from ..errors import EpibarError
+from ..files.calibration_json import read_json
+from ..files.frontier_csv import read_frontier_points
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
 from ..lens.camera_file import find_camera
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
-from ..report.files import read_frontier_points, read_json
 
 __all__ = ["Camera", "Pair", "Run"]
 

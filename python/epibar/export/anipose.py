@@ -14,9 +14,9 @@ from ..errors import EpibarError
 from ..geometry.pose import RelativePose
 from ..lens.camera_file import load_cameras, write_cameras
 from ..lens.intrinsics import Intrinsics
+from ..runs.run import Pair, Run
 from ..sources.opencv import opencv
-from .network import place_cameras
-from .run import Pair, Run
+from .placing import place_cameras
 
 __all__ = ["write_toml"]
 

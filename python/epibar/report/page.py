@@ -11,10 +11,10 @@ from pathlib import Path
 from string import Template
 from typing import Any
 
-from ...errors import EpibarError
-from ...files.atomic import write_atomically
-from ...files.json_values import plain
-from ..picture import COLOURS
+from ..errors import EpibarError
+from ..files.atomic import write_atomically
+from ..files.json_values import plain
+from ..show.colours import HEX
 from .inputs import ReportCamera, ReportPair
 from .overview import camera_cards, error_list, legend, matrix, summary
 from .payload import camera_entry, pair_entries
@@ -84,7 +84,7 @@ def _data(cameras: Sequence[ReportCamera], pairs: Sequence[ReportPair]) -> tuple
     """Collect the payload of the scripts, frames included, and the picture of each camera's card."""
     entries, wanted = pair_entries(cameras, pairs)
     data: dict[str, Any] = {
-        "colours": [f"#{red:02x}{green:02x}{blue:02x}" for blue, green, red in COLOURS],
+        "colours": HEX,
         "cameras": [camera_entry(camera, wanted[camera.name]) for camera in cameras],
         "pairs": entries,
     }

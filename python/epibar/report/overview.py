@@ -7,8 +7,8 @@ from html import escape
 from itertools import pairwise
 from pathlib import PurePath
 
-from ... import _core
-from ...geometry.lines import clip_lines
+from .. import _core
+from ..geometry.lines import clip_lines
 from .inputs import ReportCamera, ReportPair
 from .pictures import data_url
 from .words import verdict_words

@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments import Array, Bits, Index
-from ...calibration import Calibration
-from ...geometry.epipolar import epipoles
-from ...geometry.lines import clip_lines
-from ...geometry.vectors import homogeneous
-from ...recording import Recording
+from ..arguments import Array, Bits, Index
+from ..calibration import Calibration
+from ..geometry.epipolar import epipoles
+from ..geometry.lines import clip_lines
+from ..geometry.vectors import homogeneous
+from ..recording import Recording
 
 __all__ = ["WINDOW", "LineSet", "hull_barcodes", "line_sets"]
 
