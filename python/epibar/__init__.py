@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from . import export, live, plot
     from .calibration import Calibration, calibrate
     from .errors import EpibarError
+    from .evaluation import Evaluation, evaluate
     from .foreground.options import ForegroundOptions
     from .from_video import record
     from .geometry.correspondences import Candidates, FrontierPoints
@@ -41,6 +42,7 @@ __all__ = [
     "Candidates",
     "Diagnosis",
     "EpibarError",
+    "Evaluation",
     "ForegroundOptions",
     "FrontierPoints",
     "Intrinsics",
@@ -50,6 +52,7 @@ __all__ = [
     "barcodes",
     "calibrate",
     "calibrate_all",
+    "evaluate",
     "export",
     "inspect",
     "live",
@@ -67,6 +70,7 @@ _HOME = {
     "Candidates": "geometry",
     "Diagnosis": "health",
     "EpibarError": "errors",
+    "Evaluation": "evaluation",
     "ForegroundOptions": "foreground.options",
     "FrontierPoints": "geometry",
     "Intrinsics": "lens",
@@ -75,6 +79,7 @@ _HOME = {
     "barcodes": "motion_barcodes",
     "calibrate": "calibration",
     "calibrate_all": "jobs",
+    "evaluate": "evaluation",
     "inspect": "health",
     "load_cameras": "lens",
     "match_barcodes": "motion_barcodes",

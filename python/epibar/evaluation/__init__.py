@@ -5,9 +5,10 @@ it has to be said over which points: over the whole image, with correspondences 
 paper does it (§4.3), or over the volume where things moved, which is what a user of F relies on. The true
 candidate rate (§4.1) measures the line pairs that go into an estimation.
 
-The conventions are those of :mod:`epibar.geometry`.
+:func:`evaluate` does it for a whole run. The conventions are those of :mod:`epibar.geometry`.
 """
 
+from ..geometry.cameras import volume_correspondences
 from .candidates import true_candidate_rate, true_candidates
 from .points import (
     GOOD_PAIR_PX,
@@ -16,14 +17,17 @@ from .points import (
     good_pair,
     image_correspondences,
     moving_volume,
-    volume_correspondences,
 )
+from .run import Evaluation, PairEvaluation, evaluate
 from .tangents import matched_tangent_points
 
 __all__ = [
     "GOOD_PAIR_PX",
+    "Evaluation",
     "Figures",
+    "PairEvaluation",
     "compare",
+    "evaluate",
     "good_pair",
     "image_correspondences",
     "matched_tangent_points",

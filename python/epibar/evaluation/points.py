@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Array, Size, as_finite
 from ..errors import EpibarError
-from ..geometry.cameras import PosedCamera, inside, project
 from ..geometry.epipolar import symmetric_epipolar_distance
 from ..geometry.lines import clip_lines
 from ..geometry.vectors import homogeneous
@@ -49,15 +48,6 @@ def image_correspondences(
         if count >= n:
             return np.concatenate(kept_a)[:n], np.concatenate(kept_b)[:n]
     raise EpibarError(f"F_true: only {count} of {100 * n} epipolar lines of image A cross image B")
-
-
-def volume_correspondences(
-    cam_a: PosedCamera, cam_b: PosedCamera, points3d: ArrayLike
-) -> tuple[Array, Array]:
-    """Project (n, 3) world points into both cameras; two (m, 2) arrays of those inside both images."""
-    a, b = project(cam_a, points3d)[0], project(cam_b, points3d)[0]
-    keep = inside(a, cam_a.size) & inside(b, cam_b.size)
-    return a[keep], b[keep]
 
 
 def moving_volume(

@@ -12,6 +12,7 @@ from .cameras import (
     project,
     projection_matrix,
     triangulate,
+    volume_correspondences,
 )
 from .correspondences import Candidates, FrontierPoints
 from .epipolar import epipoles, symmetric_epipolar_distance
@@ -39,4 +40,5 @@ __all__ = [
     "relative_pose",
     "symmetric_epipolar_distance",
     "triangulate",
+    "volume_correspondences",
 ]

@@ -112,3 +112,12 @@ class Pose:
     R: Array
     t: Array
     size: tuple[int, int]
+
+
+def volume_correspondences(
+    cam_a: PosedCamera, cam_b: PosedCamera, points3d: ArrayLike
+) -> tuple[Array, Array]:
+    """Project (n, 3) world points into both cameras; two (m, 2) arrays of those inside both images."""
+    a, b = project(cam_a, points3d)[0], project(cam_b, points3d)[0]
+    keep = inside(a, cam_a.size) & inside(b, cam_b.size)
+    return a[keep], b[keep]

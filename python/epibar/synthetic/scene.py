@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arguments import Array
-from ..evaluation import volume_correspondences
-from ..geometry.cameras import inside
+from ..geometry.cameras import inside, volume_correspondences
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy_frame
 from .raster import Spans, solid_spans
