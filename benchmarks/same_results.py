@@ -100,20 +100,20 @@ def made_up(count: int) -> Iterator[tuple[str, str]]:
         yield f"made {seed}: inspected", digest(diagnoses)
 
 
-def real() -> Iterator[tuple[str, str]]:
+def real(data: Path) -> Iterator[tuple[str, str]]:
     """Pairs of every real recording that is at hand."""
     for folder, (pattern, numbers, masks) in REAL.items():
-        if not (DATA / folder).exists():
-            print(f"{folder}: not at {DATA}", file=sys.stderr)
+        if not (data / folder).exists():
+            print(f"{folder}: not at {data}", file=sys.stderr)
             continue
         recordings = [
             epibar.record(
-                DATA / folder / pattern.format(number),
+                data / folder / pattern.format(number),
                 lines=LINES,
                 seed=number,
                 name=Path(pattern.format(number)).stem.removeprefix("walking_"),
                 masks=masks,
-                intrinsics=DATA / folder / "cameras.toml",
+                intrinsics=data / folder / "cameras.toml",
                 progress=False,
             )
             for number in numbers
@@ -159,8 +159,9 @@ def main() -> None:
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("--pairs", type=int, default=20, help="made-up pairs; default: %(default)s")
     parser.add_argument("--parts", default="made,real,demo", help="default: %(default)s")
+    parser.add_argument("--data", type=Path, default=DATA, help="real recordings; default: %(default)s")
     given = parser.parse_args()
-    parts = {"made": lambda: made_up(given.pairs), "real": real, "demo": demo}
+    parts = {"made": lambda: made_up(given.pairs), "real": lambda: real(given.data), "demo": demo}
     for part in given.parts.split(","):
         for case, fingerprint in parts[part]():
             print(f"{fingerprint}  {case}", flush=True)

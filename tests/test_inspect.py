@@ -347,7 +347,7 @@ def test_inspect_on_the_command_line(door, eight, tmp_path, capsys):
 
 
 def test_inspect_for_programs(door, tmp_path, capsys):
-    assert main(["inspect", str(door[1]), str(tmp_path / "none.mp4"), "--json"]) == 2
+    assert main(["inspect", str(door[1]), str(tmp_path / "none.mp4"), "--json"]) == 3
     captured = capsys.readouterr()
 
     def refuse(word):

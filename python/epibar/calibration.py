@@ -25,6 +25,9 @@ __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "
 
 METHODS = ("frontier", "lines")
 
+MAX_EXPECTED_ERROR = 3.0
+"""Pixels: a pair that states more is refused, unless told otherwise."""
+
 SEARCH_SECONDS = 21.0
 """How far either way ``time_offset="search"`` looks, unless told."""
 
@@ -176,7 +179,7 @@ def calibrate(
     essential: bool = True,
     candidates: int = 1000,
     draws: int = 10_000,
-    max_expected_error: float = 3.0,
+    max_expected_error: float = MAX_EXPECTED_ERROR,
     search_seconds: float = SEARCH_SECONDS,
     progress: Callable[[str, float], None] | None = None,
 ) -> Calibration:

@@ -4,28 +4,57 @@ from __future__ import annotations
 
 import math
 from argparse import Namespace
+from typing import TYPE_CHECKING
 
-from ..evaluation.run import PairEvaluation, evaluate
-from .console import Console
+from .exit_codes import DONE
+from .options import CommandParser, add_output_options
 
-__all__ = ["run"]
+if TYPE_CHECKING:
+    from ..evaluation.run import PairEvaluation
 
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "evaluate"
+HELP = "compare a calibration with known cameras"
+DESCRIPTION = (
+    "Print for every pair the symmetric epipolar distance over the volume where things moved and over the "
+    "image, against cameras whose pose is known."
+)
 HEADER = ("pair", "verdict", "error over the volume", "over the image", "expected")
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_argument(
+        "calibration",
+        metavar="calibration.json",
+        help="what 'epibar calibrate' wrote, or the folder it is in",
+    )
+    command.add_argument("--cameras", required=True, metavar="FILE.toml", help="the known cameras, with pose")
+    add_output_options(command, json="print the errors for programs, and warnings on stderr")
 
 
 def run(args: Namespace) -> int:
     """Run the command."""
-    console = Console()
+    import json
+
+    from ..evaluation.run import evaluate
+    from .console import Console
+
+    console = Console(args.quiet, json=args.json, verbose=args.verbose)
     found = evaluate(args.calibration, args.cameras)
     for warning in found.warnings:
         console.warning(warning)
+    if args.json:
+        console.json(json.dumps(found.as_dict(), indent=1, allow_nan=False))
+        return DONE
     rows = [HEADER, *map(_row, found.pairs)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
     for row in rows:
         console.result("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
     if not found.volume_known:
         console.note("too few frontier points agree with the known cameras to tell where things moved")
-    return 0
+    return DONE
 
 
 def _row(pair: PairEvaluation) -> tuple[str, ...]:

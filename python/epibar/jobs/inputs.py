@@ -10,8 +10,8 @@ from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
-from ..arguments import MAX_SEED, as_whole_number
-from ..calibration import METHODS, SEARCH_SECONDS
+from ..arguments import MAX_SEED, as_positive, as_whole_number
+from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
 from ..errors import EpibarError
 from ..foreground.options import METHODS as FOREGROUNDS
 from ..lens.camera_file import find_camera, load_cameras
@@ -61,10 +61,12 @@ class PairOptions:
     upright: bool = True
     essential: bool = True
     search_seconds: float = SEARCH_SECONDS
+    max_expected_error: float = MAX_EXPECTED_ERROR
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise EpibarError(f"method = {self.method!r}: it must be one of {', '.join(METHODS)}")
+        as_positive("max_expected_error", self.max_expected_error, "pixels")
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
 from .inputs import Camera, Job, Pair
 from .saved import is_saved
 
-__all__ = ["Results", "summary"]
+__all__ = ["Results"]
 
 PAUSE = 2.0
 """Seconds between two versions of calibration.json, which grows with the pairs."""
@@ -150,10 +150,3 @@ class Results:
         """Write calibration.json."""
         write_json(self.path, self.content())
         self._written, self._in_file = time.monotonic(), len(self._files)
-
-
-def summary(calibration: Calibration) -> str:
-    """Say in one line what came out of a pair."""
-    verdict = "accepted" if calibration.accepted else f"refused ({calibration.kind})"
-    offset = f", time offset {calibration.time_offset:+.2f} frames" if calibration.time_offset else ""
-    return f"{verdict}{offset}. {calibration.reason}"

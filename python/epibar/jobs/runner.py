@@ -17,7 +17,7 @@ from ..errors import EpibarError
 from ..recording import Recording
 from .inputs import Camera, Job, Pair, pair_stems
 from .keys import fingerprint, pair_key, recording_key
-from .results import Results, summary
+from .results import Results
 from .saved import is_saved
 from .store import Store
 from .tasks import calibrate_pair, record_camera
@@ -219,8 +219,7 @@ class Runner:
             self.results.forget(stem)
             self._keep(self._store.keep_pair, stem, self._pair_key(pair), calibration, seconds)
         self.results.add(pair, stem, calibration, seconds)
-        time = "kept" if kept else f"{seconds:.1f} s"
-        self._watch.verdict(f"{pair[0].name} - {pair[1].name}: {summary(calibration)} ({time})")
+        self._watch.calibrated(pair[0].name, pair[1].name, calibration, None if kept else seconds)
 
     def _keep(self, write: Callable[..., None], *arguments: Any) -> None:
         """Keep something for the next run; this one can do without."""

@@ -71,6 +71,7 @@ def calibrate_pair(
         upright=options.upright,
         essential=options.essential,
         search_seconds=options.search_seconds,
+        max_expected_error=options.max_expected_error,
         progress=progress,
     )
     return calibration, time.perf_counter() - started

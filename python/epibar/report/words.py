@@ -43,8 +43,8 @@ ADVICE = {
     "inaccurate": [
         "Film longer, or give better masks: ragged outlines are the usual cause.",
         "Lens distortion bends lines: give `--intrinsics` for anything but a narrow lens.",
-        "If a coarser answer is good enough for you, raise `max_expected_error` in `epibar.calibrate`; not "
-        "with boxes or ellipses as masks, whose true error is larger than expected.",
+        "If a coarser answer is good enough for you, raise `--max-expected-error`; not with boxes or ellipses "
+        "as masks, whose true error is larger than expected.",
     ],
 }
 
