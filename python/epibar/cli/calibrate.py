@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from contextlib import nullcontext
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .exit_codes import exit_code
@@ -111,6 +109,8 @@ def _add_pair_options(command: CommandParser) -> None:
 
 def run(args: Namespace) -> int:
     """Run the command; every pair whose two cameras are usable is written."""
+    from contextlib import nullcontext
+
     from ..errors import EpibarError
     from ..files.calibration_json import json_text
     from ..jobs.all_pairs import run_job
@@ -135,6 +135,8 @@ def run(args: Namespace) -> int:
 
 
 def _job(args: Namespace) -> Job:
+    from pathlib import Path
+
     from ..jobs.inputs import Job, PairOptions, camera_inputs
 
     return Job(

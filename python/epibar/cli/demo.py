@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
 from argparse import Namespace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import calibrate, evaluate
@@ -53,6 +51,9 @@ def add_options(command: CommandParser) -> None:
 
 def run(args: Namespace) -> int:
     """Run the command."""
+    import time
+    from pathlib import Path
+
     from ..errors import EpibarError
     from ..lens.camera_file import write_cameras
     from ..synthetic import people, render_video

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
 
 from ..export.formats import FORMATS
 from .exit_codes import DONE
@@ -41,6 +40,8 @@ def add_options(command: CommandParser) -> None:
 
 def run(args: Namespace) -> int:
     """Run the command."""
+    from pathlib import Path
+
     from ..errors import EpibarError
     from ..lens.camera_file import load_cameras
     from ..runs.run import Run

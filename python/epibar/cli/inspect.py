@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from dataclasses import replace
 from typing import Any
 
 from .exit_codes import exit_code
@@ -30,6 +29,7 @@ def add_options(command: CommandParser) -> None:
 def run(args: Namespace) -> int:
     """Run the command; every camera that can be read is inspected."""
     import json
+    from dataclasses import replace
 
     from ..errors import EpibarError
     from ..health.inspection import inspect

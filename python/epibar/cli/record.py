@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
 
 from .exit_codes import DONE
 from .options import CommandParser, add_output_options
@@ -26,6 +25,8 @@ def add_options(command: CommandParser) -> None:
 
 def run(args: Namespace) -> int:
     """Run the command."""
+    from pathlib import Path
+
     from ..errors import EpibarError
     from ..jobs.inputs import Camera, source_name
     from ..jobs.tasks import record_camera

@@ -43,7 +43,7 @@ ADVICE = {
     "inaccurate": [
         "Film longer, or give better masks: ragged outlines are the usual cause.",
         "Lens distortion bends lines: give `--intrinsics` for anything but a narrow lens.",
-        "If a coarser answer is good enough for you, raise `--max-expected-error`; not with boxes or ellipses "
+        "If a coarser answer is good enough, raise `--max-expected-error`; not with boxes or ellipses "
         "as masks, whose true error is larger than expected.",
     ],
 }
