@@ -1,10 +1,11 @@
 """Epipolar geometry of stationary cameras from what moves in front of them.
 
 >>> import epibar
->>> rec_a = epibar.record("cam1.mp4")  # doctest: +SKIP
->>> rec_b = epibar.record("cam2.mp4")  # doctest: +SKIP
->>> cal = epibar.calibrate(rec_a, rec_b)  # doctest: +SKIP
->>> cal.accepted, cal.reason, cal.F  # doctest: +SKIP
+>>> rec_a = epibar.record("cam1.mp4")
+>>> rec_b = epibar.record("cam2.mp4")
+>>> cal = epibar.calibrate(rec_a, rec_b)
+>>> if cal.accepted:
+...     F, error = cal.F, cal.expected_error
 
 Conventions: ``x_b^T F x_a = 0`` with F of Frobenius norm 1; points are (x, y) in pixels with pixel centres at
 integers; masks are (T, H, W), non-zero = moving; bit i of a motion barcode is frame i, packed in words of 64

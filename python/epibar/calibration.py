@@ -236,10 +236,10 @@ def calibrate(
     Examples
     --------
     >>> import epibar
-    >>> rec_a, rec_b = epibar.Recording.load("a.npz"), epibar.Recording.load("b.npz")  # doctest: +SKIP
-    >>> cal = epibar.calibrate(rec_a, rec_b)  # doctest: +SKIP
-    >>> if cal.accepted:  # doctest: +SKIP
-    ...     print(cal.F, cal.expected_error)
+    >>> rec_a, rec_b = epibar.Recording.load("cam1.npz"), epibar.Recording.load("cam2.npz")
+    >>> cal = epibar.calibrate(rec_a, rec_b)
+    >>> if cal.accepted:
+    ...     F, error = cal.F, cal.expected_error
     """
     as_recording("rec_a", rec_a)
     as_recording("rec_b", rec_b)

@@ -104,7 +104,7 @@ def record(
     Examples
     --------
     >>> import epibar
-    >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)  # doctest: +SKIP
+    >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)
     """
     part = FrameRange.of(frames)
     with (
@@ -219,7 +219,8 @@ def _ignore_mask(ignore: str | os.PathLike[str] | NDArray[Any] | None, size: tup
     if image.shape != size[::-1]:
         found = "x".join(map(str, image.shape[::-1]))
         raise EpibarError(f"{where}: {found} pixels, but the frames are {size[0]}x{size[1]}")
-    return (image != 0).astype(np.uint8)
+    result: Mask | None = (image != 0).astype(np.uint8)
+    return result
 
 
 def _visible_area(undistort: Undistorter | None, hidden: Mask | None) -> Mask | None:

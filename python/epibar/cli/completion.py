@@ -40,7 +40,8 @@ def run(args: argparse.Namespace) -> int:
         ) from error
     for action in _actions(args.whole):
         if action.choices is None and action.nargs != 0 and str(action.metavar) not in NO_FILES:
-            action.complete = shtab.DIRECTORY if action.metavar in FOLDERS else shtab.FILE
+            kind = shtab.DIRECTORY if action.metavar in FOLDERS else shtab.FILE
+            setattr(action, "complete", kind)  # noqa: B010 - shtab looks for it
     print(shtab.complete(args.whole, args.shell))
     return DONE
 

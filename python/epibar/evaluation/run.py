@@ -113,8 +113,8 @@ def evaluate(calibration: Run | PathLike, cameras: Sequence[Intrinsics] | PathLi
     Examples
     --------
     >>> import epibar
-    >>> found = epibar.evaluate("calibrated", "cameras.toml")  # doctest: +SKIP
-    >>> {pair.name: pair.volume_error for pair in found.pairs}  # doctest: +SKIP
+    >>> found = epibar.evaluate("calibrated", "cameras.toml")
+    >>> errors = {pair.name: pair.volume_error for pair in found.pairs}
     """
     run, of_what = (calibration, "the run") if isinstance(calibration, Run) else _loaded(calibration)
     known, where = (

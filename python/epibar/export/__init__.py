@@ -1,8 +1,8 @@
 """Results for other tools: OpenCV, NumPy, COLMAP, CSV, and the camera files of aniposelib and Caliscope.
 
 >>> from epibar import export
->>> run = export.Run.load("calibrated").selected()  # doctest: +SKIP
->>> export.write_colmap(run, "database.db")  # doctest: +SKIP
+>>> run = export.Run.load("calibrated").selected()
+>>> written = export.write_colmap(run, "database.db")
 
 ``selected()`` keeps the accepted pairs, ``selected(every=True)`` all of them. The same from the command
 line is ``epibar export``. :mod:`epibar.export.formats` lists the formats, and says how to add one.

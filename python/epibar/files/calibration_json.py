@@ -6,6 +6,7 @@ The JSON holds no numpy type, no NaN and no infinity: a number that is not known
 from __future__ import annotations
 
 import json
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,23 @@ from ..errors import EpibarError
 from .atomic import write_atomically
 from .json_values import plain
 
-__all__ = ["FORMAT", "json_text", "read_json", "write_json"]
+__all__ = ["FORMAT", "SCHEMA", "json_text", "read_json", "schema", "write_json"]
 
 FORMAT = 1
+"""Version of calibration.json; a file of another one is refused."""
+
+SCHEMA = (
+    "https://raw.githubusercontent.com/epibar/epibar/main/python/epibar/files/schemas/"
+    f"calibration-{FORMAT}.schema.json"
+)
+"""Where its description is: a JSON Schema, which is in the package too."""
+
+
+def schema() -> dict[str, Any]:
+    """JSON Schema of calibration.json, in the format that is written."""
+    text = files(__package__).joinpath("schemas", f"calibration-{FORMAT}.schema.json").read_text("utf-8")
+    found: dict[str, Any] = json.loads(text)
+    return found
 
 
 def json_text(result: dict[str, Any]) -> str:

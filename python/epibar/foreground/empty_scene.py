@@ -71,7 +71,8 @@ def steady_background(samples: np.ndarray) -> np.ndarray:
     """
     count = len(samples)
     if count < 3:
-        return samples[0].copy()
+        result: np.ndarray = samples[0].copy()
+        return result
     strips = [samples[:, top : top + STRIP_ROWS] for top in range(0, samples.shape[1], STRIP_ROWS)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:  # sorting releases the interpreter
         return np.concatenate(list(pool.map(_steady_strip, strips)))

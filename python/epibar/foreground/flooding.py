@@ -13,4 +13,4 @@ def moving_share(mask: np.ndarray, counted: np.ndarray | None = None) -> float:
     """Share of the image that is foreground, where it counts."""
     if counted is None:
         return float(np.count_nonzero(mask) / mask.size)
-    return float(np.count_nonzero(mask[counted]) / max(1, np.count_nonzero(counted)))
+    return float(np.count_nonzero(mask[counted]) / max(1, int(np.count_nonzero(counted))))

@@ -57,7 +57,8 @@ class OpenCvModel:
         self._model.apply(frame, learningRate=-1 if self._is_knn else 1.0 / (number + 1))
 
     def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
-        return (self._model.apply(frame, learningRate=rate) == 255).astype(np.uint8)
+        result: np.ndarray = (self._model.apply(frame, learningRate=rate) == 255).astype(np.uint8)
+        return result
 
 
 class MedianModel:
@@ -92,7 +93,8 @@ class MedianModel:
         if self._shadows:
             moving &= ~self._shadow(frame)
         self._update(frame, moving, rate)
-        return moving.astype(np.uint8)
+        result: np.ndarray = moving.astype(np.uint8)
+        return result
 
     def _shadow(self, frame: np.ndarray) -> np.ndarray:
         import cv2
@@ -100,12 +102,13 @@ class MedianModel:
         hsv = cv2.cvtColor(frame, cv2.COLOR_BGR2HSV).astype(np.int16)
         value, ground = hsv[..., 2], self._hsv[..., 2]
         hue = np.abs(hsv[..., 0] - self._hsv[..., 0])
-        return (
+        result: np.ndarray = (
             (value >= self.DARKEST * ground)
             & (value <= self.LIGHTEST * ground)
             & (np.abs(hsv[..., 1] - self._hsv[..., 1]) <= self.SATURATION)
             & (np.minimum(hue, 180 - hue) <= self.HUE)
         )
+        return result
 
     def _update(self, frame: np.ndarray, moving: np.ndarray, rate: float) -> None:
         self._seen += 1

@@ -44,7 +44,7 @@ class Foreground:
 
     Examples
     --------
-    >>> with ColourFrames("hall.mp4") as frames:  # doctest: +SKIP
+    >>> with ColourFrames("cam1.mp4") as frames:
     ...     foreground = Foreground.for_frames(frames)
     ...     for index, time, frame in frames:
     ...         mask = foreground.apply(frame)
@@ -108,9 +108,9 @@ class Foreground:
 
         far = (largest_difference(sample, background) > 30).astype(np.uint8)
         margin = 2 * self._odd(2.0) + 1
-        far = cv2.dilate(self._cleaned(far, ignore=False), np.ones((margin, margin), np.uint8))
+        around = cv2.dilate(self._cleaned(far, ignore=False), np.ones((margin, margin), np.uint8))
         painted = sample.copy()
-        cv2.copyTo(background, far, painted)
+        cv2.copyTo(background, around, painted)
         return painted
 
     def apply(self, frame: np.ndarray) -> np.ndarray:

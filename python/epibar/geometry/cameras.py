@@ -54,7 +54,8 @@ def fundamental_from_cameras(cam_a: PosedCamera, cam_b: PosedCamera) -> Array:
     norm = np.linalg.norm(fundamental)
     if norm < 1e-14:
         raise EpibarError("the two cameras stand at one place: no baseline, no fundamental matrix")
-    return fundamental / norm
+    result: Array = fundamental / norm
+    return result
 
 
 def projection_matrix(camera: PosedCamera) -> Array:
@@ -101,7 +102,8 @@ def triangulate(P_a: ArrayLike, P_b: ArrayLike, points_a: ArrayLike, points_b: A
     system = np.stack(rows, axis=1)
     system /= np.linalg.norm(system, axis=2, keepdims=True)
     solution = np.linalg.svd(system)[2][:, 3]
-    return solution[:, :3] / solution[:, 3:]
+    result: Array = solution[:, :3] / solution[:, 3:]
+    return result
 
 
 @dataclass(frozen=True)

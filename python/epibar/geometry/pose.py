@@ -92,8 +92,11 @@ def relative_pose(calibration: PairGeometry, K_a: ArrayLike, K_b: ArrayLike) -> 
 
     Examples
     --------
-    >>> pose = epibar.relative_pose(cal, rec_a.matrix, rec_b.matrix)  # doctest: +SKIP
-    >>> position_of_b = -pose.R.T @ pose.t  # doctest: +SKIP
+    >>> import epibar
+    >>> camera_a, camera_b = epibar.load_cameras("cameras.toml")[:2]
+    >>> cal = epibar.Calibration.load("cam1_cam2.npz")
+    >>> pose = epibar.relative_pose(cal, camera_a.matrix, camera_b.matrix)
+    >>> position_of_b = -pose.R.T @ pose.t
     """
     import cv2
 
@@ -109,10 +112,12 @@ def relative_pose(calibration: PairGeometry, K_a: ArrayLike, K_b: ArrayLike) -> 
     essential = matrix_b.T @ calibration.F @ matrix_a
     singular = np.linalg.svd(essential, compute_uv=False)
     first, second, direction = cv2.decomposeEssentialMat(essential)
+    rotations = np.asarray(first, np.float64), np.asarray(second, np.float64)
+    towards = np.asarray(direction, np.float64).ravel()
     rays_a, rays_b = _rays(points.a, matrix_a), _rays(points.b, matrix_b)
     counts = [
-        (_in_front(R, sign * direction.ravel(), rays_a, rays_b), which, sign)
-        for which, R in enumerate((first, second))
+        (_in_front(R, sign * towards, rays_a, rays_b), which, sign)
+        for which, R in enumerate(rotations)
         for sign in (1.0, -1.0)
     ]
     in_front, which, sign = max(counts)
@@ -121,7 +126,7 @@ def relative_pose(calibration: PairGeometry, K_a: ArrayLike, K_b: ArrayLike) -> 
             f"the pose is not decided: the best of the four that F allows has only {in_front} of "
             f"{len(points)} frontier points in front of both cameras; check the camera matrices"
         )
-    R, t = np.asarray((first, second)[which], np.float64), sign * np.asarray(direction, np.float64).ravel()
+    R, t = rotations[which], sign * towards
     ratio = float(singular[1] / singular[0])
     return RelativePose(cross_matrix(t) @ R, R, t, len(points), in_front, ratio)
 

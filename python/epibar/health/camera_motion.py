@@ -182,4 +182,5 @@ def _even_contrast(frame: np.ndarray, scale: float) -> np.ndarray:
     centred = grey - cv2.blur(grey, around)
     # A running sum may end a trifle below nought where all is even.
     spread = np.sqrt(np.maximum(cv2.blur(centred * centred, around), 0.0))
-    return np.clip(128.0 + 40.0 * centred / (spread + 4.0), 0, 255).astype(np.uint8)
+    result: np.ndarray = np.clip(128.0 + 40.0 * centred / (spread + 4.0), 0, 255).astype(np.uint8)
+    return result

@@ -43,7 +43,10 @@ def inspect(recording: Recording) -> Diagnosis:
     Examples
     --------
     >>> import epibar
-    >>> print(epibar.inspect(epibar.Recording.load("cam1.npz")))  # doctest: +SKIP
+    >>> seen = epibar.inspect(epibar.Recording.load("cam1.npz"))
+    >>> print(seen)  # doctest: +ELLIPSIS
+    cam1: ...
+    >>> what_is_wrong = [finding.text for finding in seen.findings if finding.serious]
     """
     as_recording("recording", recording)
     width, height = recording.size

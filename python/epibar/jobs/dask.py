@@ -155,7 +155,7 @@ class DaskExecutor(Executor):
     def _seen(self, path: str) -> dict[str, str | None]:
         """Fingerprint of a path on each host."""
         if path not in self._prints:
-            from distributed.comm import get_address_host
+            from distributed.comm.addressing import get_address_host
 
             answers = self._client.run(fingerprint, path, on_error="ignore")
             self._prints[path] = {get_address_host(worker): seen for worker, seen in answers.items()}
@@ -211,8 +211,10 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
 
     Examples
     --------
-    >>> with epibar.jobs.dask_executor("tcp://10.0.0.5:8786") as executor:  # doctest: +SKIP
-    ...     epibar.calibrate_all(["cam1.mp4", "cam2.mp4"], "calibrated", executor=executor)
+    >>> import epibar
+    >>> from epibar.jobs import dask_executor
+    >>> with dask_executor("local") as executor:  # or "tcp://10.0.0.5:8786"
+    ...     done = epibar.calibrate_all(["cam1.mp4", "cam2.mp4"], "on_dask", executor=executor)
     """
     try:
         import dask

@@ -97,6 +97,7 @@ class Results:
             lines=job.record.lines,
             foreground=None if job.record.masks else job.record.foreground,
             upright=job.pair.upright,
+            max_expected_error=job.pair.max_expected_error,
             intrinsics=job.intrinsics,
         )
         result["cameras"] = [

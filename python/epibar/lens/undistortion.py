@@ -75,8 +75,9 @@ class Undistorter:
 
     Examples
     --------
-    >>> undistort = Undistorter(camera, (1920, 1080))  # doctest: +SKIP
-    >>> straight = undistort(mask)  # doctest: +SKIP
+    >>> import epibar
+    >>> undistort = Undistorter(epibar.load_cameras("cameras.toml")[0])
+    >>> straight = undistort(np.zeros(undistort.valid.shape, bool))
     """
 
     def __init__(self, intrinsics: Lens, size: Size | None = None, name: str | None = None) -> None:
@@ -102,7 +103,8 @@ class Undistorter:
         self.intrinsics.check_size((mask.shape[1], mask.shape[0]), self._name)
         binary = (np.asarray(mask) != 0).astype(np.uint8)
         if not self.intrinsics.distorted:
-            return binary
+            result: NDArray[np.uint8] = binary
+            return result
         return (self._remap(binary * np.uint8(255)) >= 128).astype(np.uint8)
 
     def image(self, image: np.ndarray) -> np.ndarray:

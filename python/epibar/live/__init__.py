@@ -1,7 +1,10 @@
 """The run on one time line in the Rerun viewer: frames, silhouettes, epipolar lines, frontier points.
 
->>> from epibar import live
->>> live.show([rec_a, rec_b], {(0, 1): cal}, videos=["cam1.mp4", "cam2.mp4"])  # doctest: +SKIP
+>>> import epibar
+>>> recordings = [epibar.Recording.load("cam1.npz"), epibar.Recording.load("cam2.npz")]
+>>> calibrations = {(0, 1): epibar.Calibration.load("cam1_cam2.npz")}
+>>> videos = ["cam1.mp4", "cam2.mp4"]
+>>> epibar.live.save("run.rrd", recordings, calibrations, videos)  # or epibar.live.show, without a file
 
 Needs ``pip install 'epibar[live]'``. Below each camera's name there are ``image`` (where a video is given),
 ``silhouettes``, and for each other camera of its pairs ``points/<other>``, the frontier points, and

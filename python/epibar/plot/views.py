@@ -143,8 +143,10 @@ def frontier_points(
             bare(view, recording)
         else:
             show_view(view, recording, 0, images[index])
+        x, y = (points.a, points.b)[index].T
         dots = view.scatter(
-            *(points.a, points.b)[index].T,
+            x,
+            y,
             c=value,
             s=5,
             cmap="viridis" if colour == "frame" else "plasma",

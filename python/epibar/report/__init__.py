@@ -1,8 +1,12 @@
 """What a person looks at after a run: ``report.html``, and a picture of each pair.
 
 >>> from epibar.report import ReportCamera, ReportPair, write_report
->>> cameras = [ReportCamera("cam1", "cam1.mp4", False, rec_a, None), ...]  # doctest: +SKIP
->>> write_report("report.html", cameras, [ReportPair("cam1", "cam2", cal, 12.0)])  # doctest: +SKIP
+>>> import epibar
+>>> names = ["cam1", "cam2"]
+>>> recordings = [epibar.Recording.load(f"{name}.npz") for name in names]
+>>> cameras = [ReportCamera(one.name, None, False, one, None) for one in recordings]
+>>> pair = ReportPair("cam1", "cam2", epibar.Calibration.load("cam1_cam2.npz"), seconds=12.0)
+>>> written = write_report("report.html", cameras, [pair])
 
 The page loads nothing: pictures, numbers, style, scripts and the plotting library (plotly.js, from the Python
 package ``plotly``) are in the file, and its content security policy forbids the browser to fetch anything

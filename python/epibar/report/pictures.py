@@ -86,7 +86,8 @@ def _to_width(image: Image, width: int) -> Image:
     cv2 = opencv()
     height = max(1, round(image.shape[0] * width / image.shape[1]))
     method = cv2.INTER_AREA if width < image.shape[1] else cv2.INTER_LINEAR
-    return cv2.resize(image, (width, height), interpolation=method)
+    result: Image = cv2.resize(image, (width, height), interpolation=method)
+    return result
 
 
 def _jpeg(image: Image, quality: int = QUALITY) -> bytes:
@@ -94,7 +95,8 @@ def _jpeg(image: Image, quality: int = QUALITY) -> bytes:
     ok, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not ok:
         raise EpibarError(f"a picture of {image.shape[1]}x{image.shape[0]} pixels cannot be encoded as JPEG")
-    return data.tobytes()
+    result: bytes = data.tobytes()
+    return result
 
 
 def heat_picture(recording: Recording, frame: bytes | None = None) -> bytes:

@@ -10,7 +10,7 @@ from typing import Any
 from ..arguments import Array
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..files.calibration_json import FORMAT
+from ..files.calibration_json import FORMAT, SCHEMA
 from ..geometry.pose import relative_pose
 from ..recording import Recording
 
@@ -18,10 +18,18 @@ __all__ = ["camera_entry", "pair_entry", "pose_entry", "run_entry"]
 
 
 def run_entry(
-    *, seed: int, method: str, lines: int, foreground: str | None, upright: bool, intrinsics: str | None
+    *,
+    seed: int,
+    method: str,
+    lines: int,
+    foreground: str | None,
+    upright: bool,
+    max_expected_error: float,
+    intrinsics: str | None,
 ) -> dict[str, Any]:
     """Start a calibration.json: the settings that the result depends on, and empty lists to fill."""
     return {
+        "$schema": SCHEMA,
         "format": FORMAT,
         "convention": "x_b^T F x_a = 0; pixels, pixel centres at integers; "
         + ("undistorted with the matrix of each camera" if intrinsics else "as in the video"),
@@ -30,6 +38,7 @@ def run_entry(
         "lines": lines,
         "foreground": foreground,
         "upright": upright,
+        "max_expected_error": max_expected_error,
         "intrinsics": intrinsics,
         "versions": {
             "python": platform.python_version(),

@@ -161,4 +161,5 @@ def _correlation(bits_a: Bits, bits_b: Bits) -> Array:
     x = bits_a - bits_a.mean(axis=1, keepdims=True) if bits_a.size else bits_a.astype(float)
     y = bits_b - bits_b.mean(axis=1, keepdims=True) if bits_b.size else bits_b.astype(float)
     norm = np.sqrt((x * x).sum(axis=1) * (y * y).sum(axis=1))
-    return np.divide((x * y).sum(axis=1), norm, out=np.full(len(x), np.nan), where=norm > 0)
+    result: Array = np.divide((x * y).sum(axis=1), norm, out=np.full(len(x), np.nan), where=norm > 0)
+    return result

@@ -67,7 +67,7 @@ class ColourFrames(FrameSource[np.ndarray]):
 
     Examples
     --------
-    >>> with ColourFrames("hall.mp4") as frames:  # doctest: +SKIP
+    >>> with ColourFrames("cam1.mp4") as frames:
     ...     times = [time for index, time, frame in frames]
     """
 

@@ -25,7 +25,8 @@ def as_bgr(image: np.ndarray) -> np.ndarray:
     """Convert a grey or BGRA image to BGR."""
     cv2 = opencv()
     if image.ndim == 2 or image.shape[2] == 1:
-        return cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+        result: np.ndarray = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+        return result
     return image if image.shape[2] == 3 else cv2.cvtColor(image, cv2.COLOR_BGRA2BGR)
 
 
@@ -44,4 +45,5 @@ def read_image(path: Path) -> np.ndarray:
             image = None
     if image is None:
         raise EpibarError(f"{path}: not an image that OpenCV can decode; remove it or save it again")
-    return image
+    result: np.ndarray = image
+    return result

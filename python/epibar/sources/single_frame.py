@@ -46,4 +46,5 @@ def read_frame(path: str | os.PathLike[str], index: int = 0) -> np.ndarray:
                     return np.repeat(mask[:, :, None] * np.uint8(255), 3, axis=2)
             raise EpibarError(f"{path}: frame {index} asked for, but it has {masks.frame_count} frames")
     with ColourFrames(path) as frames:
-        return frames.read(index)
+        result: np.ndarray = frames.read(index)
+        return result

@@ -76,7 +76,8 @@ def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -
         flat[band[noise > 1 - dirt.ragged / 2]] = 1
     for _ in range(rng.poisson(dirt.false_blobs)):
         _blob(out, rng.uniform(0, 1, 2) * (width, height), rng.uniform(*dirt.blob_px), 1, rng)
-    return out
+    result: NDArray[np.uint8] = out
+    return result
 
 
 def noisy(masks: ArrayLike, seed: int = 0, dirt: Dirt | None = None) -> NDArray[np.uint8]:

@@ -89,7 +89,8 @@ class Solids:
         direction = rng.normal(size=(n, 3))
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         within = direction * np.cbrt(rng.uniform(0, 1, (n, 1)))
-        return self.centres[time, solid] + np.einsum("nij,nj->ni", self.axes[time, solid], within)
+        result: Array = self.centres[time, solid] + np.einsum("nij,nj->ni", self.axes[time, solid], within)
+        return result
 
 
 @dataclass(frozen=True, eq=False)
