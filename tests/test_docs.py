@@ -171,6 +171,8 @@ def check_other(words, place):
         assert given[0] == "install", place
         extras = re.findall(r"\[([\w,-]+)\]", given[-1])
         assert set(",".join(extras).split(",")) <= {"", *PACKAGE["optional-dependencies"]}, place
+    elif program in {"pipx", "uv"}:
+        assert given[-2:] == ["install", "epibar"], place
     elif program == "cargo":
         # That the examples compile, and the documentation builds, cargo tests.
         assert given[0] in {"add", "bench", "doc", "run", "test"}, place
@@ -217,6 +219,21 @@ def test_every_command_is_shown():
 def test_every_public_name_is_in_the_reference():
     shown = set(re.findall(r":: epibar\.(\w+)", (ROOT / "docs" / "api.md").read_text()))
     assert set(epibar.__all__) - {"__version__"} <= shown
+
+
+def test_the_readme_works_outside_the_repository():
+    """The index shows it without its folder: pictures and links are whole addresses, of files that are here."""
+    text = (ROOT / "README.md").read_text()
+    targets = re.findall(r"\]\(([^)]+)\)", text)
+    assert len(targets) > 5
+    for target in targets:
+        address = re.fullmatch(
+            r"https://(raw\.githubusercontent|github)\.com/epibar/epibar/(blob/)?main/(.+)", target
+        )
+        assert address, f"{target} is no whole address"
+        assert (ROOT / address[3]).exists(), target
+        picture = target.endswith(".png")
+        assert picture == (address[1] == "raw.githubusercontent"), target
 
 
 def test_a_wrong_option_is_noticed(tmp_path):
