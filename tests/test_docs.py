@@ -222,7 +222,7 @@ def test_every_public_name_is_in_the_reference():
 
 
 def test_the_readme_works_outside_the_repository():
-    """The index shows it without its folder: pictures and links are whole addresses, of files that are here."""
+    """The index shows it alone: pictures and links are whole addresses, of files that are here."""
     text = (ROOT / "README.md").read_text()
     targets = re.findall(r"\]\(([^)]+)\)", text)
     assert len(targets) > 5

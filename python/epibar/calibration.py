@@ -26,10 +26,10 @@ __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "
 METHODS = ("frontier", "lines")
 
 MAX_EXPECTED_ERROR = 3.0
-"""Pixels: a pair that states more is refused, unless told otherwise."""
+"""Pixels: a pair that states more is refused by default."""
 
 SEARCH_SECONDS = 21.0
-"""How far either way ``time_offset="search"`` looks, unless told."""
+"""How far either way ``time_offset="search"`` looks by default."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,16 +152,16 @@ class Calibration:
     def _check(self, where: str) -> None:
         """Refuse arrays whose shapes do not belong together."""
         pairs, points = len(self.candidates.correlation), len(self.frontier_points.residual)
-        found, told = self.candidates, self.frontier_points
+        lines, corners = self.candidates, self.frontier_points
         expected = [
             ("F", self.F, (3, 3)),
             ("floor", self.floor, (3, 3)),
-            ("candidates.lines_a", found.lines_a, (pairs, 3)),
-            ("candidates.lines_b", found.lines_b, (pairs, 3)),
-            ("candidates.inliers", found.inliers, (pairs,)),
-            ("frontier_points.frame", told.frame, (points,)),
-            ("frontier_points.a", told.a, (points, 2)),
-            ("frontier_points.b", told.b, (points, 2)),
+            ("candidates.lines_a", lines.lines_a, (pairs, 3)),
+            ("candidates.lines_b", lines.lines_b, (pairs, 3)),
+            ("candidates.inliers", lines.inliers, (pairs,)),
+            ("frontier_points.frame", corners.frame, (points,)),
+            ("frontier_points.a", corners.a, (points, 2)),
+            ("frontier_points.b", corners.b, (points, 2)),
         ]
         for name, array, shape in expected:
             if array is not None and np.shape(array) != shape:

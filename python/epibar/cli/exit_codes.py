@@ -1,6 +1,6 @@
 """What a command's exit code says."""
 
-__all__ = ["DONE", "INTERRUPTED", "PARTLY", "TOLD", "UNUSABLE", "exit_code"]
+__all__ = ["DONE", "EXPLANATION", "INTERRUPTED", "PARTLY", "UNUSABLE", "exit_code"]
 
 DONE = 0
 """Also where a pair was refused: that is a result, not a failure."""
@@ -10,7 +10,7 @@ PARTLY = 3
 """Some cameras or pairs could not be done; the others are written."""
 INTERRUPTED = 130
 
-TOLD = (
+EXPLANATION = (
     "Exit codes: 0 done (a refused pair is a result too: read its verdict); 2 unusable input, nothing was "
     "done; 3 a camera or a pair could not be done, the others are written; 130 interrupted."
 )

@@ -7,7 +7,7 @@ import math
 import re
 from typing import Any
 
-from .exit_codes import TOLD
+from .exit_codes import EXPLANATION
 
 __all__ = [
     "CommandParser",
@@ -31,14 +31,14 @@ class CommandParser(argparse.ArgumentParser):
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
-        super().__init__(*args, **{"epilog": TOLD, **options})
+        super().__init__(*args, **{"epilog": EXPLANATION, **options})
         self._takes_videos = False
         self._each: list[str] = []
 
-    def add_videos(self, told: str) -> None:
+    def add_videos(self, purpose: str) -> None:
         """Add the argument ``VIDEO ...``."""
         self._takes_videos = True
-        self.add_argument(VIDEOS, nargs="*", metavar="VIDEO", help=told)
+        self.add_argument(VIDEOS, nargs="*", metavar="VIDEO", help=purpose)
 
     def add_for_each_video(self, group: argparse._ArgumentGroup, option: str, **options: Any) -> None:
         """Add an option that takes one value for each video, at once or one by one."""

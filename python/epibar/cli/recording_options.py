@@ -28,7 +28,7 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         several,
         "--background",
         metavar="VIDEO",
-        told="videos of the empty scene{each}: when people stand still for long",
+        purpose="videos of the empty scene{each}: when people stand still for long",
     )
     _add_each(
         command,
@@ -36,7 +36,7 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         several,
         "--ignore",
         metavar="MASK.png",
-        told="images, white where motion does not count{each}: trees, screens, a clock in the picture",
+        purpose="images, white where motion does not count{each}: trees, screens, a clock in the picture",
     )
     group.add_argument(
         "--masks",
@@ -79,14 +79,14 @@ def _add_each(
     group: argparse._ArgumentGroup,
     several: bool,
     option: str,
-    told: str,
+    purpose: str,
     **options: Any,
 ) -> None:
     if several:
         each = ", one per camera in the same order"
-        command.add_for_each_video(group, option, help=told.format(each=each), **options)
+        command.add_for_each_video(group, option, help=purpose.format(each=each), **options)
     else:
-        group.add_argument(option, help=told.format(each=" of this camera"), **options)
+        group.add_argument(option, help=purpose.format(each=" of this camera"), **options)
 
 
 def record_options(args: argparse.Namespace) -> RecordOptions:

@@ -31,7 +31,7 @@ CONTRADICTION = 5.0
 WEAKEST = 0.05
 """Second smallest singular value, of rows of length about one: below it a second solution fits as well."""
 LEAST_SHARED = 20
-SPREAD = 0.2
+RATIO_SCATTER = 0.2
 """Quartile distance of a ratio of baselines over its median: above this the shared points say nothing."""
 
 
@@ -125,7 +125,7 @@ def _ratios(run: Run, poses: Mapping[Name, RelativePose]) -> dict[tuple[Name, Na
             if len(ratios) < LEAST_SHARED:
                 continue
             low, middle, high = np.percentile(ratios, (25, 50, 75))
-            if high - low < SPREAD * middle:
+            if high - low < RATIO_SCATTER * middle:
                 found[first, second] = float(middle)
     return found
 

@@ -79,7 +79,7 @@ def steady_background(samples: np.ndarray) -> np.ndarray:
 
 
 def _steady_strip(strip: np.ndarray) -> np.ndarray:
-    """The same of some rows."""
+    """Most repeated value of each pixel of some rows, (N, rows, W, 3): (rows, W, 3)."""
     blue, green, red = (strip[..., channel].astype(np.uint16) for channel in range(3))
     grey = ((blue + 2 * green + red) >> 2).astype(np.uint8)
     ordered = np.sort(grey, axis=0)

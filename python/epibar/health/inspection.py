@@ -95,12 +95,12 @@ def cause_of_refusal(kind: str, rec_a: Recording, rec_b: Recording) -> str | Non
     """
     if kind == "accepted":
         return None
-    told = []
+    causes = []
     for recording, side in ((rec_a, "camera A"), (rec_b, "camera B")):
         if recording not in _worst:
             serious = (finding for finding in inspect(recording).findings if finding.serious)
             _worst[recording] = next(serious, None)
         worst = _worst[recording]
         if worst is not None:
-            told.append(f"in {recording.name or side} {worst.text}")
-    return f"A possible cause: {'. And '.join(told)}." if told else None
+            causes.append(f"in {recording.name or side} {worst.text}")
+    return f"A possible cause: {'. And '.join(causes)}." if causes else None

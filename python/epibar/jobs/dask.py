@@ -119,10 +119,10 @@ class DaskExecutor(Executor):
             return []
         before, self._workers = self._workers, set(found)
         gone = sorted(before - self._workers)
-        told = [f"the worker at {address} is gone; its tasks run again on another" for address in gone]
+        news = [f"the worker at {address} is gone; its tasks run again on another" for address in gone]
         if gone and not self._workers:
-            told.append("no worker is left: waiting for a new one; Ctrl-C ends the run, what is done is kept")
-        return told
+            news.append("no worker is left: waiting for a new one; Ctrl-C ends the run, what is done is kept")
+        return news
 
     def _send(self, recording: Recording) -> Any:
         """Give a recording to the scheduler, as the argument of a task that can be repeated."""

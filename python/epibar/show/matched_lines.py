@@ -80,7 +80,7 @@ def matched_lines(
     segments_a, hit_a = clip_lines(lines_a, size_a)
     segments_b, hit_b = clip_lines(lines_b, size_b)
     shape = np.hstack([_unit_lines(lines_a, size_a), _unit_lines(lines_b, size_b)])
-    chosen = _spread(shape, np.flatnonzero(hit_a & hit_b & in_frame), np.flatnonzero(hit_a & hit_b), count)
+    chosen = _far_apart(shape, np.flatnonzero(hit_a & hit_b & in_frame), np.flatnonzero(hit_a & hit_b), count)
     return [
         MatchedLine(
             (segments_a[index], segments_b[index]),
@@ -90,7 +90,7 @@ def matched_lines(
     ]
 
 
-def _spread(shape: Array, preferred: NDArray[np.intp], others: NDArray[np.intp], count: int) -> list[int]:
+def _far_apart(shape: Array, preferred: NDArray[np.intp], others: NDArray[np.intp], count: int) -> list[int]:
     """Choose lines far from each other, farthest first; ``others`` only when ``preferred`` runs out."""
     chosen: list[int] = []
     for pool in (preferred, others):
