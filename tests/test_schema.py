@@ -41,10 +41,10 @@ def refused(content):
 
 @pytest.fixture(scope="module")
 def with_errors(tmp_path_factory):
-    """A run of masks with a camera that cannot be read, and pairs that are accepted or refused."""
+    """A run of masks with a camera that cannot be read, and pairs that are refused: no error is so small."""
     folder = tmp_path_factory.mktemp("with_errors")
     masks = write_masks(folder)
-    epibar.calibrate_all([*masks[:3], folder / "none.npz"], folder / "out", **FAST)
+    epibar.calibrate_all([*masks[:3], folder / "none.npz"], folder / "out", max_expected_error=1e-6, **FAST)
     return json.loads((folder / "out" / "calibration.json").read_text())
 
 
@@ -82,6 +82,9 @@ def test_what_is_written_is_described(with_errors, with_poses):
     assert with_errors["errors"]
     pairs = with_errors["pairs"] + with_poses["pairs"]
     assert {pair["accepted"] for pair in pairs} == {True, False}
+    assert {pair["kind"] for pair in pairs} <= set(
+        schema()["$defs"]["pair"]["properties"]["kind"]["examples"]
+    )
     assert any(pair["pose"] and "R" in pair["pose"] for pair in pairs)
     assert any(pair["evidence"] for pair in pairs)
 

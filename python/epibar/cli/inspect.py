@@ -33,7 +33,7 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..health.inspection import inspect
-    from ..jobs.inputs import Camera, one_each, source_name
+    from ..jobs.inputs import CameraInput, one_each, source_name
     from ..jobs.tasks import record_camera
     from ..lens.camera_file import find_camera, load_cameras
     from .console import Console
@@ -46,7 +46,7 @@ def run(args: Namespace) -> int:
     options = record_options(args)
     entries: list[dict[str, Any]] = []
     for index, video in enumerate(args.videos):
-        camera = Camera(source_name(video), video, index, backgrounds[index], ignored[index])
+        camera = CameraInput(source_name(video), video, index, backgrounds[index], ignored[index])
         try:
             lens = find_camera(known, camera.name, index) if known is not None else None
             recording, _ = record_camera(replace(camera, intrinsics=lens), options, console.interactive)

@@ -28,7 +28,7 @@ def run(args: Namespace) -> int:
     from pathlib import Path
 
     from ..errors import EpibarError
-    from ..jobs.inputs import Camera, source_name
+    from ..jobs.inputs import CameraInput, source_name
     from ..jobs.tasks import record_camera
     from ..lens.camera_file import intrinsics_of
     from .console import Console
@@ -42,7 +42,7 @@ def run(args: Namespace) -> int:
         raise EpibarError(f"--out {out}: this is the input itself")
     name = source_name(args.video)
     intrinsics = intrinsics_of(args.intrinsics, name) if args.intrinsics else None
-    camera = Camera(name, args.video, 0, args.background, args.ignore, intrinsics)
+    camera = CameraInput(name, args.video, 0, args.background, args.ignore, intrinsics)
     with Console(args.quiet, verbose=args.verbose) as console:
         recording, seconds = record_camera(
             camera, record_options(args), lambda stage, share: console.progress(stage, share, 1)

@@ -19,7 +19,7 @@ from typing import Any
 
 from ..errors import EpibarError
 from ..recording import Recording
-from .inputs import Camera
+from .inputs import CameraInput
 from .keys import fingerprint
 
 __all__ = ["DaskExecutor", "dask_executor"]
@@ -39,8 +39,8 @@ PAIRS_FIRST = 10
 class DaskExecutor(Executor):
     """An executor on a Dask client, which outlives it.
 
-    A :class:`Recording` among the arguments is sent once, however many tasks it is for. A :class:`Camera` is
-    recorded on a host whose workers can read its files.
+    A :class:`Recording` among the arguments is sent once, however many tasks it is for. A
+    :class:`CameraInput` is recorded on a host whose workers can read its files.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class DaskExecutor(Executor):
         outcome: Future[Any] = Future()
         hosts = None
         for argument in args:
-            if isinstance(argument, Camera):
+            if isinstance(argument, CameraInput):
                 try:
                     hosts = self._hosts(argument)
                 except EpibarError as error:
@@ -132,7 +132,7 @@ class DaskExecutor(Executor):
             self._sent[id(recording)] = recording, future
         return self._sent[id(recording)][1]
 
-    def _hosts(self, camera: Camera) -> list[str] | None:
+    def _hosts(self, camera: CameraInput) -> list[str] | None:
         """Hosts that can read all files of a camera, in the version of the key; None where all can.
 
         Raises

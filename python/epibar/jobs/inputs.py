@@ -20,7 +20,7 @@ from ..recording import DEFAULT_LINES, MAX_LINES
 from ..sources.frame_range import FrameRange
 
 __all__ = [
-    "Camera",
+    "CameraInput",
     "Job",
     "Pair",
     "PairOptions",
@@ -70,7 +70,7 @@ class PairOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Camera:
+class CameraInput:
     """One camera of a job.
 
     Attributes
@@ -93,7 +93,7 @@ class Camera:
     ignore: str | None = None
     intrinsics: Intrinsics | None = None
 
-    def located(self) -> Camera:
+    def located(self) -> CameraInput:
         """Return the camera with absolute paths, which mean the same in every process."""
         background = None if self.background is None else _absolute(self.background)
         ignore = None if self.ignore is None else _absolute(self.ignore)
@@ -105,7 +105,7 @@ class Camera:
         return [path for path in (self.source, self.background, self.ignore) if path is not None]
 
 
-Pair = tuple[Camera, Camera]
+Pair = tuple[CameraInput, CameraInput]
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class Job:
 
     Attributes
     ----------
-    cameras : list of Camera
+    cameras : list of CameraInput
     out : Path
         Folder of the results.
     record : RecordOptions
@@ -127,7 +127,7 @@ class Job:
         Write ``report.html``.
     """
 
-    cameras: list[Camera]
+    cameras: list[CameraInput]
     out: Path
     record: RecordOptions = field(default_factory=RecordOptions)
     pair: PairOptions = field(default_factory=PairOptions)
@@ -153,7 +153,7 @@ def camera_inputs(
     intrinsics: PathLike | None = None,
     time_offset: float | str = 0.0,
     spelt: Callable[[str], str] = str,
-) -> list[Camera]:
+) -> list[CameraInput]:
     """Turn arguments into cameras.
 
     Parameters
@@ -196,7 +196,7 @@ def camera_inputs(
     backgrounds = one_each(spelt("background"), background, len(sources))
     ignored = one_each(spelt("ignore"), ignore, len(sources))
     return [
-        Camera(
+        CameraInput(
             name,
             source,
             index,
@@ -237,7 +237,7 @@ def _names(sources: list[str]) -> list[str]:
     return names
 
 
-def pair_stems(cameras: Sequence[Camera]) -> dict[tuple[str, str], str]:
+def pair_stems(cameras: Sequence[CameraInput]) -> dict[tuple[str, str], str]:
     """Name the files of each pair, ``a_b``, with the places of the two where that would be said twice."""
     pairs = list(combinations(cameras, 2))
     counts = Counter(f"{a.name}_{b.name}" for a, b in pairs)

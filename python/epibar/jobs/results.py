@@ -13,8 +13,8 @@ from ..files.frontier_csv import write_frontier_points
 from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
 from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
-from .inputs import Camera, Job, Pair
-from .saved import is_saved
+from .inputs import CameraInput, Job, Pair
+from .saved_recordings import is_saved
 
 __all__ = ["Results"]
 
@@ -27,19 +27,19 @@ class Results:
 
     Attributes
     ----------
-    recordings : dict of Camera to Recording
-    calibrations : dict of (Camera, Camera) to Calibration
-    seconds : dict of (Camera, Camera) to float
+    recordings : dict of CameraInput to Recording
+    calibrations : dict of (CameraInput, CameraInput) to Calibration
+    seconds : dict of (CameraInput, CameraInput) to float
         What each calibration took, whenever it was made.
-    errors : dict of Camera or (Camera, Camera) to dict
+    errors : dict of CameraInput or (CameraInput, CameraInput) to dict
         Why some could not be done.
     """
 
     def __init__(self, job: Job) -> None:
-        self.recordings: dict[Camera, Recording] = {}
+        self.recordings: dict[CameraInput, Recording] = {}
         self.calibrations: dict[Pair, Calibration] = {}
         self.seconds: dict[Pair, float] = {}
-        self.errors: dict[Camera | Pair, dict[str, str]] = {}
+        self.errors: dict[CameraInput | Pair, dict[str, str]] = {}
         self._job = job
         self._files: dict[Pair, dict[str, str]] = {}
         self._written = time.monotonic()
@@ -108,11 +108,11 @@ class Results:
         result["pairs"] = [
             {**self._pair_entry(a, b), **self._files[a, b]} for a, b in job.pairs if (a, b) in self._files
         ]
-        tasks: list[Camera | Pair] = [*job.cameras, *job.pairs]
+        tasks: list[CameraInput | Pair] = [*job.cameras, *job.pairs]
         result["errors"] = [self.errors[task] for task in tasks if task in self.errors]
         return result
 
-    def _pair_entry(self, a: Camera, b: Camera) -> dict[str, Any]:
+    def _pair_entry(self, a: CameraInput, b: CameraInput) -> dict[str, Any]:
         calibration = self.calibrations[a, b]
         pose = pose_entry(calibration, self.recordings[a].matrix, self.recordings[b].matrix)
         return {**pair_entry(a.name, b.name, calibration), "pose": pose}

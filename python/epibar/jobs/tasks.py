@@ -11,8 +11,8 @@ from collections.abc import Callable
 from ..calibration import Calibration, calibrate
 from ..from_video import record
 from ..recording import Recording
-from .inputs import Camera, PairOptions, RecordOptions
-from .saved import is_saved, load_saved
+from .inputs import CameraInput, PairOptions, RecordOptions
+from .saved_recordings import is_saved, load_saved
 
 __all__ = ["calibrate_pair", "record_camera"]
 
@@ -20,7 +20,7 @@ Progress = Callable[[str, float], None]
 
 
 def record_camera(
-    camera: Camera, options: RecordOptions, progress: Progress | bool = False
+    camera: CameraInput, options: RecordOptions, progress: Progress | bool = False
 ) -> tuple[Recording, float]:
     """Record one camera, or load it where it was recorded before; also returns the seconds it took.
 

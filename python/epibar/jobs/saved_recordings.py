@@ -8,17 +8,17 @@ from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
-from .inputs import Camera, RecordOptions
+from .inputs import CameraInput, RecordOptions
 
 __all__ = ["is_saved", "load_saved"]
 
 
-def is_saved(camera: Camera, options: RecordOptions) -> bool:
+def is_saved(camera: CameraInput, options: RecordOptions) -> bool:
     """Whether the camera's source is a recording, not a video."""
     return camera.source.lower().endswith(".npz") and not options.masks
 
 
-def load_saved(camera: Camera, options: RecordOptions) -> Recording:
+def load_saved(camera: CameraInput, options: RecordOptions) -> Recording:
     """Load a saved recording.
 
     What can no longer be done to it, a background, an ignore mask, a foreground or a number of lines other
