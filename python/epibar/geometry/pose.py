@@ -20,7 +20,6 @@ from .vectors import cross_matrix, homogeneous
 
 __all__ = ["PairGeometry", "RelativePose", "depths", "relative_pose"]
 
-
 LEAST_POINTS = 20
 DECISIVE = 0.8
 """Share of the frontier points that must lie in front of both cameras; the other poses share the rest."""

@@ -18,7 +18,6 @@ from .finding import Finding
 
 __all__ = ["Diagnosis"]
 
-
 PLACES = (
     ("top left", "top", "top right"),
     ("left", "middle", "right"),

@@ -15,7 +15,6 @@ from ..recording import Recording
 
 __all__ = ["lines_left", "share_by_ninth", "spread_of", "straightness_of"]
 
-
 INFORMATIVE_SHARE = 0.05
 INFORMATIVE_CHANGES, FRAMES_PER_CHANGE = 8, 25
 """What the compiled matcher asks of a line: motion in 5 % of the frames, none in 5 %, eight changes, or one

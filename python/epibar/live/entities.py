@@ -24,8 +24,6 @@ __all__ = ["log_frames", "log_pair", "log_silhouettes"]
 COLOURS = np.array(RGB, np.uint8)
 GREY = (200, 200, 200)
 JPEG_QUALITY = 80
-
-
 RADIUS = 4.0
 """Of a frontier point, pixels."""
 

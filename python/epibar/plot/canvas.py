@@ -31,7 +31,6 @@ __all__ = [
     "two_axes",
 ]
 
-
 DARK = "#222222"
 # White, the last of them, does not show on paper.
 COLOURS = [*HEX[:-1], "#9a9a9a"]

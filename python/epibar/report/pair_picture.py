@@ -20,7 +20,6 @@ from ..sources.single_frame import read_frame
 
 __all__ = ["draw_pair", "write_pair_picture"]
 
-
 PANEL_HEIGHT = 600
 LINES = 8
 MARGIN = 12

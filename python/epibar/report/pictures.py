@@ -20,7 +20,6 @@ from .inputs import ReportCamera
 
 __all__ = ["data_url", "heat_picture", "read_frames"]
 
-
 WIDTHS = (960, 800, 640, 480, 360, 240)
 QUALITY = 80
 CARD_WIDTH = 480

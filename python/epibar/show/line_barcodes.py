@@ -21,7 +21,6 @@ from ..recording import Recording
 
 __all__ = ["WINDOW", "LineSet", "hull_barcodes", "line_sets"]
 
-
 WINDOW = 600
 """Frames of a barcode that are shown: more would be narrower than a pixel."""
 

@@ -17,7 +17,6 @@ from ..recording import Recording
 
 __all__ = ["MatchedLine", "frames_to_show", "matched_lines"]
 
-
 APART = 0.04
 """Lines nearer to each other than this, in half turns and image sizes, look like one."""
 

@@ -12,7 +12,6 @@ from ..recording import Recording
 
 __all__ = ["MOMENTS", "busiest_window", "choose_moments", "points_per_frame"]
 
-
 MOMENTS = 16
 """Frames to scrub through, per pair."""
 
