@@ -59,7 +59,7 @@ def run(args: Namespace) -> int:
     from ..synthetic import people, render_video
     from .console import Console
 
-    console = Console(args.quiet, verbose=args.verbose)
+    console = Console(args.quiet)
     out = Path(args.out)
     videos = out / "videos"
     try:
@@ -90,7 +90,9 @@ def run(args: Namespace) -> int:
     console.note("the same as: epibar " + " ".join(words))
     parser = CommandParser()
     calibrate.add_options(parser)
-    code = calibrate.run(parser.parse_args(words[1:] + ["--quiet"] * args.quiet))
+    code = calibrate.run(
+        parser.parse_args(words[1:] + ["--quiet"] * args.quiet + ["--verbose"] * args.verbose)
+    )
     if code != DONE:
         return code
 
