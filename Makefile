@@ -75,7 +75,7 @@ $(VENV)/.tarpaulin: $(VENV)/.created
 coverage: build $(VENV)/.tarpaulin
 	$(BIN)/python -m pytest -q --cov=epibar --cov-branch --cov-report=term
 	env -u PYO3_BUILD_EXTENSION_MODULE $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --skip-clean \
-		--out Stdout --target-dir target/coverage --timeout 900
+		--out Stdout --target-dir target/coverage --timeout 3600
 
 $(VENV)/.docs: pyproject.toml $(VENV)/.tools
 	$(BIN)/python -m pip install --group docs

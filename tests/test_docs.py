@@ -39,7 +39,7 @@ BLOCK = re.compile(
     r"(?:<!-- (?P<mark>[^>]*?): [^>]*-->\n)?^```(?P<language>\w+)\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
-SIZE, FRAMES = (160, 120), 400
+SIZE, FRAMES = (160, 120), 300
 MARKS = {None, "parsed only", "not run"}
 OF_THE_SHELL = {"cd", "git", "source"}
 """Name nothing of ours that could be looked up."""

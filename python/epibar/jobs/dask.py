@@ -214,7 +214,7 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
     >>> import epibar
     >>> from epibar.jobs import dask_executor
     >>> with dask_executor("local") as executor:  # or "tcp://10.0.0.5:8786"
-    ...     done = epibar.calibrate_all(["cam1.mp4", "cam2.mp4"], "on_dask", executor=executor)
+    ...     done = epibar.calibrate_all(["cam1.mp4", "cam2.mp4"], "calibrated", executor=executor)
     """
     try:
         import dask
