@@ -68,14 +68,15 @@ check: build
 	$(BIN)/python -m mypy.stubtest epibar._core
 
 # tarpaulin reads what rustc's instrumentation writes by itself, so no LLVM tools of the compiler's version are needed.
+# One thread: several wait for each other at the counters.
 $(VENV)/.tarpaulin: $(VENV)/.created
 	cargo install --quiet --locked --root $(VENV) cargo-tarpaulin@0.37
 	touch $@
 
 coverage: build $(VENV)/.tarpaulin
 	$(BIN)/python -m pytest -q --cov=epibar --cov-branch --cov-report=term
-	env -u PYO3_BUILD_EXTENSION_MODULE $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --skip-clean \
-		--out Stdout --target-dir target/coverage --timeout 3600
+	env -u PYO3_BUILD_EXTENSION_MODULE RAYON_NUM_THREADS=1 $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --skip-clean \
+		--exclude-files 'rust/epibar-py/*' --out Stdout --target-dir target/coverage --timeout 3600
 
 $(VENV)/.docs: pyproject.toml $(VENV)/.tools
 	$(BIN)/python -m pip install --group docs
