@@ -1,12 +1,13 @@
 # The commands a newcomer and CI both use. Every one installs what it needs into .venv.
 #
-#   make demo    render videos of a crowd, calibrate them, compare with the known answer
-#   make test    every test, Rust and Python
-#   make docs    the documentation site, into build/docs; warnings are errors
-#   make check   formatting, lints, type stubs, documentation
-#   make bench   speed of every stage, beside its limit and its peers; writes bench.json
-#   make paper   accuracy, in the settings of the paper
-#   make dist    source distribution and wheel, tried in an empty environment
+#   make demo      render videos of a crowd, calibrate them, compare with the known answer
+#   make test      every test, Rust and Python
+#   make docs      the documentation site, into build/docs; warnings are errors
+#   make check     formatting, lints, types, type stubs, documentation
+#   make coverage  which lines the tests of either language reach
+#   make bench     speed of every stage, beside its limit and its peers; writes bench.json
+#   make paper     accuracy, in the settings of the paper
+#   make dist      source distribution and wheel, tried in an empty environment
 
 VENV   := .venv
 BIN    := $(VENV)/bin
@@ -29,7 +30,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test docs check bench paper dist clean
+.PHONY: help build demo test docs check coverage bench paper dist clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -41,11 +42,11 @@ $(VENV)/.created:
 	touch $@
 
 $(VENV)/.tools: pyproject.toml $(VENV)/.created
-	$(BIN)/python -m pip install --quiet 'maturin>=1.9.4,<2'
+	$(BIN)/python -m pip install --quiet 'pip>=25.1' 'maturin>=1.9.4,<2'
 	touch $@
 
 $(VENV)/.built: $(RUST_SOURCES) pyproject.toml $(VENV)/.tools
-	$(BIN)/maturin develop --release --locked --extras dev
+	$(BIN)/maturin develop --release --locked --extras colmap,completion,dask,plot --group dev
 	touch $@
 
 build: $(VENV)/.built
@@ -63,10 +64,22 @@ check: build
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
+	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest epibar._core
 
-$(VENV)/.docs: pyproject.toml $(VENV)/.created
-	$(BIN)/python -m pip install $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["docs"])')
+# tarpaulin reads what rustc's instrumentation writes by itself, so no LLVM tools of the compiler's version are needed.
+# One thread: several wait for each other at the counters.
+$(VENV)/.tarpaulin: $(VENV)/.created
+	cargo install --quiet --locked --root $(VENV) cargo-tarpaulin@0.37
+	touch $@
+
+coverage: build $(VENV)/.tarpaulin
+	$(BIN)/python -m pytest -q --cov=epibar --cov-branch --cov-report=term
+	env -u PYO3_BUILD_EXTENSION_MODULE RAYON_NUM_THREADS=1 $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --skip-clean \
+		--exclude-files 'rust/epibar-py/*' --out Stdout --target-dir target/coverage --timeout 3600
+
+$(VENV)/.docs: pyproject.toml $(VENV)/.tools
+	$(BIN)/python -m pip install --group docs
 	touch $@
 
 docs: build $(VENV)/.docs
@@ -75,7 +88,7 @@ docs: build $(VENV)/.docs
 
 # What cannot be installed here is left out of the comparison.
 $(VENV)/.peers: pyproject.toml $(VENV)/.created
-	for peer in $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["bench"])'); do \
+	for peer in $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["dependency-groups"]["bench"])'); do \
 		$(BIN)/python -m pip install --quiet "$$peer" || echo "$$peer cannot be installed" >&2; done
 	touch $@
 

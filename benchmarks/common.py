@@ -16,7 +16,8 @@ from tables import percent, px
 import epibar
 from epibar import synthetic
 from epibar.evaluation import GOOD_PAIR_PX, compare, true_candidate_rate
-from epibar.foreground import Foreground, ForegroundOptions
+from epibar.foreground import Foreground
+from epibar.foreground.options import ForegroundOptions
 from epibar.recording import MIN_COMPONENT_AREA, Recording, new_recorder
 from epibar.synthetic import LOW_CAMERAS, Scene
 

@@ -23,26 +23,32 @@ import epibar
 from epibar import EpibarError, Recording, _core
 from epibar.evaluation import (
     GOOD_PAIR_PX,
-    PosedCamera,
     compare,
-    fundamental_from_cameras,
     matched_tangent_points,
     moving_volume,
-    project,
-    projection_matrix,
-    symmetric_epipolar_distance,
-    triangulate,
     volume_correspondences,
 )
-from epibar.foreground import ForegroundOptions
-from epibar.intrinsics import Intrinsics, find_camera, load_cameras
+from epibar.foreground.options import ForegroundOptions
+from epibar.geometry.cameras import (
+    PosedCamera,
+    fundamental_from_cameras,
+    project,
+    projection_matrix,
+    triangulate,
+)
+from epibar.geometry.epipolar import symmetric_epipolar_distance
+from epibar.lens.camera_file import find_camera, load_cameras
+from epibar.lens.intrinsics import Intrinsics
 
 ROOT = Path(__file__).resolve().parents[1]
 LEAST_POINTS = 20
 MADE_BY = (
-    *("background", "background_models", "camera_health", "foreground", "frame_range", "frame_source"),
-    *("frames", "images", "intrinsics", "mask_array", "mask_frames", "recorder", "recording"),
-    *("undistortion", "video"),
+    "recording.py",
+    "from_video.py",
+    "sources/*.py",
+    "lens/*.py",
+    "foreground/*.py",
+    "health/camera_*.py",
 )
 """Modules that decide what a recording holds: a cached one made by others is made anew."""
 
@@ -167,7 +173,8 @@ def _cache_name(path: Path, camera: Intrinsics, *options: object) -> str:
     """Name the cached recording after everything in Python that it depends on."""
     package = Path(epibar.__file__).parent
     digest = hashlib.sha256()
-    for part in (path, path.parent / "cameras.toml", *(package / f"{module}.py" for module in MADE_BY)):
+    made_by = (module for pattern in MADE_BY for module in sorted(package.glob(pattern)))
+    for part in (path, path.parent / "cameras.toml", *made_by):
         digest.update(part.read_bytes())
     digest.update(repr((camera.name, *options)).encode())
     return f"{path.parent.name}_{path.stem}_{digest.hexdigest()[:16]}.npz"

@@ -17,9 +17,10 @@ from recordings import DATA, View, matched, parser_of, present, view, volume_of
 from tables import mean, px, table, worst, write_json
 
 import epibar
-from epibar.evaluation import GOOD_PAIR_PX, compare, fundamental_from_cameras
-from epibar.intrinsics import load_cameras
-from epibar.timing import frame_interval
+from epibar.clocks import frame_interval
+from epibar.evaluation import GOOD_PAIR_PX, compare
+from epibar.geometry.cameras import fundamental_from_cameras
+from epibar.lens.camera_file import load_cameras
 
 SHIFTS = (3.0, -3.0)
 """Seconds by which B starts later than A."""

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from epibar.json_values import plain
+from epibar.files.json_values import plain
 
 
 def mean(values: Iterable[float]) -> float:

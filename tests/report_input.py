@@ -9,8 +9,8 @@ import numpy as np
 
 import epibar
 from epibar import synthetic
-from epibar.calibration import FrontierPoints
-from epibar.report.html import ReportCamera, ReportPair
+from epibar.geometry.correspondences import FrontierPoints
+from epibar.report.inputs import ReportCamera, ReportPair
 
 SIZE = (320, 240)
 LATE = 7

@@ -11,7 +11,7 @@ import pytest
 
 import epibar
 from epibar import synthetic
-from epibar.foreground import ForegroundOptions
+from epibar.foreground.options import ForegroundOptions
 
 LINES = 6000
 

@@ -16,7 +16,7 @@ import pytest
 import epibar
 from epibar import synthetic
 from epibar.cli import main
-from epibar.intrinsics import load_cameras, write_cameras
+from epibar.lens.camera_file import load_cameras, write_cameras
 
 FAST = ["--lines", "6000", "--quiet"]
 
@@ -227,7 +227,7 @@ def test_one_broken_video_of_three(masks, tmp_path, capsys):
     broken = tmp_path / "broken.mp4"
     broken.write_bytes(b"this is not a video" * 100)
     words = ["calibrate", masks[0], str(broken), masks[1], "--masks", "--out", str(tmp_path / "out"), *FAST]
-    assert main(words) == 2
+    assert main(words) == 3
     assert "broken.mp4" in capsys.readouterr().err
     result = read(tmp_path / "out")
     assert [(pair["a"], pair["b"]) for pair in result["pairs"]] == [("cam1", "cam2")]

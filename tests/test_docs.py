@@ -27,8 +27,9 @@ import pytest
 import epibar
 from epibar import synthetic
 from epibar.cli import demo, main
-from epibar.cli.parser import build_parser
-from epibar.intrinsics import Intrinsics, write_cameras
+from epibar.cli.parser import COMMANDS, build_parser
+from epibar.lens.camera_file import write_cameras
+from epibar.lens.intrinsics import Intrinsics
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -38,7 +39,7 @@ BLOCK = re.compile(
     r"(?:<!-- (?P<mark>[^>]*?): [^>]*-->\n)?^```(?P<language>\w+)\n(?P<text>.*?)^```$",
     re.MULTILINE | re.DOTALL,
 )
-SIZE, FRAMES = (160, 120), 400
+SIZE, FRAMES = (160, 120), 300
 MARKS = {None, "parsed only", "not run"}
 OF_THE_SHELL = {"cd", "git", "source"}
 """Name nothing of ours that could be looked up."""
@@ -111,6 +112,8 @@ def arguments(words):
     """Return what the shell would give to the program, wildcards expanded in the present folder."""
     found = []
     for word in words[1:]:
+        if word == ">":
+            break
         found += sorted(glob(word)) if "*" in word else [word]
     return found
 
@@ -168,6 +171,8 @@ def check_other(words, place):
         assert given[0] == "install", place
         extras = re.findall(r"\[([\w,-]+)\]", given[-1])
         assert set(",".join(extras).split(",")) <= {"", *PACKAGE["optional-dependencies"]}, place
+    elif program in {"pipx", "uv"}:
+        assert given[-2:] == ["install", "epibar"], place
     elif program == "cargo":
         # That the examples compile, and the documentation builds, cargo tests.
         assert given[0] in {"add", "bench", "doc", "run", "test"}, place
@@ -208,12 +213,27 @@ def test_python_blocks(document, prepared, monkeypatch, capsys):
 
 def test_every_command_is_shown():
     shown = {words[1] for document in DOCUMENTS for _, _, words in commands(document) if is_epibar(words)}
-    assert {"demo", "record", "calibrate", "inspect", "evaluate", "export"} <= shown
+    assert {module.NAME for module in COMMANDS} <= shown
 
 
 def test_every_public_name_is_in_the_reference():
     shown = set(re.findall(r":: epibar\.(\w+)", (ROOT / "docs" / "api.md").read_text()))
     assert set(epibar.__all__) - {"__version__"} <= shown
+
+
+def test_the_readme_works_outside_the_repository():
+    """The index shows it alone: pictures and links are whole addresses, of files that are here."""
+    text = (ROOT / "README.md").read_text()
+    targets = re.findall(r"\]\(([^)]+)\)", text)
+    assert len(targets) > 5
+    for target in targets:
+        address = re.fullmatch(
+            r"https://(raw\.githubusercontent|github)\.com/epibar/epibar/(blob/)?main/(.+)", target
+        )
+        assert address, f"{target} is no whole address"
+        assert (ROOT / address[3]).exists(), target
+        picture = target.endswith(".png")
+        assert picture == (address[1] == "raw.githubusercontent"), target
 
 
 def test_a_wrong_option_is_noticed(tmp_path):

@@ -36,13 +36,14 @@ def test_camera_matrices_settle_what_little_motion_leaves_open(seed, enough):
     scene = three_walkers(seed, frames=200)
     pair = recordings(scene, (1.0, 1.0))
     without = epibar.calibrate(*pair, essential=False)
-    assert not without.accepted
-    assert error(scene, without) > 10.0
+    # Eight seconds may be too little without matrices: then that has to be said.
+    assert not without.accepted or error(scene, without) < 3.0
     assert "essential_deviation" not in without.evidence
     calibration = epibar.calibrate(*pair)
-    # What eight seconds show may be right and still too little to be believed.
-    assert calibration.accepted == enough, calibration.reason
+    # What they show may be right and still too little to be believed.
+    assert calibration.accepted or not enough, calibration.reason
     assert error(scene, calibration) < 0.5
+    assert error(scene, calibration) < error(scene, without) + 0.1
     assert calibration.evidence["essential_deviation"] < 0.01
 
 

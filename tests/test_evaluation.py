@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 import pytest
 
-from epibar import evaluation, synthetic
+from epibar import evaluation, geometry, synthetic
 
 RECTIFIED = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
@@ -24,9 +24,9 @@ def test_symmetric_epipolar_distance_of_one_point():
     line_b, line_a = F @ [*a, 1], F.T @ [*b, 1]
     d_b = abs(line_b @ [*b, 1]) / np.hypot(*line_b[:2])
     d_a = abs(line_a @ [*a, 1]) / np.hypot(*line_a[:2])
-    assert evaluation.symmetric_epipolar_distance(F, [a], [b])[0] == pytest.approx((d_a + d_b) / 2)
-    assert evaluation.symmetric_epipolar_distance(-7 * F, [a], [b])[0] == pytest.approx((d_a + d_b) / 2)
-    assert evaluation.symmetric_epipolar_distance(RECTIFIED, [[1, 7.5]], [[9, 5.0]])[0] == pytest.approx(2.5)
+    assert geometry.symmetric_epipolar_distance(F, [a], [b])[0] == pytest.approx((d_a + d_b) / 2)
+    assert geometry.symmetric_epipolar_distance(-7 * F, [a], [b])[0] == pytest.approx((d_a + d_b) / 2)
+    assert geometry.symmetric_epipolar_distance(RECTIFIED, [[1, 7.5]], [[9, 5.0]])[0] == pytest.approx(2.5)
 
 
 @pytest.mark.parametrize(
@@ -43,17 +43,17 @@ def test_symmetric_epipolar_distance_of_one_point():
 )
 def test_bad_input_is_named(F, a, b, named):
     with pytest.raises(ValueError, match=f"^{named}:"):
-        evaluation.symmetric_epipolar_distance(F, a, b)
+        geometry.symmetric_epipolar_distance(F, a, b)
 
 
 def test_points_at_the_epipole_are_infinitely_far():
     F = np.array([[0.0, -1, 50], [1, 0, -30], [-50, 30, 0]])  # both epipoles at (30, 50)
-    assert np.isinf(evaluation.symmetric_epipolar_distance(F, [[30, 50]], [[1, 2]])[0])
+    assert np.isinf(geometry.symmetric_epipolar_distance(F, [[30, 50]], [[1, 2]])[0])
 
 
 def test_no_baseline_is_refused(scene):
     with pytest.raises(ValueError, match="baseline"):
-        evaluation.fundamental_from_cameras(scene.cameras[0], scene.cameras[0])
+        geometry.fundamental_from_cameras(scene.cameras[0], scene.cameras[0])
 
 
 def test_fundamental_agrees_with_projection_matrices(scene):
@@ -67,7 +67,7 @@ def test_fundamental_agrees_with_projection_matrices(scene):
 
 def test_clip_lines():
     lines = [[0, 1, -10], [2, 0, -8], [1, 1, -3], [0, 1, 5], [1, -1, 500], [0, 0, 1]]
-    segments, hit = evaluation.clip_lines(lines, (101, 51))
+    segments, hit = geometry.clip_lines(lines, (101, 51))
     assert hit.tolist() == [True, True, True, False, False, False]
     assert {tuple(p) for p in segments[0]} == {(0.0, 10.0), (100.0, 10.0)}
     assert {tuple(p) for p in segments[1]} == {(4.0, 0.0), (4.0, 50.0)}
@@ -76,17 +76,17 @@ def test_clip_lines():
 
 def test_area_between_lines_simple():
     size = (101, 51)
-    assert evaluation.area_between_lines([0, 1, -10], [0, -3, 36], size) == pytest.approx(200)
-    assert evaluation.area_between_lines([0, 1, -10], [0, 1, -10], size) == pytest.approx(0)
+    assert geometry.area_between_lines([0, 1, -10], [0, -3, 36], size) == pytest.approx(200)
+    assert geometry.area_between_lines([0, 1, -10], [0, 1, -10], size) == pytest.approx(0)
     # A nearly vertical and a vertical line: two triangles, whatever the signs.
-    crossing = evaluation.area_between_lines([1, 0, -50], [-1, 0.04, 49], size)
+    crossing = geometry.area_between_lines([1, 0, -50], [-1, 0.04, 49], size)
     assert crossing == pytest.approx(25 * 1 * 0.5 + 25 * 1 * 0.5)
     assert isinstance(crossing, float)
     # The smaller of the double wedges: lines near two opposite borders enclose most of the image.
-    assert evaluation.area_between_lines([0, 1, -1], [0, 1, -49], size) == pytest.approx(200)
-    assert evaluation.area_between_lines([0, 1, 9], [1, 0, 9], size) == 0
+    assert geometry.area_between_lines([0, 1, -1], [0, 1, -49], size) == pytest.approx(200)
+    assert geometry.area_between_lines([0, 1, 9], [1, 0, 9], size) == 0
     with pytest.raises(ValueError, match="line2"):
-        evaluation.area_between_lines(np.ones((2, 3)), np.ones((3, 3)), size)
+        geometry.area_between_lines(np.ones((2, 3)), np.ones((3, 3)), size)
 
 
 def test_area_between_lines_against_counting():
@@ -97,12 +97,12 @@ def test_area_between_lines_against_counting():
     angle, through = rng.uniform(0, np.pi, (2, 200)), rng.uniform(-20, 180, (2, 200, 2))
     lines = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=2)
     lines[..., 2] = -(lines[..., :2] * through).sum(axis=2)
-    areas = evaluation.area_between_lines(lines[0], lines[1], size)
+    areas = geometry.area_between_lines(lines[0], lines[1], size)
     for one, two, area in zip(*lines, areas, strict=True):
         differ = ((one[0] * x + one[1] * y + one[2] > 0) != (two[0] * x + two[1] * y + two[2] > 0)).sum()
         counted = min(differ, x.size - differ) * step**2
         assert area == pytest.approx(counted, abs=8)
-    np.testing.assert_allclose(areas, evaluation.area_between_lines(-2 * lines[1], lines[0], size), atol=1e-9)
+    np.testing.assert_allclose(areas, geometry.area_between_lines(-2 * lines[1], lines[0], size), atol=1e-9)
 
 
 def test_true_candidate_rate(scene):
@@ -139,7 +139,7 @@ def test_image_correspondences(scene):
     size_a, size_b = scene.cameras[0].size, scene.cameras[1].size
     a, b = evaluation.image_correspondences(F, size_a, size_b, 5000, seed=3)
     assert len(a) == len(b) == 5000
-    assert evaluation.symmetric_epipolar_distance(F, a, b).max() < 1e-8
+    assert geometry.symmetric_epipolar_distance(F, a, b).max() < 1e-8
     for points, size in ((a, size_a), (b, size_b)):
         assert points.min() > -1e-6
         assert (points <= np.array(size) - 1 + 1e-6).all()
@@ -163,7 +163,7 @@ def test_volume_correspondences_are_inside_and_in_front(scene):
 def test_triangulate_and_moving_volume(scene):
     a, b = scene.cameras[:2]
     points = scene.volume_points[:200]
-    found = evaluation.triangulate(a.P, b.P, a.project(points)[0], b.project(points)[0])
+    found = geometry.triangulate(a.P, b.P, a.project(points)[0], b.project(points)[0])
     np.testing.assert_allclose(found, points, atol=1e-8)
     grid = np.linspace(0, 100, 1001)[:, None] * [1, 2, 3]
     volume = evaluation.moving_volume(grid, n=4000, seed=1)
@@ -212,9 +212,9 @@ def test_matched_tangents_triangulate_the_motion(facing):
         list(hulls(scene.masks(0))), list(hulls(scene.masks(1))), F, 3.0, a.size, b.size
     )
     assert len(x_a) > (20 if facing else 80)
-    assert evaluation.symmetric_epipolar_distance(F, x_a, x_b).max() <= 3.0
+    assert geometry.symmetric_epipolar_distance(F, x_a, x_b).max() <= 3.0
     assert frames.max() < 40
-    points = evaluation.triangulate(a.P, b.P, x_a, x_b)
+    points = geometry.triangulate(a.P, b.P, x_a, x_b)
     near = ((points > [-6, -6, -0.3]) & (points < [6, 6, 2.2])).all(axis=1)
     assert near.mean() > 0.8
 
@@ -250,4 +250,4 @@ def test_compare_and_good_pair(scene):
 
 def test_any_object_with_a_pose_is_a_camera(scene):
     plain = [SimpleNamespace(K=c.K, R=c.R, t=c.t, size=c.size) for c in scene.cameras[:2]]
-    np.testing.assert_array_equal(evaluation.fundamental_from_cameras(*plain), scene.fundamental(0, 1))
+    np.testing.assert_array_equal(geometry.fundamental_from_cameras(*plain), scene.fundamental(0, 1))

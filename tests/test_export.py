@@ -12,8 +12,11 @@ from known_poses import DEGREES, angle, between, true_pose, world_error
 import epibar
 from epibar import export, synthetic
 from epibar.cli import main
-from epibar.intrinsics import Intrinsics, load_cameras, write_cameras
-from epibar.report.files import camera_entry, write_frontier_points, write_json
+from epibar.files.calibration_json import write_json
+from epibar.files.frontier_csv import write_frontier_points
+from epibar.lens.camera_file import load_cameras, write_cameras
+from epibar.lens.intrinsics import Intrinsics
+from epibar.runs.entries import camera_entry
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +66,7 @@ def write_run(folder, recordings, calibrations, intrinsics):
     pairs = []
     for (i, j), calibration in calibrations.items():
         a, b = recordings[i].name, recordings[j].name
-        points = write_frontier_points(folder / f"{a}_{b}_frontier.csv", calibration)
+        points = write_frontier_points(folder / f"{a}_{b}_frontier.csv", calibration.frontier_points)
         keys = ("accepted", "kind", "reason", "F", "expected_error", "time_offset")
         pairs.append(
             {"a": a, "b": b, "frontier_points": points.name, **{k: getattr(calibration, k) for k in keys}}

@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 
 from epibar import _core
-from epibar.background import collect, median_background, steady_background
 from epibar.errors import EpibarError
-from epibar.foreground import CameraHealth, Foreground, ForegroundOptions
-from epibar.video import Frames
+from epibar.foreground import Foreground
+from epibar.foreground.empty_scene import collect, median_background, steady_background
+from epibar.foreground.options import ForegroundOptions
+from epibar.health.camera_health import CameraHealth
+from epibar.sources.colour_frames import ColourFrames
 
 HEIGHT, WIDTH, COUNT = 120, 160, 60
 METHODS = ["mog2", "knn", "median"]
@@ -124,13 +126,13 @@ def test_background_clip(tmp_path, method):
     for index in range(20):  # nobody moves at all
         cv2.imwrite(str(film / f"{index}.png"), noisy(standing, index))
     options = ForegroundOptions(method=method, background=tmp_path)
-    with Frames(film, fps=10) as frames:
+    with ColourFrames(film, fps=10) as frames:
         foreground = Foreground.for_frames(frames, options)
         scores = [overlap(foreground.apply(frame), walkers(30)) for _, _, frame in frames]
     assert min(scores) > 0.8
     cv2.imwrite(str(film / "other.png"), np.zeros((10, 10, 3), np.uint8))
     with (
-        Frames(film, fps=10) as frames,
+        ColourFrames(film, fps=10) as frames,
         pytest.raises(EpibarError, match=r"other.png: 10x10, but .*film is 160x120"),
     ):
         Foreground.for_frames(frames, ForegroundOptions(background=film / "other.png"))

@@ -6,8 +6,9 @@ import pytest
 
 import epibar
 from epibar.errors import EpibarError
-from epibar.frame_range import FrameRange
-from epibar.video import Frames, MaskFrames
+from epibar.sources.colour_frames import ColourFrames
+from epibar.sources.frame_range import FrameRange
+from epibar.sources.mask_frames import MaskFrames
 
 COUNT = 30
 
@@ -35,7 +36,7 @@ def sources(tmp_path_factory):
 )
 def test_frames_of_a_part(sources, ends, expected):
     for path in sources:
-        with Frames(path, fps=10, frames=FrameRange(*ends)) as frames:
+        with ColourFrames(path, fps=10, frames=FrameRange(*ends)) as frames:
             assert (frames.first, frames.frame_count) == (ends[0], len(expected))
             for _ in range(2):
                 found = list(frames)
@@ -50,7 +51,7 @@ def test_frames_of_a_part(sources, ends, expected):
 
 
 def test_long_parts_are_sampled_by_seeking(sources):
-    with Frames(sources[0], frames=FrameRange(10, 28)) as frames:
+    with ColourFrames(sources[0], frames=FrameRange(10, 28)) as frames:
         assert np.allclose([frame.mean() for frame in frames.sample(2)], [grey_of(10), grey_of(27)], atol=2)
 
 
@@ -92,6 +93,6 @@ def test_a_video_that_ends_before_the_part(sources, tmp_path):
     (tmp_path / "cut.avi").write_bytes(data[: len(data) // 2])
     with (
         pytest.raises(EpibarError, match=r"cut\.avi: frames 28: asked for, but it "),
-        Frames(tmp_path / "cut.avi", frames=FrameRange(28)) as frames,
+        ColourFrames(tmp_path / "cut.avi", frames=FrameRange(28)) as frames,
     ):
         list(frames)

@@ -12,13 +12,13 @@ import pytest
 
 import epibar
 from epibar import synthetic
-from epibar.camera_health import CameraHealth
-from epibar.camera_motion import CameraMotion
 from epibar.cli import main
-from epibar.diagnosis import cause_of_refusal
 from epibar.errors import EpibarError
-from epibar.findings import camera_findings
-from epibar.video import Frames
+from epibar.health.camera_findings import camera_findings
+from epibar.health.camera_health import CameraHealth
+from epibar.health.camera_motion import CameraMotion
+from epibar.health.inspection import cause_of_refusal
+from epibar.sources.colour_frames import ColourFrames
 
 FRAMES = 240
 SIZE = (320, 240)
@@ -321,7 +321,7 @@ def test_a_recording_is_inspected_once_for_all_its_pairs(monkeypatch):
         inspected.append(recording)
         return epibar.inspect(recording)
 
-    monkeypatch.setattr("epibar.diagnosis.inspect", counting)
+    monkeypatch.setattr("epibar.health.inspection.inspect", counting)
     still = [epibar.Recording.from_masks(np.zeros((40, 48, 64), bool), lines=50, name=name) for name in "abc"]
     for a, b in ((0, 1), (0, 2), (1, 2)):
         cause = cause_of_refusal("too_little_motion", still[a], still[b])
@@ -347,7 +347,7 @@ def test_inspect_on_the_command_line(door, eight, tmp_path, capsys):
 
 
 def test_inspect_for_programs(door, tmp_path, capsys):
-    assert main(["inspect", str(door[1]), str(tmp_path / "none.mp4"), "--json"]) == 2
+    assert main(["inspect", str(door[1]), str(tmp_path / "none.mp4"), "--json"]) == 3
     captured = capsys.readouterr()
 
     def refuse(word):
@@ -382,7 +382,7 @@ def test_inspect_masks(tmp_path, capsys):
 )
 def test_real_cameras(video, moved_at):
     motion = CameraMotion()
-    with Frames(DATA / video) as frames:
+    with ColourFrames(DATA / video) as frames:
         for index, _, frame in frames:
             if index % 10 == 0:
                 motion.look(index, frame)

@@ -6,7 +6,9 @@ import pytest
 
 import epibar
 from epibar.errors import EpibarError
-from epibar.intrinsics import Intrinsics, MaskUndistorter, find_camera, load_cameras, write_cameras
+from epibar.lens.camera_file import find_camera, load_cameras, write_cameras
+from epibar.lens.intrinsics import Intrinsics
+from epibar.lens.undistortion import Undistorter
 
 ONE = """
 [cam_0]
@@ -130,9 +132,9 @@ def test_find_camera():
 
 def test_size_mismatch():
     with pytest.raises(EpibarError, match=r"^cam2\.mp4: 640x480 frames, but its intrinsics are for 320x240$"):
-        MaskUndistorter(camera(), (640, 480), "cam2.mp4")
+        Undistorter(camera(), (640, 480), "cam2.mp4")
     with pytest.raises(EpibarError, match=r"^cam: 240x320 frames"):
-        MaskUndistorter(camera())(np.zeros((320, 240), np.uint8))
+        Undistorter(camera())(np.zeros((320, 240), np.uint8))
 
 
 @pytest.mark.parametrize(
@@ -143,7 +145,7 @@ def test_a_bent_disc_lands_where_the_pinhole_camera_sees_it(lens):
     rays = np.array([[[-0.35, -0.2, 1.0]], [[0.3, 0.25, 1.0]], [[0.0, 0.0, 1.0]], [[0.25, -0.3, 1.0]]])
     project = cv2.fisheye.projectPoints if lens.fisheye else cv2.projectPoints
     seen = project(rays, np.zeros(3), np.zeros(3), lens.matrix, lens.distortions)[0].reshape(-1, 2)
-    undistort = MaskUndistorter(lens, (320, 240))
+    undistort = Undistorter(lens, (320, 240))
     for ray, (x, y) in zip(rays[:, 0], seen, strict=True):
         yy, xx = np.mgrid[:240, :320]
         disc = (np.hypot(xx - x, yy - y) < 6).astype(np.uint8)
@@ -155,24 +157,24 @@ def test_a_bent_disc_lands_where_the_pinhole_camera_sees_it(lens):
 
 def test_no_distortion_changes_nothing():
     mask = np.random.default_rng(0).integers(0, 2, (240, 320)).astype(bool)
-    undistort = MaskUndistorter(camera(np.zeros(5)))
+    undistort = Undistorter(camera(np.zeros(5)))
     assert np.array_equal(undistort(mask), mask)
     assert undistort.valid.all()
 
 
 def test_valid_area():
-    pincushion = MaskUndistorter(camera((0.4, 0.0, 0.0, 0.0)))  # the corners look past the sensor
+    pincushion = Undistorter(camera((0.4, 0.0, 0.0, 0.0)))  # the corners look past the sensor
     assert not pincushion.valid[0, 0]
     assert pincushion.valid[125, 150]
     # OpenCV 4 rounds sources to 1/32 px, so that a few pixels on the very edge may differ.
     assert np.count_nonzero(pincushion(np.ones((240, 320), np.uint8)) != pincushion.valid) < 10
-    barrel = MaskUndistorter(camera((-0.3, 0.1, 0.0, 0.0)))
+    barrel = Undistorter(camera((-0.3, 0.1, 0.0, 0.0)))
     assert barrel.valid.all()
 
 
 def test_a_polynomial_that_folds_back_shows_nothing_twice():
     folding = camera((-1.2, 0.0, 0.0, 0.0))  # r (1 - 1.2 r²) grows up to r = 0.527
-    valid = MaskUndistorter(folding).valid
+    valid = Undistorter(folding).valid
     yy, xx = np.mgrid[:240, :320]
     radius = np.hypot((xx - 150) / 260, (yy - 125) / 255)
     assert not valid[radius > 0.53].any()
@@ -201,7 +203,7 @@ def test_what_is_visible_is_what_the_lens_saw_and_nobody_ignored(tmp_path):
     path = disc_masks(tmp_path)
     matrix = [[130.0, 0, 75.0], [0, 127.0, 62.0], [0, 0, 1]]
     pincushion = Intrinsics("cam", (160, 120), matrix, (0.4, 0.0, 0.0, 0.0))
-    undistort = MaskUndistorter(pincushion)
+    undistort = Undistorter(pincushion)
     ignore = np.zeros((120, 160), bool)
     ignore[:, 90:] = True
     lens = epibar.record(path, masks=True, lines=50, intrinsics=pincushion)

@@ -34,7 +34,7 @@ def test_json_is_all_that_is_on_stdout(masks, tmp_path, capsys):
 
 def test_json_with_a_bad_camera(masks, tmp_path, capsys):
     words = ["calibrate", *map(str, masks[:2]), "none.npz", "--out", str(tmp_path / "out"), *WORDS, "--json"]
-    assert main(words) == 2
+    assert main(words) == 3
     printed = capsys.readouterr()
     assert json.loads(printed.out)["errors"][0]["camera"] == "none"
     assert "none.npz" in printed.err
@@ -50,7 +50,9 @@ def test_no_such_scheduler_address(address, masks, tmp_path, capsys):
 def test_exit_codes_are_documented(capsys):
     assert main(["calibrate", "--help"]) == 0
     text = " ".join(capsys.readouterr().out.split())
-    assert all(code in text for code in ("0 done", "2 unusable input", "130 interrupted"))
+    assert all(
+        code in text for code in ("0 done", "2 unusable input", "3 a camera or a pair", "130 interrupted")
+    )
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
@@ -84,7 +86,7 @@ def test_progress_with_an_estimate_on_a_terminal(masks, tmp_path):
 
 def test_the_report_is_written(masks, tmp_path):
     words = [*map(str, masks[:2]), "none.npz", "--out", str(tmp_path / "out"), *WORDS[:-1]]
-    assert main(["calibrate", *words]) == 2
+    assert main(["calibrate", *words]) == 3
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "cam1" in page
     assert "none.npz" in page

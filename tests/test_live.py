@@ -8,7 +8,7 @@ import pytest
 
 import epibar
 from epibar import live, synthetic
-from epibar.calibration import Timing
+from epibar.clocks import Timing
 
 OFFSET = 7
 

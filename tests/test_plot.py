@@ -11,7 +11,7 @@ import pytest
 
 import epibar
 from epibar import plot, synthetic
-from epibar.evaluation import symmetric_epipolar_distance
+from epibar.geometry.epipolar import symmetric_epipolar_distance
 
 mpl.use("Agg")
 

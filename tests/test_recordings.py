@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import epibar
-from epibar import evaluation
-from epibar.intrinsics import load_cameras
+from epibar import evaluation, geometry
+from epibar.lens.camera_file import load_cameras
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "four_people"
 
@@ -27,9 +27,9 @@ def test_two_cameras_over_four_people() -> None:
     assert cal.accepted, cal.reason
     pose_a, pose_b = cameras["cam1"].posed(), cameras["cam3"].posed()
     # Frontier points, triangulated with the known cameras, span the volume where people walked.
-    points = evaluation.triangulate(
-        evaluation.projection_matrix(pose_a),
-        evaluation.projection_matrix(pose_b),
+    points = geometry.triangulate(
+        geometry.projection_matrix(pose_a),
+        geometry.projection_matrix(pose_b),
         cal.frontier_points.a,
         cal.frontier_points.b,
     )

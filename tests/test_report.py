@@ -13,12 +13,13 @@ import pytest
 from report_input import LATE, NO_POINTS, SIZE, make_report_input, numbered_frames
 
 import epibar
-from epibar.calibration import Timing
-from epibar.evaluation import epipoles
-from epibar.report.html import ReportCamera, ReportPair, write_report
-from epibar.report.html.lines import hull_barcodes
-from epibar.report.html.moments import choose_moments
-from epibar.report.html.words import ADVICE, TITLES, advice
+from epibar.clocks import Timing
+from epibar.geometry.epipolar import epipoles
+from epibar.report.inputs import ReportCamera, ReportPair
+from epibar.report.page import write_report
+from epibar.report.words import ADVICE, TITLES, advice
+from epibar.show.line_barcodes import hull_barcodes
+from epibar.show.moments import choose_moments
 
 VERDICTS = Path(__file__).parent.parent / "rust/epibar/src/verify/verdict.rs"
 

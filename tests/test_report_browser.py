@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from report_input import LATE, calibrated, make_report_input
 
-from epibar.calibration import Timing
-from epibar.report.html import write_report
+from epibar.clocks import Timing
+from epibar.report.page import write_report
 
 sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 

@@ -7,7 +7,8 @@ import pytest
 
 import epibar
 from epibar import synthetic
-from epibar.evaluation import epipoles, inside
+from epibar.geometry.cameras import inside
+from epibar.geometry.epipolar import epipoles
 
 SIZE = (480, 360)
 LINES = 10_000

@@ -17,7 +17,7 @@ import pytest
 import epibar
 from epibar import EpibarError, synthetic
 from epibar.jobs import dask_executor
-from epibar.jobs.inputs import Camera
+from epibar.jobs.inputs import CameraInput
 
 pytestmark = [
     pytest.mark.skipif(
@@ -158,7 +158,7 @@ def where(camera):
 
 def test_a_camera_is_recorded_where_its_video_is(masks, cluster, tmp_path):
     cluster.start_worker("third", "--host", "127.0.0.2")
-    camera = Camera("cam1", masks[0], 0)
+    camera = CameraInput("cam1", masks[0], 0)
     with dask_executor(cluster.address) as executor:
         anywhere = {executor.submit(where, camera).result(PATIENCE) for _ in range(12)}
         assert len({address.rpartition(":")[0] for address in anywhere}) == 2
@@ -168,7 +168,7 @@ def test_a_camera_is_recorded_where_its_video_is(masks, cluster, tmp_path):
         seen["127.0.0.1"] = None
         there = {executor.submit(where, camera).result(PATIENCE) for _ in range(12)}
         assert {address.rpartition(":")[0] for address in there} == {"tcp://127.0.0.2"}
-        missing = executor.submit(where, Camera("cam9", str(tmp_path / "nowhere.mp4"), 0))
+        missing = executor.submit(where, CameraInput("cam9", str(tmp_path / "nowhere.mp4"), 0))
         with pytest.raises(EpibarError, match=r"nowhere.mp4: no Dask worker can read it"):
             missing.result(PATIENCE)
 

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from epibar import synthetic
-from epibar.evaluation import epipoles, inside, symmetric_epipolar_distance
+from epibar.geometry.cameras import inside
+from epibar.geometry.epipolar import epipoles, symmetric_epipolar_distance
 from epibar.synthetic import raster
 from epibar.synthetic.camera import Camera
 

@@ -7,8 +7,7 @@ import pytest
 
 import epibar
 from epibar import plot, synthetic
-from epibar.calibration import Timing
-from epibar.timing import common_frames, frame_interval, positions_in_b
+from epibar.clocks import Timing, common_frames, frame_interval, positions_in_b
 
 LINES = 4000
 FPS = 25.0

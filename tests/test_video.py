@@ -9,7 +9,11 @@ import numpy as np
 import pytest
 
 from epibar.errors import EpibarError
-from epibar.video import DEFAULT_FPS, Frames, MaskFrames, prefetched, read_frame
+from epibar.sources.colour_frames import ColourFrames
+from epibar.sources.mask_frames import MaskFrames
+from epibar.sources.prefetch import prefetched
+from epibar.sources.single_frame import read_frame
+from epibar.sources.source import DEFAULT_FPS
 
 WIDTH, HEIGHT, COUNT = 96, 64, 40
 
@@ -36,7 +40,7 @@ def write_video(tmp_path):
 
 @pytest.mark.parametrize(("name", "fourcc"), [("a.mp4", "mp4v"), ("b.avi", "MJPG")])
 def test_video(write_video, name, fourcc):
-    with Frames(write_video(name, fourcc)) as frames:
+    with ColourFrames(write_video(name, fourcc)) as frames:
         assert (frames.name, frames.size, frames.fps, frames.frame_count) == (
             name[0],
             (WIDTH, HEIGHT),
@@ -53,10 +57,10 @@ def test_video(write_video, name, fourcc):
 
 
 def test_given_fps_wins(write_video):
-    with Frames(write_video("a.mp4"), fps=10) as frames:
+    with ColourFrames(write_video("a.mp4"), fps=10) as frames:
         assert [time for _, time, _ in frames][:3] == [0.0, 0.1, 0.2]
     with pytest.raises(EpibarError, match="fps is -1"):
-        Frames(write_video("a.mp4"), fps=-1)
+        ColourFrames(write_video("a.mp4"), fps=-1)
 
 
 @pytest.mark.parametrize("index", [0, 1, COUNT - 1])
@@ -70,7 +74,7 @@ def test_read_frame(write_video, index):
 
 
 def test_sample_is_spread_over_the_video(write_video):
-    with Frames(write_video("a.avi", "MJPG")) as frames:
+    with ColourFrames(write_video("a.avi", "MJPG")) as frames:
         means = [frame.mean() for frame in frames.sample(5)]
         assert np.allclose(means, [grey_of(i) for i in (0, 9, 19, 29, 39)], atol=3)
         assert 5 <= len(list(frames.sample(30))) <= COUNT
@@ -82,14 +86,14 @@ def test_folder_in_natural_order(tmp_path):
         cv2.imwrite(str(tmp_path / f"frame{index}.png"), np.full((8, 12, 3), index, np.uint8))
     (tmp_path / "notes.txt").write_text("not an image")
     (tmp_path / ".frame0.png").write_bytes(b"hidden")
-    with Frames(tmp_path) as frames:
+    with ColourFrames(tmp_path) as frames:
         assert [frame[0, 0, 0] for _, _, frame in frames] == [1, 2, 10]
         assert (frames.name, frames.size, frames.frame_count) == (tmp_path.name, (12, 8), 3)
         assert frames.fps == DEFAULT_FPS
         assert "no frame rate" in frames.warnings[0]
         assert len(list(frames.sample(2))) == 2
     assert read_frame(tmp_path, 2)[0, 0, 0] == 10
-    with Frames(tmp_path / "frame1.png", fps=5) as one:  # not the start of a sequence
+    with ColourFrames(tmp_path / "frame1.png", fps=5) as one:  # not the start of a sequence
         assert [frame[0, 0, 0] for _, _, frame in one] == [1]
         assert not one.warnings
 
@@ -98,39 +102,39 @@ def test_size_change_in_a_folder(tmp_path):
     cv2.imwrite(str(tmp_path / "1.png"), np.zeros((8, 12), np.uint8))
     cv2.imwrite(str(tmp_path / "2.png"), np.zeros((12, 8), np.uint8))
     with pytest.raises(EpibarError, match=r"2.png: 8x12, but the frames before it are 12x8"):
-        list(Frames(tmp_path))
+        list(ColourFrames(tmp_path))
 
 
 def test_unusable_files(tmp_path, write_video):
     with pytest.raises(EpibarError, match=r"none.mp4: no such file"):
-        Frames(tmp_path / "none.mp4")
+        ColourFrames(tmp_path / "none.mp4")
     (tmp_path / "empty.mp4").touch()
     with pytest.raises(EpibarError, match=r"empty.mp4: the file is empty"):
-        Frames(tmp_path / "empty.mp4")
+        ColourFrames(tmp_path / "empty.mp4")
     (tmp_path / "text.mp4").write_text("hello\n" * 1000)
     with pytest.raises(EpibarError, match=r"text.mp4: not a video"):
-        Frames(tmp_path / "text.mp4")
+        ColourFrames(tmp_path / "text.mp4")
     whole = write_video("whole.mp4").read_bytes()
     (tmp_path / "cut.mp4").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(EpibarError, match=r"cut.mp4: not a video"):
-        Frames(tmp_path / "cut.mp4")
+        ColourFrames(tmp_path / "cut.mp4")
     with pytest.raises(EpibarError, match=r"none.avi: not"):
-        Frames(write_video("none.avi", "MJPG", count=0))
+        ColourFrames(write_video("none.avi", "MJPG", count=0))
     (tmp_path / "folder").mkdir()
     with pytest.raises(EpibarError, match="no png, jpg, tif or bmp"):
-        Frames(tmp_path / "folder")
+        ColourFrames(tmp_path / "folder")
     (tmp_path / "folder" / "1.png").write_bytes(b"no image")
     with pytest.raises(EpibarError, match=r"1.png: not an image"):
-        Frames(tmp_path / "folder")
+        ColourFrames(tmp_path / "folder")
     np.save(tmp_path / "masks.npy", np.zeros((2, 3, 4), np.uint8))
     with pytest.raises(EpibarError, match="array of masks"):
-        Frames(tmp_path / "masks.npy")
+        ColourFrames(tmp_path / "masks.npy")
 
 
 def test_truncated_video_keeps_what_was_decoded(write_video):
     path = write_video("cut.avi", "MJPG")
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-    with Frames(path) as frames:
+    with ColourFrames(path) as frames:
         announced = frames.frame_count
         decoded = len(list(frames))
         assert 0 < decoded < COUNT
@@ -141,7 +145,7 @@ def test_truncated_video_keeps_what_was_decoded(write_video):
 
 
 def test_announced_frames_that_are_missing(write_video):
-    with Frames(write_video("a.mp4")) as frames:
+    with ColourFrames(write_video("a.mp4")) as frames:
         frames._announced = 2 * COUNT
         list(frames)
         assert frames.truncated
@@ -150,7 +154,7 @@ def test_announced_frames_that_are_missing(write_video):
 
 @pytest.mark.parametrize("announced", [0.0, float("nan"), -1.0, float("inf")])
 def test_no_usable_frame_rate(write_video, announced):
-    with Frames(write_video("a.mp4")) as frames:
+    with ColourFrames(write_video("a.mp4")) as frames:
         frames._choose_fps(announced)
         assert frames.fps == DEFAULT_FPS
         assert "25 frames per second assumed" in frames.warnings[0]
@@ -286,13 +290,15 @@ def run(code):
 
 
 def test_opencv_is_imported_late():
-    done = run("import epibar.video, epibar.foreground, epibar.intrinsics; print('cv2' in sys.modules)")
+    done = run("import epibar.sources, epibar.foreground, epibar.lens; print('cv2' in sys.modules)")
     assert done.stdout == "False\n"
 
 
 def test_opencv_does_not_chatter(tmp_path, write_video):
     whole = write_video("whole.mp4").read_bytes()
     (tmp_path / "cut.mp4").write_bytes(whole[: len(whole) // 2])
-    done = run(f"from epibar.video import Frames; Frames({str(tmp_path / 'cut.mp4')!r})")
+    done = run(
+        f"from epibar.sources.single_frame import ColourFrames; ColourFrames({str(tmp_path / 'cut.mp4')!r})"
+    )
     assert "EpibarError" in done.stderr
     assert "moov" not in done.stderr

@@ -1,10 +1,11 @@
 """Epipolar geometry of stationary cameras from what moves in front of them.
 
 >>> import epibar
->>> rec_a = epibar.record("cam1.mp4")  # doctest: +SKIP
->>> rec_b = epibar.record("cam2.mp4")  # doctest: +SKIP
->>> cal = epibar.calibrate(rec_a, rec_b)  # doctest: +SKIP
->>> cal.accepted, cal.reason, cal.F  # doctest: +SKIP
+>>> rec_a = epibar.record("cam1.mp4")
+>>> rec_b = epibar.record("cam2.mp4")
+>>> cal = epibar.calibrate(rec_a, rec_b)
+>>> if cal.accepted:
+...     F, error = cal.F, cal.expected_error
 
 Conventions: ``x_b^T F x_a = 0`` with F of Frobenius norm 1; points are (x, y) in pixels with pixel centres at
 integers; masks are (T, H, W), non-zero = moving; bit i of a motion barcode is frame i, packed in words of 64
@@ -20,16 +21,20 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from . import export, live, plot
-    from .calibration import Calibration, Candidates, FrontierPoints, calibrate
-    from .diagnosis import Diagnosis, inspect
+    from .calibration import Calibration, calibrate
     from .errors import EpibarError
-    from .evaluation import symmetric_epipolar_distance
-    from .foreground import ForegroundOptions
-    from .intrinsics import Intrinsics, load_cameras
+    from .evaluation import Evaluation, evaluate
+    from .foreground.options import ForegroundOptions
+    from .from_video import record
+    from .geometry.correspondences import Candidates, FrontierPoints
+    from .geometry.epipolar import symmetric_epipolar_distance
+    from .geometry.pose import RelativePose, relative_pose
+    from .health.diagnosis import Diagnosis
+    from .health.inspection import inspect
     from .jobs import AllPairs, calibrate_all
-    from .matching import barcodes, match_barcodes
-    from .pose import RelativePose, relative_pose
-    from .recorder import record
+    from .lens.camera_file import load_cameras
+    from .lens.intrinsics import Intrinsics
+    from .motion_barcodes import barcodes, match_barcodes
     from .recording import Recording
 
 __all__ = [
@@ -38,6 +43,7 @@ __all__ = [
     "Candidates",
     "Diagnosis",
     "EpibarError",
+    "Evaluation",
     "ForegroundOptions",
     "FrontierPoints",
     "Intrinsics",
@@ -47,6 +53,7 @@ __all__ = [
     "barcodes",
     "calibrate",
     "calibrate_all",
+    "evaluate",
     "export",
     "inspect",
     "live",
@@ -61,23 +68,25 @@ __all__ = [
 _HOME = {
     "AllPairs": "jobs",
     "Calibration": "calibration",
-    "Candidates": "calibration",
-    "Diagnosis": "diagnosis",
+    "Candidates": "geometry",
+    "Diagnosis": "health",
     "EpibarError": "errors",
-    "ForegroundOptions": "foreground",
-    "FrontierPoints": "calibration",
-    "Intrinsics": "intrinsics",
+    "Evaluation": "evaluation",
+    "ForegroundOptions": "foreground.options",
+    "FrontierPoints": "geometry",
+    "Intrinsics": "lens",
     "Recording": "recording",
-    "RelativePose": "pose",
-    "barcodes": "matching",
+    "RelativePose": "geometry",
+    "barcodes": "motion_barcodes",
     "calibrate": "calibration",
     "calibrate_all": "jobs",
-    "inspect": "diagnosis",
-    "load_cameras": "intrinsics",
-    "match_barcodes": "matching",
-    "record": "recorder",
-    "relative_pose": "pose",
-    "symmetric_epipolar_distance": "evaluation",
+    "evaluate": "evaluation",
+    "inspect": "health",
+    "load_cameras": "lens",
+    "match_barcodes": "motion_barcodes",
+    "record": "from_video",
+    "relative_pose": "geometry",
+    "symmetric_epipolar_distance": "geometry",
 }
 
 _MODULES = ("export", "live", "plot")

@@ -12,23 +12,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .archive import read_archive, write_archive
-from .calibration_file import KIND, from_arrays, to_arrays
-from .correspondences import Candidates, FrontierPoints
-from .diagnosis import cause_of_refusal
+from .arguments import MAX_SEED, Array, as_camera_matrix, as_positive, as_whole_number, core_errors, is_number
+from .clocks import Timing, frame_interval, position_in_b
 from .errors import EpibarError
-from .recording import Recording
-from .timing import Timing, frame_interval, position_in_b
-from .validation import MAX_SEED, as_camera_matrix, as_whole_number, core_errors
+from .files.archive import read_archive, write_archive
+from .files.calibration_npz import KIND, from_arrays, to_arrays
+from .geometry.correspondences import Candidates, FrontierPoints
+from .health.inspection import cause_of_refusal
+from .recording import Recording, as_recording
 
 __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "calibrate"]
 
 METHODS = ("frontier", "lines")
 
-SEARCH_SECONDS = 21.0
-"""How far either way ``time_offset="search"`` looks, unless told."""
+MAX_EXPECTED_ERROR = 3.0
+"""Pixels: a pair that states more is refused by default."""
 
-Array = NDArray[np.float64]
+SEARCH_SECONDS = 21.0
+"""How far either way ``time_offset="search"`` looks by default."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +106,7 @@ class Calibration:
     def frame_of_b(self, frame: ArrayLike) -> Array:
         """Return where frames of A fall among the frames of B, where no frame of either is missing.
 
-        Where frames were dropped the recordings know more: see :func:`epibar.timing.positions_in_b`.
+        Where frames were dropped the recordings know more: see :func:`epibar.clocks.positions_in_b`.
         """
         return position_in_b(frame, self.time_offset, self.timing.frames_per_frame)
 
@@ -151,16 +152,16 @@ class Calibration:
     def _check(self, where: str) -> None:
         """Refuse arrays whose shapes do not belong together."""
         pairs, points = len(self.candidates.correlation), len(self.frontier_points.residual)
-        found, told = self.candidates, self.frontier_points
+        lines, corners = self.candidates, self.frontier_points
         expected = [
             ("F", self.F, (3, 3)),
             ("floor", self.floor, (3, 3)),
-            ("candidates.lines_a", found.lines_a, (pairs, 3)),
-            ("candidates.lines_b", found.lines_b, (pairs, 3)),
-            ("candidates.inliers", found.inliers, (pairs,)),
-            ("frontier_points.frame", told.frame, (points,)),
-            ("frontier_points.a", told.a, (points, 2)),
-            ("frontier_points.b", told.b, (points, 2)),
+            ("candidates.lines_a", lines.lines_a, (pairs, 3)),
+            ("candidates.lines_b", lines.lines_b, (pairs, 3)),
+            ("candidates.inliers", lines.inliers, (pairs,)),
+            ("frontier_points.frame", corners.frame, (points,)),
+            ("frontier_points.a", corners.a, (points, 2)),
+            ("frontier_points.b", corners.b, (points, 2)),
         ]
         for name, array, shape in expected:
             if array is not None and np.shape(array) != shape:
@@ -178,7 +179,7 @@ def calibrate(
     essential: bool = True,
     candidates: int = 1000,
     draws: int = 10_000,
-    max_expected_error: float = 3.0,
+    max_expected_error: float = MAX_EXPECTED_ERROR,
     search_seconds: float = SEARCH_SECONDS,
     progress: Callable[[str, float], None] | None = None,
 ) -> Calibration:
@@ -235,25 +236,18 @@ def calibrate(
     Examples
     --------
     >>> import epibar
-    >>> rec_a, rec_b = epibar.Recording.load("a.npz"), epibar.Recording.load("b.npz")  # doctest: +SKIP
-    >>> cal = epibar.calibrate(rec_a, rec_b)  # doctest: +SKIP
-    >>> if cal.accepted:  # doctest: +SKIP
-    ...     print(cal.F, cal.expected_error)
+    >>> rec_a, rec_b = epibar.Recording.load("cam1.npz"), epibar.Recording.load("cam2.npz")
+    >>> cal = epibar.calibrate(rec_a, rec_b)
+    >>> if cal.accepted:
+    ...     F, error = cal.F, cal.expected_error
     """
-    for name, recording in (("rec_a", rec_a), ("rec_b", rec_b)):
-        if not isinstance(recording, Recording):
-            raise EpibarError(
-                f"{name} is a {type(recording).__name__}, expected a Recording, e.g. from epibar.record"
-            )
+    as_recording("rec_a", rec_a)
+    as_recording("rec_b", rec_b)
     if method not in METHODS:
         raise EpibarError(f"method = {method!r}: it must be one of {', '.join(METHODS)}")
     seed = as_whole_number("seed", seed, 0, MAX_SEED)
-    if not (_is_number(max_expected_error) and max_expected_error > 0):
-        raise EpibarError(
-            f"max_expected_error = {max_expected_error!r}: it must be a positive number of pixels"
-        )
-    if not (_is_number(search_seconds) and search_seconds > 0):
-        raise EpibarError(f"search_seconds = {search_seconds!r}: it must be a positive number of seconds")
+    limit = as_positive("max_expected_error", max_expected_error, "pixels")
+    reach = as_positive("search_seconds", search_seconds, "seconds")
     with core_errors():
         result = _core.calibrate(
             rec_a._core,
@@ -261,12 +255,12 @@ def calibrate(
             method,
             seed,
             _checked_offset(time_offset, rec_a, rec_b),
-            float(search_seconds),
+            reach,
             bool(upright),
             _matrices(rec_a, rec_b) if essential else None,
             as_whole_number("candidates", candidates, 3),
             as_whole_number("draws", draws, 1),
-            float(max_expected_error),
+            limit,
             progress,
         )
     error = result.expected_error
@@ -302,20 +296,11 @@ def _matrices(rec_a: Recording, rec_b: Recording) -> tuple[NDArray[np.float64], 
     return as_camera_matrix(rec_a.matrix), as_camera_matrix(rec_b.matrix)
 
 
-def _is_number(value: Any) -> bool:
-    """Whether a value is a finite real number, and not a truth value."""
-    return (
-        isinstance(value, (int, float, np.integer, np.floating))
-        and not isinstance(value, bool)
-        and bool(math.isfinite(value))
-    )
-
-
 def _checked_offset(time_offset: Any, rec_a: Recording, rec_b: Recording) -> float | None:
     """Return the offset in frames of B, None to search for it."""
     if isinstance(time_offset, str) and time_offset == "search":
         return None
-    if not _is_number(time_offset):
+    if not is_number(time_offset):
         raise EpibarError(f"time_offset = {time_offset!r}: expected a finite number of frames, or 'search'")
     before = (rec_a.times[-1] - rec_a.times[0]) / frame_interval(rec_b)
     if time_offset >= rec_b.frames or -time_offset > before + 1:

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .archive import read_archive, write_archive
+from .arguments import MAX_SEED, as_camera_matrix, as_masks, as_whole_number, core_errors
 from .errors import EpibarError
-from .validation import MAX_SEED, as_camera_matrix, as_masks, as_whole_number, core_errors
+from .files.archive import read_archive, write_archive
 
-__all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "new_recorder"]
+__all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "as_recording", "new_recorder"]
 
 DEFAULT_LINES = 20_000
 """Random lines per camera: the number of true candidate pairs grows with it."""
@@ -279,6 +279,15 @@ class Recording:
         except (ValueError, TypeError, KeyError, OverflowError) as error:
             text = str(error)
             raise EpibarError(text if text.startswith(where) else f"{where}: damaged ({text})") from error
+
+
+def as_recording(name: str, value: Any) -> Recording:
+    """Return ``value``, the argument ``name``, if it is a recording."""
+    if not isinstance(value, Recording):
+        raise EpibarError(
+            f"{name} is a {type(value).__name__}, expected a Recording, e.g. from epibar.record"
+        )
+    return value
 
 
 def _stored_health(arrays: Mapping[str, NDArray[Any]]) -> dict[str, float]:

@@ -1,7 +1,6 @@
-"""The command line: ``epibar calibrate``, ``epibar record``, ``epibar evaluate``, ``epibar demo``.
+"""The command line, ``epibar COMMAND``: one file a command.
 
-Exit codes: 0 the work was done (a refused pair is a result, not a failure), 2 unusable input, 130
-interrupted. Nothing heavy is imported before the arguments are understood, so ``--help`` is instant.
+Nothing heavy is imported before the arguments are understood, so ``--help`` is instant.
 """
 
 from __future__ import annotations
@@ -9,14 +8,12 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib import import_module
 
-from .interrupt import INTERRUPTED, prompt_interrupt
+from .exit_codes import DONE, INTERRUPTED, UNUSABLE
+from .interrupt import prompt_interrupt
 from .parser import build_parser
 
 __all__ = ["main"]
-
-BAD_INPUT = 2
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -35,10 +32,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         args = build_parser().parse_args(argv)
     except SystemExit as stop:
-        return stop.code if isinstance(stop.code, int) else BAD_INPUT
+        return stop.code if isinstance(stop.code, int) else UNUSABLE
     try:
         with prompt_interrupt():
-            code: int = import_module(f".{args.command}", __name__).run(args)
+            code: int = args.run(args)
             sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -46,16 +43,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         return INTERRUPTED
     except BrokenPipeError:  # the reader of our output, e.g. `head`, has gone
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        return DONE
     except OSError as error:  # what the system says of a file: it may be in a folder that is not ours to read
         if error.filename is None:
             raise
         print(f"epibar: error: {error.filename}: {error.strerror}", file=sys.stderr)
-        return BAD_INPUT
+        return UNUSABLE
     except Exception as error:
         from ..errors import EpibarError
 
         if not isinstance(error, EpibarError):
             raise
         print(f"epibar: error: {error}", file=sys.stderr)
-        return BAD_INPUT
+        return UNUSABLE

@@ -3,24 +3,143 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from contextlib import nullcontext
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..errors import EpibarError
-from ..frame_range import FrameRange
-from ..jobs.all_pairs import run_job
-from ..jobs.dask import dask_executor
-from ..jobs.inputs import Job, PairOptions, RecordOptions, camera_inputs
-from ..report.files import json_text
-from .console import Console
+from .exit_codes import exit_code
+from .options import (
+    CommandParser,
+    add_output_options,
+    offset,
+    positive_pixels,
+    scheduler_address,
+    seconds,
+)
+from .recording_options import add_recording_options, record_options
 
-__all__ = ["run"]
+if TYPE_CHECKING:
+    from ..jobs.inputs import Job
+
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "calibrate"
+HELP = "videos in, a fundamental matrix and a verdict for every pair out"
+DESCRIPTION = (
+    "Find the fundamental matrix of every pair of cameras. Writes calibration.json, report.html to look at, "
+    "and for each pair a picture with matched epipolar lines and the frontier points as CSV. Recordings and "
+    "pairs are kept in DIR: the same command again, or with one more camera, does only what is missing."
+)
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_videos("one per camera: a video, a folder of images, or a saved recording")
+    command.add_argument(
+        "-o", "--out", required=True, metavar="DIR", help="folder for the results; made if it is missing"
+    )
+    _add_pair_options(command)
+    add_recording_options(command, several=True)
+    group = command.add_argument_group("how the work is done")
+    group.add_argument(
+        "--scheduler",
+        type=scheduler_address,
+        metavar="ADDRESS",
+        help="run on Dask, where one machine is too slow: tcp://host:port of its scheduler, or 'local' for a "
+        "process per core here",
+    )
+    group.add_argument(
+        "--fresh",
+        action="store_true",
+        help="do everything again, whatever is kept in DIR; after a change of epibar's own sources",
+    )
+    group.add_argument(
+        "--no-report",
+        dest="report",
+        action="store_false",
+        help="do not write report.html; where only programs read the results",
+    )
+    add_output_options(command, json="print calibration.json on stdout, all else on stderr")
+
+
+def _add_pair_options(command: CommandParser) -> None:
+    group = command.add_argument_group("how pairs are calibrated")
+    group.add_argument(
+        "--method",
+        choices=("frontier", "lines"),
+        default="frontier",
+        help="'lines' is the paper's, motion barcodes alone: for comparison (default: %(default)s)",
+    )
+    group.add_argument(
+        "--time-offset",
+        type=offset,
+        default=0.0,
+        metavar="N|search",
+        help="frame i of the first camera is frame i + N of the second: give it when they were not started "
+        "together; 'search' finds it (default: 0)",
+    )
+    group.add_argument(
+        "--search-seconds",
+        type=seconds,
+        default=21.0,
+        metavar="S",
+        help="how far either way '--time-offset search' looks: raise it for cameras started further apart; a "
+        "wider search asks for more evidence (default: %(default)g)",
+    )
+    group.add_argument(
+        "--any-way-up",
+        action="store_true",
+        help="do not assume that all cameras are the right way up: when one hangs upside down, or is rolled "
+        "by a quarter turn or more",
+    )
+    group.add_argument(
+        "--no-essential",
+        dest="essential",
+        action="store_false",
+        help="use camera matrices, of --intrinsics or in saved recordings, for the lens alone: when they are "
+        "not to be trusted, as essential_deviation above 0.05 says",
+    )
+    group.add_argument(
+        "--max-expected-error",
+        type=positive_pixels,
+        default=3.0,
+        metavar="PX",
+        help="accept only pairs that state less: raise it when a coarse answer is good enough, but not with "
+        "boxes or ellipses as masks (default: %(default)g)",
+    )
 
 
 def run(args: Namespace) -> int:
     """Run the command; every pair whose two cameras are usable is written."""
-    console = Console(args.quiet, json=args.json)
-    job = Job(
+    from contextlib import nullcontext
+
+    from ..errors import EpibarError
+    from ..files.calibration_json import json_text
+    from ..jobs.all_pairs import run_job
+    from ..jobs.dask import dask_executor
+    from .console import Console
+
+    console = Console(args.quiet, json=args.json, verbose=args.verbose)
+    job = _job(args)
+    if job.out.exists() and not job.out.is_dir():
+        raise EpibarError(f"--out {job.out}: this is a file; give a folder")
+    with console, nullcontext() if args.scheduler is None else dask_executor(args.scheduler) as executor:
+        found = run_job(job, executor, console)
+    files = "calibration.json" + (" and report.html" if job.report else "")
+    accepted = sum(calibration.accepted for calibration in found.calibrations.values())
+    failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
+    console.note(f"accepted: {accepted} of {len(job.pairs)} pairs{failed}; written: {files} in {job.out}")
+    if not job.report and (job.out / "report.html").exists():
+        console.warning(f"{job.out / 'report.html'} is still that of an earlier run")
+    if args.json:
+        console.json(json_text(found.content))
+    return exit_code(len(found.calibrations), len(found.errors))
+
+
+def _job(args: Namespace) -> Job:
+    from pathlib import Path
+
+    from ..jobs.inputs import Job, PairOptions, camera_inputs
+
+    return Job(
         cameras=camera_inputs(
             args.videos,
             background=args.background,
@@ -38,30 +157,12 @@ def run(args: Namespace) -> int:
             upright=not args.any_way_up,
             essential=args.essential,
             search_seconds=args.search_seconds,
+            max_expected_error=args.max_expected_error,
         ),
         intrinsics=args.intrinsics,
         fresh=args.fresh,
         report=args.report,
     )
-    if job.out.exists() and not job.out.is_dir():
-        raise EpibarError(f"--out {job.out}: this is a file; give a folder")
-    with console, nullcontext() if args.scheduler is None else dask_executor(args.scheduler) as executor:
-        found = run_job(job, executor, console)
-    files = "calibration.json" + (" and report.html" if job.report else "")
-    accepted = sum(calibration.accepted for calibration in found.calibrations.values())
-    failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
-    console.note(f"accepted: {accepted} of {len(job.pairs)} pairs{failed}; written: {files} in {job.out}")
-    if not job.report and (job.out / "report.html").exists():
-        console.warning(f"{job.out / 'report.html'} is still that of an earlier run")
-    if args.json:
-        console.json(json_text(found.content))
-    return 2 if found.errors else 0
-
-
-def record_options(args: Namespace) -> RecordOptions:
-    """Take the options that ``calibrate`` and ``record`` share."""
-    frames = FrameRange.of(args.frames)
-    return RecordOptions(args.lines, args.seed, args.masks, args.foreground, frames)
 
 
 def _option(name: str) -> str:

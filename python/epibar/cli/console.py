@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import platform
 import sys
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
 from typing import IO, Any
 
+from ..calibration import Calibration
 from ..jobs.watch import Watch
 
 __all__ = ["Console"]
@@ -22,12 +26,17 @@ class Console(Watch):
         Errors only.
     json : bool
         Stdout is for the JSON result alone: what would be printed there goes to stderr.
+    verbose : bool
+        Also versions, and the numbers that results rest on, on stderr.
     """
 
-    def __init__(self, quiet: bool = False, json: bool = False) -> None:
+    def __init__(self, quiet: bool = False, json: bool = False, verbose: bool = False) -> None:
         self.quiet = quiet
+        self.verbose = verbose and not quiet
         self._stdout_is_taken = json
         self._bars: dict[str, Any] = {}
+        if self.verbose:
+            self.note(_versions())
 
     def __enter__(self) -> Console:
         return self
@@ -50,6 +59,17 @@ class Console(Watch):
     def verdict(self, text: str) -> None:
         """Print what came out of a pair."""
         self.result(text)
+
+    def calibrated(self, a: str, b: str, calibration: Calibration, seconds: float | None) -> None:
+        """Print the verdict on a pair, and with ``verbose`` what it rests on."""
+        super().calibrated(a, b, calibration, seconds)
+        self.numbers("counts", calibration.counts)
+        self.numbers("evidence", calibration.evidence)
+
+    def numbers(self, of_what: str, found: Mapping[str, float]) -> None:
+        """Print numbers by their name, where the user asked for much."""
+        if self.verbose and found:
+            self.note(f"  {of_what}: " + ", ".join(f"{name} {value:.6g}" for name, value in found.items()))
 
     def json(self, text: str) -> None:
         """Print a JSON result, on stdout, however quiet."""
@@ -99,3 +119,14 @@ class Console(Watch):
 
         tqdm.write(text, file=stream)
         stream.flush()
+
+
+def _versions() -> str:
+    """Versions of what results depend on."""
+    found = {"python": platform.python_version(), "system": platform.platform()}
+    for package in ("epibar", "numpy", "opencv-python-headless"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return ", ".join(f"{name} {number}" for name, number in found.items())

@@ -4,110 +4,65 @@ from __future__ import annotations
 
 import math
 from argparse import Namespace
-from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
+from .exit_codes import DONE
+from .options import CommandParser, add_output_options
 
-from ..errors import EpibarError
-from ..evaluation import (
-    compare,
-    fundamental_from_cameras,
-    image_correspondences,
-    moving_volume,
-    project,
-    projection_matrix,
-    symmetric_epipolar_distance,
-    triangulate,
-    volume_correspondences,
+if TYPE_CHECKING:
+    from ..evaluation.run import PairEvaluation
+
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "evaluate"
+HELP = "compare a calibration with known cameras"
+DESCRIPTION = (
+    "Print for every pair the symmetric epipolar distance over the volume where things moved and over the "
+    "image, against cameras whose pose is known."
 )
-from ..export.run import Camera, Pair, Run
-from ..intrinsics import Pose, load_cameras
-from .console import Console
+HEADER = ("pair", "verdict", "error over the volume", "over the image", "expected")
 
-__all__ = ["run"]
 
-Array = NDArray[np.float64]
-
-RADIUS = 6.0
-"""Pixels: a frontier point that is farther from the true epipolar lines is a wrong match."""
-
-LEAST_POINTS = 20
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_argument(
+        "calibration",
+        metavar="calibration.json",
+        help="what 'epibar calibrate' wrote, or the folder it is in",
+    )
+    command.add_argument("--cameras", required=True, metavar="FILE.toml", help="the known cameras, with pose")
+    add_output_options(command, json="print the errors for programs, and warnings on stderr")
 
 
 def run(args: Namespace) -> int:
     """Run the command."""
-    console = Console()
-    path = Path(args.calibration)
-    result = Run.load(path)
-    known = load_cameras(args.cameras)
-    found = zip(result.cameras, result.found_in(known, args.cameras), strict=True)
-    cameras = {camera.name: given.posed() for camera, given in found}
-    if not result.intrinsics and any(camera.distorted for camera in known):
-        console.warning(
-            f"{path} was made without --intrinsics, but the cameras have lens distortion; "
-            "the errors below include it"
-        )
-    truths = {pair.name: _truth(pair, cameras, console) for pair in result.pairs}
-    points = np.concatenate(
-        [np.empty((0, 3)), *(_world_points(pair, cameras, truths[pair.name]) for pair in result.pairs)]
-    )
-    volume = moving_volume(points) if len(points) >= LEAST_POINTS else None
+    import json
 
-    rows: list[tuple[str, ...]] = [("pair", "verdict", "error over the volume", "over the image", "expected")]
-    rows += [_row(pair, result.by_name, cameras, truths[pair.name], volume) for pair in result.pairs]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    from ..evaluation.run import evaluate
+    from .console import Console
+
+    console = Console(args.quiet, json=args.json, verbose=args.verbose)
+    found = evaluate(args.calibration, args.cameras)
+    for warning in found.warnings:
+        console.warning(warning)
+    if args.json:
+        console.json(json.dumps(found.as_dict(), indent=1, allow_nan=False))
+        return DONE
+    rows = [HEADER, *map(_row, found.pairs)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
     for row in rows:
         console.result("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
-    if volume is None:
+    if not found.volume_known:
         console.note("too few frontier points agree with the known cameras to tell where things moved")
-    return 0
+    return DONE
 
 
-def _truth(pair: Pair, cameras: dict[str, Pose], console: Console) -> Array | None:
-    """Fundamental matrix of the known cameras of a pair, where they have one that shows."""
-    a, b = cameras[pair.a], cameras[pair.b]
-    try:
-        truth = fundamental_from_cameras(a, b)
-        image_correspondences(truth, a.size, b.size)
-    except EpibarError as error:
-        console.warning(f"{pair.name}: no errors are given, {error}")
-        return None
-    return truth
-
-
-def _world_points(pair: Pair, cameras: dict[str, Pose], truth: Array | None) -> Array:
-    """Triangulate the frontier points of a pair with the known cameras: where things moved, (n, 3)."""
-    if truth is None:
-        return np.empty((0, 3))
-    a, b = pair.frontier_points.a, pair.frontier_points.b
-    camera_a, camera_b = cameras[pair.a], cameras[pair.b]
-    right = symmetric_epipolar_distance(truth, a, b) < RADIUS
-    a, b = a[right], b[right]
-    if not len(a):
-        return np.empty((0, 3))
-    points = triangulate(projection_matrix(camera_a), projection_matrix(camera_b), a, b)
-    points = points[np.isfinite(points).all(axis=1)]
-    in_front = (project(camera_a, points)[1] > 0) & (project(camera_b, points)[1] > 0)
-    return points[in_front]
-
-
-def _row(
-    pair: Pair,
-    recorded: dict[str, Camera],
-    cameras: dict[str, Pose],
-    truth: Array | None,
-    volume: Array | None,
-) -> tuple[str, ...]:
+def _row(pair: PairEvaluation) -> tuple[str, ...]:
     """One line of the table."""
     verdict = "accepted" if pair.accepted else f"refused ({pair.kind})"
-    expected = "-" if pair.expected_error is None else _pixels(pair.expected_error)
-    if pair.F is None or truth is None:
-        return pair.name, verdict, "-", "-", expected
-    seen = None if volume is None else volume_correspondences(cameras[pair.a], cameras[pair.b], volume)
-    figures = compare(pair.F, truth, recorded[pair.a].size, recorded[pair.b].size, seen)
-    return pair.name, verdict, _pixels(figures.volume_error), _pixels(figures.image_error), expected
+    figures = (pair.volume_error, pair.image_error, pair.expected_error)
+    return (pair.name, verdict, *map(_pixels, figures))
 
 
-def _pixels(value: float) -> str:
-    return f"{value:.2f} px" if math.isfinite(value) else "-"
+def _pixels(value: float | None) -> str:
+    return "-" if value is None or not math.isfinite(value) else f"{value:.2f} px"

@@ -3,46 +3,72 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
 
-from .. import export
-from ..errors import EpibarError
-from ..intrinsics import load_cameras
-from .console import Console
+from ..export.formats import FORMATS
+from .exit_codes import DONE
+from .options import CommandParser, add_output_options
 
-__all__ = ["run"]
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
-PLAIN = {
-    "opencv": export.write_opencv,
-    "npz": export.write_npz,
-    "colmap": export.write_colmap,
-    "csv": export.write_csv,
-}
+NAME = "export"
+HELP = "write the results for OpenCV, NumPy, COLMAP, aniposelib, Caliscope, or as CSV"
+DESCRIPTION = (
+    "Write what 'epibar calibrate' found in a form that other tools read. "
+    + " ".join(f"{name}: {one.what}." for name, one in FORMATS.items())
+    + " Poses need intrinsics."
+)
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
+    command.add_argument("--format", required=True, choices=tuple(FORMATS), help="of the file")
+    command.add_argument("-o", "--out", required=True, metavar="PATH", help="the file to write")
+    command.add_argument(
+        "--all",
+        action="store_true",
+        help="refused pairs too, marked with their verdict; to look into a refusal",
+    )
+    command.add_argument(
+        "--intrinsics",
+        metavar="FILE.toml",
+        help="camera matrices, where the run was made without; lenses for toml and caliscope "
+        "(default: the file that the run was made with)",
+    )
+    add_output_options(command)
 
 
 def run(args: Namespace) -> int:
     """Run the command."""
-    console = Console(args.quiet)
-    found = export.Run.load(args.folder)
+    from pathlib import Path
+
+    from ..errors import EpibarError
+    from ..lens.camera_file import load_cameras
+    from ..runs.run import Run
+    from .console import Console
+
+    console = Console(args.quiet, verbose=args.verbose)
+    found = Run.load(args.folder)
     out = Path(args.out)
     if out.resolve() in [file.resolve() for file in found.files]:
         raise EpibarError(f"--out {out}: this is part of the run itself")
     selected = found.selected(every=args.all)
     if args.intrinsics:
         selected = selected.with_intrinsics(load_cameras(args.intrinsics), args.intrinsics)
+    chosen = FORMATS[args.format]
     known = any(camera.matrix is not None for camera in selected.cameras)
-    if known and args.format != "csv":
+    if known and chosen.poses:
         for reason in selected.poses()[1]:
             console.warning(f"without a pose: {reason}")
-    if args.format in PLAIN:
-        written = PLAIN[args.format](selected, out)
-    else:
-        written = export.write_toml(selected, out, args.intrinsics, caliscope=args.format == "caliscope")
+    if chosen.lenses:
+        written = chosen.write(selected, out, args.intrinsics)
         if len(written) > 1 or written[0] != out:
             console.warning("the pairs cannot be put into one world: a file for each; [metadata] says why")
+    else:
+        written = chosen.write(selected, out)
     left_out = len(found.pairs) - len(selected.pairs)
     if left_out:
         console.note(f"left out: {left_out} of {len(found.pairs)} pairs, not accepted; --all takes them too")
     for path in written:
         console.result(f"written: {path}")
-    return 0
+    return DONE

@@ -2,40 +2,56 @@
 
 from __future__ import annotations
 
-import json
 from argparse import Namespace
-from dataclasses import replace
 from typing import Any
 
-from ..diagnosis import inspect
-from ..errors import EpibarError
-from ..intrinsics import find_camera, load_cameras
-from ..jobs.inputs import Camera, one_each, source_name
-from ..jobs.tasks import record_camera
-from .calibrate import record_options
-from .console import Console
+from .exit_codes import exit_code
+from .options import CommandParser, add_output_options
+from .recording_options import add_recording_options, record_options
 
-__all__ = ["run"]
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "inspect"
+HELP = "what each camera is good for, before any pairing, and what is wrong with it"
+DESCRIPTION = (
+    "Print for each camera how much moved and where, how many lines are left after each filter, whether the "
+    "camera stood still and the light stayed on, and what is wrong and what to do."
+)
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_videos("a video, a folder of images, or a saved recording")
+    add_recording_options(command, several=True)
+    add_output_options(command, json="print it for programs")
 
 
 def run(args: Namespace) -> int:
     """Run the command; every camera that can be read is inspected."""
-    console = Console(args.quiet)
+    import json
+    from dataclasses import replace
+
+    from ..errors import EpibarError
+    from ..health.inspection import inspect
+    from ..jobs.inputs import CameraInput, one_each, source_name
+    from ..jobs.tasks import record_camera
+    from ..lens.camera_file import find_camera, load_cameras
+    from .console import Console
+
+    console = Console(args.quiet, json=args.json, verbose=args.verbose)
     count = len(args.videos)
     backgrounds = one_each("--background", args.background, count)
     ignored = one_each("--ignore", args.ignore, count)
     known = load_cameras(args.intrinsics) if args.intrinsics else None
     options = record_options(args)
     entries: list[dict[str, Any]] = []
-    failed = False
     for index, video in enumerate(args.videos):
-        camera = Camera(source_name(video), video, index, backgrounds[index], ignored[index])
+        camera = CameraInput(source_name(video), video, index, backgrounds[index], ignored[index])
         try:
             lens = find_camera(known, camera.name, index) if known is not None else None
             recording, _ = record_camera(replace(camera, intrinsics=lens), options, console.interactive)
         except EpibarError as error:
             console.error(str(error))
-            failed = True
             continue
         diagnosis = inspect(recording)
         remarks = [text for text in recording.warnings if not _told(text, diagnosis.findings)]
@@ -44,9 +60,10 @@ def run(args: Namespace) -> int:
             console.result("\n" * (len(entries) > 1) + str(diagnosis))
             for remark in remarks:
                 console.result(f"  note      {remark}")
+            console.numbers("counted while the video was watched", recording.health)
     if args.json:
         console.json(json.dumps(entries, indent=1, allow_nan=False))
-    return 2 if failed else 0
+    return exit_code(len(entries), count - len(entries))
 
 
 def _told(warning: str, findings: tuple[Any, ...]) -> bool:

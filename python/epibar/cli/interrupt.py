@@ -14,9 +14,10 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-__all__ = ["INTERRUPTED", "prompt_interrupt"]
+from .exit_codes import INTERRUPTED
 
-INTERRUPTED = 130
+__all__ = ["prompt_interrupt"]
+
 GRACE = 1.5
 """Seconds for the orderly way."""
 

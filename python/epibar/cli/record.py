@@ -3,20 +3,36 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from pathlib import Path
 
-from ..errors import EpibarError
-from ..jobs.inputs import Camera, source_name
-from ..jobs.tasks import record_camera
-from ..recorder import intrinsics_of
-from .calibrate import record_options
-from .console import Console
+from .exit_codes import DONE
+from .options import CommandParser, add_output_options
+from .recording_options import add_recording_options, record_options
 
-__all__ = ["run"]
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "record"
+HELP = "one video in, a small recording out that any other can be matched with"
+DESCRIPTION = "Turn one camera's video into a recording: lines with barcodes, silhouettes, no images."
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_argument("video", metavar="VIDEO", help="a video or a folder of images")
+    command.add_argument("-o", "--out", required=True, metavar="FILE.npz", help="the file to write")
+    add_recording_options(command, several=False)
+    add_output_options(command)
 
 
 def run(args: Namespace) -> int:
     """Run the command."""
+    from pathlib import Path
+
+    from ..errors import EpibarError
+    from ..jobs.inputs import CameraInput, source_name
+    from ..jobs.tasks import record_camera
+    from ..lens.camera_file import intrinsics_of
+    from .console import Console
+
     out = Path(args.out)
     if out.suffix.lower() != ".npz":
         raise EpibarError(f"--out {out}: the name of a recording ends in .npz")
@@ -26,19 +42,12 @@ def run(args: Namespace) -> int:
         raise EpibarError(f"--out {out}: this is the input itself")
     name = source_name(args.video)
     intrinsics = intrinsics_of(args.intrinsics, name) if args.intrinsics else None
-    camera = Camera(
-        name=name,
-        source=args.video,
-        index=0,
-        background=args.background[0] if args.background else None,
-        ignore=args.ignore[0] if args.ignore else None,
-        intrinsics=intrinsics,
-    )
-    with Console(args.quiet) as console:
+    camera = CameraInput(name, args.video, 0, args.background, args.ignore, intrinsics)
+    with Console(args.quiet, verbose=args.verbose) as console:
         recording, seconds = record_camera(
             camera, record_options(args), lambda stage, share: console.progress(stage, share, 1)
         )
         console.recorded(name, recording, seconds)
         recording.save(out)
         console.result(f"written: {out}")
-    return 0
+    return DONE

@@ -7,52 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..arguments import Array, Size, as_finite
 from ..errors import EpibarError
-from .cameras import PosedCamera, inside, project
-from .checks import Array, Size, checked, homogeneous
-from .lines import clip_lines
+from ..geometry.epipolar import symmetric_epipolar_distance
+from ..geometry.lines import clip_lines
+from ..geometry.vectors import homogeneous
 
 GOOD_PAIR_PX = 3.0
-
-
-def symmetric_epipolar_distance(F: ArrayLike, points_a: ArrayLike, points_b: ArrayLike) -> Array:
-    """Measure correspondences against F: ``½(d(x_b, F x_a) + d(x_a, Fᵀ x_b))``.
-
-    Parameters
-    ----------
-    F : (3, 3) array
-        Any scale.
-    points_a, points_b : (n, 2) array
-        Pixels.
-
-    Returns
-    -------
-    (n,) array
-        Pixels. Infinite where a point is an epipole of F, as it then has no epipolar line.
-
-    Raises
-    ------
-    EpibarError
-        For a wrong shape, unequal lengths, NaN, or F = 0.
-
-    Examples
-    --------
-    >>> F = [[0, 0, 0], [0, 0, -1], [0, 1, 0]]  # rectified cameras: epipolar lines are the rows
-    >>> float(symmetric_epipolar_distance(F, [[10, 20]], [[35, 22]])[0])
-    2.0
-    """
-    F = checked("F", F, (3, 3))
-    if not F.any():
-        raise EpibarError("F: all zero")
-    a, b = checked("points_a", points_a, 2), checked("points_b", points_b, 2)
-    if len(a) != len(b):
-        raise EpibarError(f"points_b: {len(b)} points, but points_a has {len(a)}")
-    a, b = homogeneous(a), homogeneous(b)
-    lines_b, lines_a = a @ F.T, b @ F
-    algebraic = np.abs(np.einsum("ni,ni->n", b, lines_b))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        distance = 0.5 * algebraic * (1 / np.hypot(*lines_b[:, :2].T) + 1 / np.hypot(*lines_a[:, :2].T))
-    return np.where(np.isfinite(distance), distance, np.inf)
 
 
 def image_correspondences(
@@ -73,7 +34,7 @@ def image_correspondences(
     EpibarError
         If the epipolar lines of image A (nearly) all miss image B.
     """
-    F = checked("F_true", F_true, (3, 3))
+    F = as_finite("F_true", F_true, (3, 3))
     rng = np.random.default_rng(seed)
     kept_a, kept_b, count = [], [], 0
     for _ in range(100):
@@ -89,15 +50,6 @@ def image_correspondences(
     raise EpibarError(f"F_true: only {count} of {100 * n} epipolar lines of image A cross image B")
 
 
-def volume_correspondences(
-    cam_a: PosedCamera, cam_b: PosedCamera, points3d: ArrayLike
-) -> tuple[Array, Array]:
-    """Project (n, 3) world points into both cameras; two (m, 2) arrays of those inside both images."""
-    a, b = project(cam_a, points3d)[0], project(cam_b, points3d)[0]
-    keep = inside(a, cam_a.size) & inside(b, cam_b.size)
-    return a[keep], b[keep]
-
-
 def moving_volume(
     points3d: ArrayLike, n: int = 10_000, seed: int = 0, percentiles: tuple[float, float] = (3.0, 97.0)
 ) -> Array:
@@ -110,7 +62,7 @@ def moving_volume(
     -------
     (n, 3) array
     """
-    points = checked("points3d", points3d, 3)
+    points = as_finite("points3d", points3d, 3)
     if len(points) < 2:
         raise EpibarError(f"points3d: {len(points)} points do not span a volume")
     low, high = np.percentile(points, percentiles, axis=0)

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arguments import Array, Size, as_finite
 from ..errors import EpibarError
-from .checks import Array, Size, checked, cross_matrix, homogeneous
-from .lines import epipoles
-from .points import symmetric_epipolar_distance
+from ..geometry.epipolar import epipoles, symmetric_epipolar_distance
+from ..geometry.vectors import cross_matrix, homogeneous
 
 
 def _pencil_ends(hull: Array, to_pencil: Array) -> tuple[int, int] | None:
@@ -55,7 +55,7 @@ def matched_tangent_points(
     points_a, points_b : (n, 2) array
     frames : (n,) int array
     """
-    F = checked("F", F, (3, 3))
+    F = as_finite("F", F, (3, 3))
     if len(hulls_a) != len(hulls_b):
         raise EpibarError(f"hulls_b: {len(hulls_b)} frames, but hulls_a has {len(hulls_a)}")
     epipole = epipoles(F)[1]

@@ -1,27 +1,68 @@
 """Results for other tools: OpenCV, NumPy, COLMAP, CSV, and the camera files of aniposelib and Caliscope.
 
 >>> from epibar import export
->>> run = export.Run.load("calibrated").selected()  # doctest: +SKIP
->>> export.write_colmap(run, "database.db")  # doctest: +SKIP
+>>> run = export.Run.load("calibrated").selected()
+>>> written = export.write_colmap(run, "database.db")
 
 ``selected()`` keeps the accepted pairs, ``selected(every=True)`` all of them. The same from the command
-line is ``epibar export``.
+line is ``epibar export``. :mod:`epibar.export.formats` lists the formats, and says how to add one.
+
+Names are imported when they are first used: the command line asks for the formats alone.
 """
 
-from .colmap import write_colmap
-from .network import place_cameras
-from .run import Camera, Pair, Run
-from .tables import write_csv, write_npz, write_opencv
-from .toml import write_toml
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from .formats import FORMATS, Format
+
+if TYPE_CHECKING:
+    from ..runs.run import Camera, Pair, Run
+    from .anipose import write_toml
+    from .caliscope import write_caliscope
+    from .colmap import write_colmap
+    from .csv import write_csv
+    from .npz import write_npz
+    from .opencv import write_opencv
+    from .placing import place_cameras
 
 __all__ = [
+    "FORMATS",
     "Camera",
+    "Format",
     "Pair",
     "Run",
     "place_cameras",
+    "write_caliscope",
     "write_colmap",
     "write_csv",
     "write_npz",
     "write_opencv",
     "write_toml",
 ]
+
+_HOME = {
+    "Camera": "..runs",
+    "Pair": "..runs",
+    "Run": "..runs",
+    "place_cameras": ".placing",
+    "write_caliscope": ".caliscope",
+    "write_colmap": ".colmap",
+    "write_csv": ".csv",
+    "write_npz": ".npz",
+    "write_opencv": ".opencv",
+    "write_toml": ".anipose",
+}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(import_module(_HOME[name], __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

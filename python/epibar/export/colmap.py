@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..archive import write_atomically
 from ..errors import EpibarError
-from ..pose import RelativePose
-from .run import Camera, Pair, Run
+from ..files.atomic import write_atomically
+from ..geometry.pose import RelativePose
+from ..runs.run import Camera, Pair, Run
 
 __all__ = ["write_colmap"]
 

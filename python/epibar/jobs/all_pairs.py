@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from ..calibration import SEARCH_SECONDS, Calibration
+from ..calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS, Calibration
 from ..errors import EpibarError
-from ..frame_range import FrameRange
 from ..recording import DEFAULT_LINES, Recording
+from ..sources.frame_range import FrameRange
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
 from .runner import Progress, Runner
 from .watch import Watch
@@ -62,6 +62,7 @@ def calibrate_all(
     upright: bool = True,
     essential: bool = True,
     search_seconds: float = SEARCH_SECONDS,
+    max_expected_error: float = MAX_EXPECTED_ERROR,
     lines: int = DEFAULT_LINES,
     masks: bool = False,
     foreground: str = "mog2",
@@ -87,7 +88,7 @@ def calibrate_all(
         are called like their files.
     out : path
         Folder for calibration.json, frontier points, pictures, the report and what is kept. Made if missing.
-    method, seed, time_offset, upright, essential, search_seconds
+    method, seed, time_offset, upright, essential, search_seconds, max_expected_error
         Of every pair, see :func:`epibar.calibrate`.
     lines, seed, masks, foreground, frames
         Of every camera, see :func:`epibar.record`.
@@ -118,8 +119,10 @@ def calibrate_all(
 
     Examples
     --------
-    >>> done = epibar.calibrate_all(["cam1.mp4", "cam2.mp4", "cam3.mp4"], "calibrated")  # doctest: +SKIP
-    >>> done.calibrations["cam1", "cam3"].F  # doctest: +SKIP
+    >>> import epibar
+    >>> done = epibar.calibrate_all(["cam1.mp4", "cam2.mp4", "cam3.mp4"], "calibrated")
+    >>> sorted(done.calibrations)
+    [('cam1', 'cam2'), ('cam1', 'cam3'), ('cam2', 'cam3')]
     """
     job = Job(
         cameras=camera_inputs(
@@ -127,7 +130,7 @@ def calibrate_all(
         ),
         out=Path(out),
         record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames)),
-        pair=PairOptions(method, seed, time_offset, upright, essential, search_seconds),
+        pair=PairOptions(method, seed, time_offset, upright, essential, search_seconds, max_expected_error),
         intrinsics=None if intrinsics is None else os.fspath(intrinsics),
         fresh=fresh,
         report=report,

@@ -19,7 +19,7 @@ from typing import Any
 
 from ..errors import EpibarError
 from ..recording import Recording
-from .inputs import Camera
+from .inputs import CameraInput
 from .keys import fingerprint
 
 __all__ = ["DaskExecutor", "dask_executor"]
@@ -39,8 +39,8 @@ PAIRS_FIRST = 10
 class DaskExecutor(Executor):
     """An executor on a Dask client, which outlives it.
 
-    A :class:`Recording` among the arguments is sent once, however many tasks it is for. A :class:`Camera` is
-    recorded on a host whose workers can read its files.
+    A :class:`Recording` among the arguments is sent once, however many tasks it is for. A
+    :class:`CameraInput` is recorded on a host whose workers can read its files.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class DaskExecutor(Executor):
         outcome: Future[Any] = Future()
         hosts = None
         for argument in args:
-            if isinstance(argument, Camera):
+            if isinstance(argument, CameraInput):
                 try:
                     hosts = self._hosts(argument)
                 except EpibarError as error:
@@ -119,10 +119,10 @@ class DaskExecutor(Executor):
             return []
         before, self._workers = self._workers, set(found)
         gone = sorted(before - self._workers)
-        told = [f"the worker at {address} is gone; its tasks run again on another" for address in gone]
+        news = [f"the worker at {address} is gone; its tasks run again on another" for address in gone]
         if gone and not self._workers:
-            told.append("no worker is left: waiting for a new one; Ctrl-C ends the run, what is done is kept")
-        return told
+            news.append("no worker is left: waiting for a new one; Ctrl-C ends the run, what is done is kept")
+        return news
 
     def _send(self, recording: Recording) -> Any:
         """Give a recording to the scheduler, as the argument of a task that can be repeated."""
@@ -132,7 +132,7 @@ class DaskExecutor(Executor):
             self._sent[id(recording)] = recording, future
         return self._sent[id(recording)][1]
 
-    def _hosts(self, camera: Camera) -> list[str] | None:
+    def _hosts(self, camera: CameraInput) -> list[str] | None:
         """Hosts that can read all files of a camera, in the version of the key; None where all can.
 
         Raises
@@ -155,7 +155,7 @@ class DaskExecutor(Executor):
     def _seen(self, path: str) -> dict[str, str | None]:
         """Fingerprint of a path on each host."""
         if path not in self._prints:
-            from distributed.comm import get_address_host
+            from distributed.comm.addressing import get_address_host
 
             answers = self._client.run(fingerprint, path, on_error="ignore")
             self._prints[path] = {get_address_host(worker): seen for worker, seen in answers.items()}
@@ -211,8 +211,10 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
 
     Examples
     --------
-    >>> with epibar.jobs.dask_executor("tcp://10.0.0.5:8786") as executor:  # doctest: +SKIP
-    ...     epibar.calibrate_all(["cam1.mp4", "cam2.mp4"], "calibrated", executor=executor)
+    >>> import epibar
+    >>> from epibar.jobs import dask_executor
+    >>> with dask_executor("local") as executor:  # or "tcp://10.0.0.5:8786"
+    ...     done = epibar.calibrate_all(["cam1.mp4", "cam2.mp4"], "calibrated", executor=executor)
     """
     try:
         import dask

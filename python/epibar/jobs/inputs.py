@@ -10,16 +10,17 @@ from itertools import combinations
 from pathlib import Path
 from typing import Literal
 
-from ..calibration import METHODS, SEARCH_SECONDS
+from ..arguments import MAX_SEED, as_positive, as_whole_number
+from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
 from ..errors import EpibarError
-from ..foreground import METHODS as FOREGROUNDS
-from ..frame_range import FrameRange
-from ..intrinsics import Intrinsics, find_camera, load_cameras
+from ..foreground.options import METHODS as FOREGROUNDS
+from ..lens.camera_file import find_camera, load_cameras
+from ..lens.intrinsics import Intrinsics
 from ..recording import DEFAULT_LINES, MAX_LINES
-from ..validation import MAX_SEED, as_whole_number
+from ..sources.frame_range import FrameRange
 
 __all__ = [
-    "Camera",
+    "CameraInput",
     "Job",
     "Pair",
     "PairOptions",
@@ -60,14 +61,16 @@ class PairOptions:
     upright: bool = True
     essential: bool = True
     search_seconds: float = SEARCH_SECONDS
+    max_expected_error: float = MAX_EXPECTED_ERROR
 
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise EpibarError(f"method = {self.method!r}: it must be one of {', '.join(METHODS)}")
+        as_positive("max_expected_error", self.max_expected_error, "pixels")
 
 
 @dataclass(frozen=True, eq=False)
-class Camera:
+class CameraInput:
     """One camera of a job.
 
     Attributes
@@ -90,7 +93,7 @@ class Camera:
     ignore: str | None = None
     intrinsics: Intrinsics | None = None
 
-    def located(self) -> Camera:
+    def located(self) -> CameraInput:
         """Return the camera with absolute paths, which mean the same in every process."""
         background = None if self.background is None else _absolute(self.background)
         ignore = None if self.ignore is None else _absolute(self.ignore)
@@ -102,7 +105,7 @@ class Camera:
         return [path for path in (self.source, self.background, self.ignore) if path is not None]
 
 
-Pair = tuple[Camera, Camera]
+Pair = tuple[CameraInput, CameraInput]
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,7 @@ class Job:
 
     Attributes
     ----------
-    cameras : list of Camera
+    cameras : list of CameraInput
     out : Path
         Folder of the results.
     record : RecordOptions
@@ -124,7 +127,7 @@ class Job:
         Write ``report.html``.
     """
 
-    cameras: list[Camera]
+    cameras: list[CameraInput]
     out: Path
     record: RecordOptions = field(default_factory=RecordOptions)
     pair: PairOptions = field(default_factory=PairOptions)
@@ -150,7 +153,7 @@ def camera_inputs(
     intrinsics: PathLike | None = None,
     time_offset: float | str = 0.0,
     spelt: Callable[[str], str] = str,
-) -> list[Camera]:
+) -> list[CameraInput]:
     """Turn arguments into cameras.
 
     Parameters
@@ -193,7 +196,7 @@ def camera_inputs(
     backgrounds = one_each(spelt("background"), background, len(sources))
     ignored = one_each(spelt("ignore"), ignore, len(sources))
     return [
-        Camera(
+        CameraInput(
             name,
             source,
             index,
@@ -234,7 +237,7 @@ def _names(sources: list[str]) -> list[str]:
     return names
 
 
-def pair_stems(cameras: Sequence[Camera]) -> dict[tuple[str, str], str]:
+def pair_stems(cameras: Sequence[CameraInput]) -> dict[tuple[str, str], str]:
     """Name the files of each pair, ``a_b``, with the places of the two where that would be said twice."""
     pairs = list(combinations(cameras, 2))
     counts = Counter(f"{a.name}_{b.name}" for a, b in pairs)

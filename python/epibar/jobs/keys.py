@@ -17,9 +17,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from ..images import IMAGE_SUFFIXES
-from .inputs import Camera, PairOptions, RecordOptions
-from .saved import is_saved
+from ..sources.images import IMAGE_SUFFIXES
+from .inputs import CameraInput, PairOptions, RecordOptions
+from .saved_recordings import is_saved
 
 __all__ = ["fingerprint", "pair_key", "recording_key"]
 
@@ -51,13 +51,13 @@ def fingerprint(path: str) -> str | None:
 
 
 def recording_key(
-    camera: Camera, options: RecordOptions, seen: Callable[[str], str | None] = fingerprint
+    camera: CameraInput, options: RecordOptions, seen: Callable[[str], str | None] = fingerprint
 ) -> str | None:
     """Key of a camera's recording, or None where its files cannot be known again.
 
     Parameters
     ----------
-    camera : Camera
+    camera : CameraInput
         With absolute paths.
     options : RecordOptions
     seen : callable

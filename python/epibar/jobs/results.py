@@ -8,14 +8,15 @@ from typing import Any
 
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..pose import pose_entry
+from ..files.calibration_json import write_json
+from ..files.frontier_csv import write_frontier_points
 from ..recording import Recording
-from ..report.files import camera_entry, pair_entry, run_entry, write_frontier_points, write_json
-from ..report.picture import write_pair_picture
-from .inputs import Camera, Job, Pair
-from .saved import is_saved
+from ..report.pair_picture import write_pair_picture
+from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
+from .inputs import CameraInput, Job, Pair
+from .saved_recordings import is_saved
 
-__all__ = ["Results", "summary"]
+__all__ = ["Results"]
 
 PAUSE = 2.0
 """Seconds between two versions of calibration.json, which grows with the pairs."""
@@ -26,19 +27,19 @@ class Results:
 
     Attributes
     ----------
-    recordings : dict of Camera to Recording
-    calibrations : dict of (Camera, Camera) to Calibration
-    seconds : dict of (Camera, Camera) to float
+    recordings : dict of CameraInput to Recording
+    calibrations : dict of (CameraInput, CameraInput) to Calibration
+    seconds : dict of (CameraInput, CameraInput) to float
         What each calibration took, whenever it was made.
-    errors : dict of Camera or (Camera, Camera) to dict
+    errors : dict of CameraInput or (CameraInput, CameraInput) to dict
         Why some could not be done.
     """
 
     def __init__(self, job: Job) -> None:
-        self.recordings: dict[Camera, Recording] = {}
+        self.recordings: dict[CameraInput, Recording] = {}
         self.calibrations: dict[Pair, Calibration] = {}
         self.seconds: dict[Pair, float] = {}
-        self.errors: dict[Camera | Pair, dict[str, str]] = {}
+        self.errors: dict[CameraInput | Pair, dict[str, str]] = {}
         self._job = job
         self._files: dict[Pair, dict[str, str]] = {}
         self._written = time.monotonic()
@@ -55,7 +56,7 @@ class Results:
         points, picture = self._points(stem), self._picture(stem)
         self.calibrations[pair], self.seconds[pair] = calibration, seconds
         if not points.exists():
-            write_frontier_points(points, calibration)
+            write_frontier_points(points, calibration.frontier_points)
         if not picture.exists():
             write_pair_picture(
                 picture,
@@ -96,6 +97,7 @@ class Results:
             lines=job.record.lines,
             foreground=None if job.record.masks else job.record.foreground,
             upright=job.pair.upright,
+            max_expected_error=job.pair.max_expected_error,
             intrinsics=job.intrinsics,
         )
         result["cameras"] = [
@@ -106,18 +108,19 @@ class Results:
         result["pairs"] = [
             {**self._pair_entry(a, b), **self._files[a, b]} for a, b in job.pairs if (a, b) in self._files
         ]
-        tasks: list[Camera | Pair] = [*job.cameras, *job.pairs]
+        tasks: list[CameraInput | Pair] = [*job.cameras, *job.pairs]
         result["errors"] = [self.errors[task] for task in tasks if task in self.errors]
         return result
 
-    def _pair_entry(self, a: Camera, b: Camera) -> dict[str, Any]:
+    def _pair_entry(self, a: CameraInput, b: CameraInput) -> dict[str, Any]:
         calibration = self.calibrations[a, b]
         pose = pose_entry(calibration, self.recordings[a].matrix, self.recordings[b].matrix)
         return {**pair_entry(a.name, b.name, calibration), "pose": pose}
 
     def write_report(self) -> None:
         """Write report.html."""
-        from ..report.html import ReportCamera, ReportPair, write_report
+        from ..report.inputs import ReportCamera, ReportPair
+        from ..report.page import write_report
 
         job = self._job
         cameras = [
@@ -148,10 +151,3 @@ class Results:
         """Write calibration.json."""
         write_json(self.path, self.content())
         self._written, self._in_file = time.monotonic(), len(self._files)
-
-
-def summary(calibration: Calibration) -> str:
-    """Say in one line what came out of a pair."""
-    verdict = "accepted" if calibration.accepted else f"refused ({calibration.kind})"
-    offset = f", time offset {calibration.time_offset:+.2f} frames" if calibration.time_offset else ""
-    return f"{verdict}{offset}. {calibration.reason}"

@@ -15,10 +15,10 @@ from typing import Any
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..recording import Recording
-from .inputs import Camera, Job, Pair, pair_stems
+from .inputs import CameraInput, Job, Pair, pair_stems
 from .keys import fingerprint, pair_key, recording_key
-from .results import Results, summary
-from .saved import is_saved
+from .results import Results
+from .saved_recordings import is_saved
 from .store import Store
 from .tasks import calibrate_pair, record_camera
 from .watch import Watch
@@ -39,12 +39,12 @@ class _Stopped(EpibarError):
 class _Task:
     """What one future stands for."""
 
-    of: Camera | Pair
+    of: CameraInput | Pair
     share: float = 0.0
 
     @property
     def stage(self) -> str:
-        return "recording" if isinstance(self.of, Camera) else "matching"
+        return "recording" if isinstance(self.of, CameraInput) else "matching"
 
     def progress(self, _: str, share: float) -> None:
         """Note how far the task is; called in the thread that runs it."""
@@ -86,7 +86,7 @@ class Runner:
         self._stems = pair_stems(job.cameras)
         seen = getattr(executor, "fingerprint", fingerprint)
         self._keys = {camera: recording_key(camera.located(), job.record, seen) for camera in job.cameras}
-        self._queue: deque[Camera] = deque()
+        self._queue: deque[CameraInput] = deque()
         self._kept: dict[Pair, tuple[Calibration, float]] = {}
         self._running: dict[Future[Any], _Task] = {}
         self._done = {"recording": 0, "matching": 0}
@@ -155,7 +155,7 @@ class Runner:
 
     def _hand_over(self) -> None:
         """Submit cameras, as many as may be recorded at once."""
-        busy = sum(isinstance(task.of, Camera) for task in self._running.values())
+        busy = sum(isinstance(task.of, CameraInput) for task in self._running.values())
         for _ in range(min(self._at_once - busy, len(self._queue))):
             camera = self._queue.popleft()
             self._submit(_Task(camera), record_camera, camera.located(), self._job.record)
@@ -173,7 +173,7 @@ class Runner:
         self._done[task.stage] += 1
         try:
             value, seconds = future.result()
-            if isinstance(task.of, Camera):
+            if isinstance(task.of, CameraInput):
                 if not is_saved(task.of, self._job.record):
                     self._keep(self._store.keep_recording, task.of.name, self._keys[task.of], value, seconds)
                 self._recorded(task.of, value, seconds)
@@ -195,7 +195,7 @@ class Runner:
             f"kept in {self._job.out}, and the same run started again goes on from there"
         )
 
-    def _recorded(self, camera: Camera, recording: Recording, seconds: float | None) -> None:
+    def _recorded(self, camera: CameraInput, recording: Recording, seconds: float | None) -> None:
         """Take a recording, made just now or kept, and go on to the pairs that waited for it."""
         self._watch.recorded(camera.name, recording, seconds)
         recordings = self.results.recordings
@@ -219,8 +219,7 @@ class Runner:
             self.results.forget(stem)
             self._keep(self._store.keep_pair, stem, self._pair_key(pair), calibration, seconds)
         self.results.add(pair, stem, calibration, seconds)
-        time = "kept" if kept else f"{seconds:.1f} s"
-        self._watch.verdict(f"{pair[0].name} - {pair[1].name}: {summary(calibration)} ({time})")
+        self._watch.calibrated(pair[0].name, pair[1].name, calibration, None if kept else seconds)
 
     def _keep(self, write: Callable[..., None], *arguments: Any) -> None:
         """Keep something for the next run; this one can do without."""
@@ -229,8 +228,8 @@ class Runner:
         except EpibarError as error:
             self._watch.warning(f"{error}; the next run has to do it again")
 
-    def _failed(self, of: Camera | Pair, message: str) -> None:
-        if isinstance(of, Camera):
+    def _failed(self, of: CameraInput | Pair, message: str) -> None:
+        if isinstance(of, CameraInput):
             self.results.errors[of] = {"camera": of.name, "file": of.source, "message": message}
         else:
             a, b = of

@@ -12,10 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import calibration_file, recording
-from ..archive import read_archive, write_archive
+from .. import recording
 from ..calibration import Calibration
 from ..errors import EpibarError
+from ..files import calibration_npz as calibration_file
+from ..files.archive import read_archive, write_archive
 from ..recording import Recording
 
 __all__ = ["Store"]

@@ -9,10 +9,10 @@ import time
 from collections.abc import Callable
 
 from ..calibration import Calibration, calibrate
-from ..recorder import record
+from ..from_video import record
 from ..recording import Recording
-from .inputs import Camera, PairOptions, RecordOptions
-from .saved import is_saved, load_saved
+from .inputs import CameraInput, PairOptions, RecordOptions
+from .saved_recordings import is_saved, load_saved
 
 __all__ = ["calibrate_pair", "record_camera"]
 
@@ -20,7 +20,7 @@ Progress = Callable[[str, float], None]
 
 
 def record_camera(
-    camera: Camera, options: RecordOptions, progress: Progress | bool = False
+    camera: CameraInput, options: RecordOptions, progress: Progress | bool = False
 ) -> tuple[Recording, float]:
     """Record one camera, or load it where it was recorded before; also returns the seconds it took.
 
@@ -71,6 +71,7 @@ def calibrate_pair(
         upright=options.upright,
         essential=options.essential,
         search_seconds=options.search_seconds,
+        max_expected_error=options.max_expected_error,
         progress=progress,
     )
     return calibration, time.perf_counter() - started

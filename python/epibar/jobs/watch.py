@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from ..recording import Recording
+from ..calibration import Calibration
+from ..recording import Recording
 
-__all__ = ["Watch"]
+__all__ = ["Watch", "summary"]
 
 logger = logging.getLogger("epibar")
 
@@ -32,6 +31,11 @@ class Watch:
         """Take what came out of a pair, in one line."""
         logger.info(text)
 
+    def calibrated(self, a: str, b: str, calibration: Calibration, seconds: float | None) -> None:
+        """Take a calibration and the seconds it took, None where it was kept from an earlier run."""
+        time = "kept" if seconds is None else f"{seconds:.1f} s"
+        self.verdict(f"{a} - {b}: {summary(calibration)} ({time})")
+
     def progress(self, stage: str, done: float, total: int) -> None:
         """Take how many of a stage's tasks are done, fractions included; called several times a second."""
 
@@ -44,3 +48,10 @@ class Watch:
                 f"{name}: {recording.frames} frames of {recording.width}x{recording.height}, "
                 f"{recording.informative} of {len(recording.segments)} lines informative ({seconds:.1f} s)"
             )
+
+
+def summary(calibration: Calibration) -> str:
+    """Say in one line what came out of a pair."""
+    verdict = "accepted" if calibration.accepted else f"refused ({calibration.kind})"
+    offset = f", time offset {calibration.time_offset:+.2f} frames" if calibration.time_offset else ""
+    return f"{verdict}{offset}. {calibration.reason}"

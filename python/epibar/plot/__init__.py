@@ -1,7 +1,10 @@
 """Figures for papers and notebooks, drawn with matplotlib (``pip install 'epibar[plot]'``).
 
->>> from epibar import plot
->>> plot.epipolar_lines(cal, rec_a, rec_b)[0].figure.savefig("lines.png")  # doctest: +SKIP
+>>> import epibar
+>>> rec_a, rec_b = epibar.Recording.load("cam1.npz"), epibar.Recording.load("cam2.npz")
+>>> cal = epibar.Calibration.load("cam1_cam2.npz")
+>>> view_a, view_b = epibar.plot.epipolar_lines(cal, rec_a, rec_b)
+>>> view_a.figure.savefig("lines.png")
 
 Each function takes Axes to draw on, or makes a figure, and returns its Axes; those that show both views take
 and return two.

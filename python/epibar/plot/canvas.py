@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import Image
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..recording import Recording
-from ..report.picture import COLOURS as BGR
+from ..show.colours import HEX
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,11 +31,9 @@ __all__ = [
     "two_axes",
 ]
 
-Image = NDArray[np.uint8]
-
 DARK = "#222222"
 # White, the last of them, does not show on paper.
-COLOURS = [*(f"#{red:02x}{green:02x}{blue:02x}" for blue, green, red in BGR[:-1]), "#9a9a9a"]
+COLOURS = [*HEX[:-1], "#9a9a9a"]
 TICKS = [factor * 10.0**power for power in range(-4, 5) for factor in (1, 2, 5)]
 WIDTH = 6.0
 """Inches of one view."""

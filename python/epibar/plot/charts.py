@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..calibration import Calibration
+from ..clocks import common_frames
 from ..errors import EpibarError
 from ..recording import Recording
-from ..report.html.lines import WINDOW, LineSet, line_sets
-from ..report.html.moments import busiest_window, points_per_frame
-from ..timing import common_frames
+from ..show.line_barcodes import WINDOW, LineSet, line_sets
+from ..show.moments import busiest_window, points_per_frame
 from .canvas import DARK, camera_name, error_bar, one_axes
 
 if TYPE_CHECKING:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from .. import _core
+from ..arguments import as_whole_number
 from ..calibration import Calibration
+from ..clocks import nearest_frame, positions_in_b
 from ..errors import EpibarError
-from ..evaluation import clip_lines
+from ..geometry.lines import clip_lines
 from ..recording import Recording
-from ..report.matched_lines import frames_to_show, matched_lines
-from ..timing import nearest_frame, positions_in_b
-from ..validation import as_whole_number
+from ..show.matched_lines import frames_to_show, matched_lines
 from .canvas import (
     COLOURS,
     DARK,
@@ -143,8 +143,10 @@ def frontier_points(
             bare(view, recording)
         else:
             show_view(view, recording, 0, images[index])
+        x, y = (points.a, points.b)[index].T
         dots = view.scatter(
-            *(points.a, points.b)[index].T,
+            x,
+            y,
             c=value,
             s=5,
             cmap="viridis" if colour == "frame" else "plasma",

@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..evaluation import fundamental_from_cameras, project, projection_matrix
+from ..arguments import Array
+from ..geometry.cameras import fundamental_from_cameras, project, projection_matrix
 from .lens import bend, image_limit, unbend
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,13 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import Size
 from . import motion
 from .camera import Camera
 from .dirt import Dirt
 from .scene import Scene, Solids
-
-Array = NDArray[np.float64]
-Size = tuple[int, int]
 
 HIGH_CAMERAS = (2.5, 7.0)
 LOW_CAMERAS = (1.5, 2.2)

@@ -16,10 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import Array, Index
 from .camera import Camera
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 # Corners of a box in units of its half-axes, and its edges: pairs of corners that differ in one coordinate.
 # The outline of a projected box consists of projected edges, so the edges bound its rows without computing a

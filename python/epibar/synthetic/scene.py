@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..evaluation import inside, volume_correspondences
+from ..arguments import Array
+from ..geometry.cameras import inside, volume_correspondences
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy_frame
 from .lens_raster import solid_spans
 from .raster import Spans
-
-Array = NDArray[np.float64]
 
 _CHUNK = 16
 
@@ -91,7 +90,8 @@ class Solids:
         direction = rng.normal(size=(n, 3))
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         within = direction * np.cbrt(rng.uniform(0, 1, (n, 1)))
-        return self.centres[time, solid] + np.einsum("nij,nj->ni", self.axes[time, solid], within)
+        result: Array = self.centres[time, solid] + np.einsum("nij,nj->ni", self.axes[time, solid], within)
+        return result
 
 
 @dataclass(frozen=True, eq=False)

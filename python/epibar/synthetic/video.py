@@ -14,10 +14,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arguments import Image
 from .raster import Spans
 from .scene import Scene
-
-Image = NDArray[np.uint8]
 
 _CHUNK = 8
 
@@ -41,7 +40,8 @@ def background(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.fl
     tiles = np.where((along + across) % 2 == 0, 14.0, -14.0) * np.clip(
         (rows - horizon) / (0.2 * height), 0, 1
     )
-    return np.clip(image + tiles[..., None].astype(np.float32), 25, 225)
+    result: NDArray[np.float32] = np.clip(image + tiles[..., None].astype(np.float32), 25, 225)
+    return result
 
 
 def render_frames(
@@ -87,7 +87,8 @@ def render_frames(
         # One noise field at random places: as good as fresh noise for a background model, and much faster.
         y, x = rng.integers(0, 64, 2)
         lit = frame * np.float32(1 + rng.normal(0, flicker)) + grain[y : y + height, x : x + width]
-        return cv2.convertScaleAbs(np.maximum(lit, 0))
+        result: Image = cv2.convertScaleAbs(np.maximum(lit, 0))
+        return result
 
     def painted(picture: NDArray[np.float32], spans: Spans, solid: NDArray[np.int64]) -> NDArray[np.float32]:
         span, pixel = spans.pixels(width)

@@ -1,0 +1,56 @@
+"""``epibar completion``: the script that lets a shell complete commands, options and file names."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+
+from .exit_codes import DONE
+from .options import CommandParser
+
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "completion"
+HELP = "print a script that lets your shell complete commands and options"
+DESCRIPTION = (
+    "Print a completion script. bash: epibar completion bash > "
+    "~/.local/share/bash-completion/completions/epibar. zsh: epibar completion zsh > _epibar, in a folder of "
+    "$fpath. tcsh: source it."
+)
+
+FOLDERS = {"DIR"}
+NO_FILES = {"N", "S", "PX", "N|search", "FIRST:LAST", "ADDRESS"}
+"""What options take that is no path."""
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_argument("shell", choices=("bash", "zsh", "tcsh"))
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the command."""
+    from ..errors import EpibarError
+
+    try:
+        import shtab
+    except ImportError as error:
+        raise EpibarError(
+            "shtab is missing, which writes the script: pip install 'epibar[completion]'"
+        ) from error
+    for action in _actions(args.whole):
+        if action.choices is None and action.nargs != 0 and str(action.metavar) not in NO_FILES:
+            kind = shtab.DIRECTORY if action.metavar in FOLDERS else shtab.FILE
+            setattr(action, "complete", kind)  # noqa: B010 - shtab looks for it
+    print(shtab.complete(args.whole, args.shell))
+    return DONE
+
+
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    """Every argument and option of every command."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                yield from _actions(command)
+        else:
+            yield action

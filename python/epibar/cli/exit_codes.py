@@ -1,0 +1,23 @@
+"""What a command's exit code says."""
+
+__all__ = ["DONE", "EXPLANATION", "INTERRUPTED", "PARTLY", "UNUSABLE", "exit_code"]
+
+DONE = 0
+"""Also where a pair was refused: that is a result, not a failure."""
+UNUSABLE = 2
+"""Nothing was done: an argument, or every input, is unusable."""
+PARTLY = 3
+"""Some cameras or pairs could not be done; the others are written."""
+INTERRUPTED = 130
+
+EXPLANATION = (
+    "Exit codes: 0 done (a refused pair is a result too: read its verdict); 2 unusable input, nothing was "
+    "done; 3 a camera or a pair could not be done, the others are written; 130 interrupted."
+)
+
+
+def exit_code(done: int, failed: int) -> int:
+    """Exit code of a command that did so many things, and failed at so many."""
+    if not failed:
+        return DONE
+    return PARTLY if done else UNUSABLE

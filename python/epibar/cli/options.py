@@ -1,0 +1,157 @@
+"""Options that commands have in common, and how their values are read. Standard library only."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from typing import Any
+
+from .exit_codes import EXPLANATION
+
+__all__ = [
+    "CommandParser",
+    "add_output_options",
+    "frame_numbers",
+    "offset",
+    "positive",
+    "positive_pixels",
+    "scheduler_address",
+    "seconds",
+    "seed_number",
+]
+
+VIDEOS = "videos"
+
+
+class CommandParser(argparse.ArgumentParser):
+    """A parser whose options that take one value for each camera leave the videos behind them alone.
+
+    ``--background a.mp4 b.mp4 cam1.mp4 cam2.mp4`` takes two of the four, for there is one for each camera.
+    """
+
+    def __init__(self, *args: Any, **options: Any) -> None:
+        super().__init__(*args, **{"epilog": EXPLANATION, **options})
+        self._takes_videos = False
+        self._each: list[str] = []
+
+    def add_videos(self, purpose: str) -> None:
+        """Add the argument ``VIDEO ...``."""
+        self._takes_videos = True
+        self.add_argument(VIDEOS, nargs="*", metavar="VIDEO", help=purpose)
+
+    def add_for_each_video(self, group: argparse._ArgumentGroup, option: str, **options: Any) -> None:
+        """Add an option that takes one value for each video, at once or one by one."""
+        action = group.add_argument(option, nargs="+", action="extend", **options)
+        self._each.append(action.dest)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse, and give back the videos that an option took."""
+        found, rest = super().parse_known_args(args, namespace)
+        if self._takes_videos:
+            # What stands between and after options is a video as well.
+            found.videos += [word for word in rest if not word.startswith("-")]
+            rest = [word for word in rest if word.startswith("-")]
+            self._give_back(found)
+            if not found.videos:
+                self.error("the following arguments are required: VIDEO")
+        return found, rest
+
+    def _give_back(self, found: argparse.Namespace) -> None:
+        """Where all videos went to an option, leave it as many values as there are cameras."""
+        taken = {name: getattr(found, name) for name in self._each if getattr(found, name)}
+        count, over = divmod(sum(map(len, taken.values())), 1 + len(taken))
+        if found.videos or not count or over:
+            return
+        greedy = [name for name, values in taken.items() if len(values) > count]
+        if len(greedy) == 1 and all(len(values) >= count for values in taken.values()):
+            values = taken[greedy[0]]
+            setattr(found, greedy[0], values[:count])
+            found.videos = values[count:]
+
+
+def add_output_options(command: argparse.ArgumentParser, json: str | None = None) -> None:
+    """Add ``-q`` and ``-v``, and ``--json`` where there is something to print."""
+    group = command.add_argument_group("what is printed")
+    if json is not None:
+        group.add_argument("--json", action="store_true", help=json)
+    group.add_argument("-q", "--quiet", action="store_true", help="errors only")
+    group.add_argument(
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="also versions, and what results rest on; for a question or a bug report",
+    )
+
+
+def whole(text: str) -> int:
+    """Read a whole number."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
+
+
+def positive(text: str) -> int:
+    """Read a whole number from 1."""
+    number = whole(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"{number} is too small: it must be at least 1")
+    return number
+
+
+def seed_number(text: str) -> int:
+    """Read a seed."""
+    number = whole(text)
+    if not 0 <= number < 2**64:
+        raise argparse.ArgumentTypeError(f"{number} is out of range: it must be between 0 and 2^64 - 1")
+    return number
+
+
+def frame_numbers(text: str) -> tuple[int | None, int | None]:
+    """Read ``FIRST:LAST``, either of which may be left out."""
+    first, colon, last = text.partition(":")
+    if not colon:
+        raise argparse.ArgumentTypeError(f"{text!r} is not FIRST:LAST, such as 250:1000")
+    return whole(first) if first else None, whole(last) if last else None
+
+
+def scheduler_address(text: str) -> str:
+    """Read the address of a Dask scheduler."""
+    if text == "local" or re.fullmatch(r"(tcp|tls)://[^\s/]+:\d+", text):
+        return text
+    raise argparse.ArgumentTypeError(f"{text!r} is neither 'local' nor an address like tcp://10.0.0.5:8786")
+
+
+def seconds(text: str) -> float:
+    """Read a positive number of seconds."""
+    return _positive_number(text, "seconds")
+
+
+def positive_pixels(text: str) -> float:
+    """Read a positive number of pixels."""
+    return _positive_number(text, "pixels")
+
+
+def offset(text: str) -> float | str:
+    """Read a time offset."""
+    if text == "search":
+        return text
+    number = _number(text)
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number of frames nor 'search'")
+    return number
+
+
+def _positive_number(text: str, unit: str) -> float:
+    number = _number(text)
+    if not (math.isfinite(number) and number > 0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number of {unit}")
+    return number
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

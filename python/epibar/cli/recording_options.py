@@ -1,0 +1,98 @@
+"""Options of how a video is recorded, which ``calibrate``, ``record`` and ``inspect`` share."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from .options import CommandParser, frame_numbers, positive, seed_number
+
+if TYPE_CHECKING:
+    from ..jobs.inputs import RecordOptions
+
+__all__ = ["add_recording_options", "record_options"]
+
+
+def add_recording_options(command: CommandParser, several: bool) -> None:
+    """Add them; ``several`` where the command takes more videos than one."""
+    group = command.add_argument_group("how videos are recorded")
+    group.add_argument(
+        "--intrinsics",
+        metavar="FILE.toml",
+        help="camera matrices and distortion: give it for anything but a narrow lens, and whenever the "
+        "matrices are known, for they settle much that motion leaves open",
+    )
+    _add_each(
+        command,
+        group,
+        several,
+        "--background",
+        metavar="VIDEO",
+        purpose="videos of the empty scene{each}: when people stand still for long",
+    )
+    _add_each(
+        command,
+        group,
+        several,
+        "--ignore",
+        metavar="MASK.png",
+        purpose="images, white where motion does not count{each}: trees, screens, a clock in the picture",
+    )
+    group.add_argument(
+        "--masks",
+        action="store_true",
+        help="the input already is black and white, white = moving: for masks of a segmenter of your own",
+    )
+    group.add_argument(
+        "--foreground",
+        choices=("mog2", "knn", "median"),
+        default="mog2",
+        help="background model: try another when the heat maps of the report show what did not move "
+        "(default: %(default)s)",
+    )
+    group.add_argument(
+        "--frames",
+        type=frame_numbers,
+        metavar="FIRST:LAST",
+        help="use only these frames, LAST not included, and either may be left out, as in 250:; for a camera "
+        "that was knocked, or a light that was switched",
+    )
+    group.add_argument(
+        "--lines",
+        type=positive,
+        default=20_000,
+        metavar="N",
+        help="random lines per camera: more find more, and take longer; 40000 for low cameras or a pair "
+        "refused as ambiguous (default: %(default)s)",
+    )
+    group.add_argument(
+        "--seed",
+        type=seed_number,
+        default=0,
+        metavar="N",
+        help="of every random draw: change it to see what depends on it (default: %(default)s)",
+    )
+
+
+def _add_each(
+    command: CommandParser,
+    group: argparse._ArgumentGroup,
+    several: bool,
+    option: str,
+    purpose: str,
+    **options: Any,
+) -> None:
+    if several:
+        each = ", one per camera in the same order"
+        command.add_for_each_video(group, option, help=purpose.format(each=each), **options)
+    else:
+        group.add_argument(option, help=purpose.format(each=" of this camera"), **options)
+
+
+def record_options(args: argparse.Namespace) -> RecordOptions:
+    """Take what was given."""
+    from ..jobs.inputs import RecordOptions
+    from ..sources.frame_range import FrameRange
+
+    frames = FrameRange.of(args.frames)
+    return RecordOptions(args.lines, args.seed, args.masks, args.foreground, frames)

@@ -1,0 +1,65 @@
+"""Runs as one NumPy archive."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..files.archive import write_archive
+from ..runs.run import Run
+
+__all__ = ["write_npz"]
+
+
+def write_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
+    """Write one NumPy archive, without pickle.
+
+    Keys by camera: ``cameras`` (names), ``sizes`` (n, 2), ``matrices`` (n, 3, 3). By pair: ``pairs`` (m, 2)
+    places in ``cameras``, ``accepted``, ``kind``, ``reason``, ``expected_error``, ``time_offset``, ``F``,
+    ``E``, ``R`` (m, 3, 3), ``t`` (m, 3). By frontier point: ``point_pair`` (place in ``pairs``),
+    ``frame_a``, ``frame_b``, ``points_a``, ``points_b`` (k, 2), ``residual``. NaN where something is not
+    known.
+
+    Returns
+    -------
+    list of Path
+        The file.
+    """
+    poses = run.poses()[0]
+    by_pair = [poses.get((pair.a, pair.b)) for pair in run.pairs]
+    places = {camera.name: place for place, camera in enumerate(run.cameras)}
+    points = [pair.frontier_points for pair in run.pairs]
+    unknown = np.full((3, 3), np.nan)
+
+    def matrices(values: list[Any]) -> np.ndarray:
+        return np.array([unknown if value is None else value for value in values])
+
+    errors = [np.nan if pair.expected_error is None else pair.expected_error for pair in run.pairs]
+    write_archive(
+        path,
+        {
+            "cameras": np.array([camera.name for camera in run.cameras]),
+            "sizes": np.array([camera.size for camera in run.cameras]),
+            "matrices": matrices([camera.matrix for camera in run.cameras]),
+            "pairs": np.array([(places[pair.a], places[pair.b]) for pair in run.pairs]),
+            "accepted": np.array([pair.accepted for pair in run.pairs]),
+            "kind": np.array([pair.kind for pair in run.pairs]),
+            "reason": np.array([pair.reason for pair in run.pairs]),
+            "expected_error": np.array(errors),
+            "time_offset": np.array([pair.time_offset for pair in run.pairs]),
+            "F": matrices([pair.F for pair in run.pairs]),
+            "E": matrices([None if pose is None else pose.E for pose in by_pair]),
+            "R": matrices([None if pose is None else pose.R for pose in by_pair]),
+            "t": np.array([unknown[0] if pose is None else pose.t for pose in by_pair]),
+            "point_pair": np.repeat(np.arange(len(points)), [len(group) for group in points]),
+            "frame_a": np.concatenate([group.frame for group in points]),
+            "frame_b": np.concatenate([pair.frames_b for pair in run.pairs]),
+            "points_a": np.concatenate([group.a for group in points]),
+            "points_b": np.concatenate([group.b for group in points]),
+            "residual": np.concatenate([group.residual for group in points]),
+        },
+    )
+    return [Path(path)]

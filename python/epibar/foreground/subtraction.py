@@ -1,0 +1,216 @@
+"""Background subtraction, streamed: a model of the empty scene, and the cleaning of the mask it gives.
+
+Models: MOG2 (Zivkovic 2004) and KNN (Zivkovic and van der Heijden 2006) from OpenCV with their shadow test,
+and a selective temporal median with the HSV shadow test of Cucchiara et al. 2003.
+
+A model must know the empty scene before frame 0, or the first seconds are lost. So it is *primed* with frames
+spread over the whole video, or with a background clip, in which everything far from
+:func:`steady_background` is painted over: nobody is learnt who does not stand still for most of the video.
+Afterwards it learns slowly.
+
+Pitfalls: who never moves during the whole video is background, and a clip of the empty scene is the cure.
+Frames are not smoothed first: it makes every silhouette 1-2 pixels fatter, and the median filter removes the
+noise as well.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from .. import _core
+from ..errors import EpibarError
+from ..sources.colour_frames import ColourFrames
+from .empty_scene import collect, steady_background
+from .flooding import FLOOD_SHARE, moving_share
+from .models import FLOOD_LEARNING_RATE, largest_difference, new_model
+from .options import ForegroundOptions
+
+__all__ = ["Foreground"]
+
+REFERENCE_HEIGHT = 480.0
+FLOOD_PATIENCE = 3  # flooded frames in a row before the model learns anew
+
+
+class Foreground:
+    """Masks of what moves in the frames of one stationary camera, one frame at a time.
+
+    Parameters
+    ----------
+    options : ForegroundOptions, optional
+
+    Examples
+    --------
+    >>> with ColourFrames("cam1.mp4") as frames:
+    ...     foreground = Foreground.for_frames(frames)
+    ...     for index, time, frame in frames:
+    ...         mask = foreground.apply(frame)
+    """
+
+    def __init__(self, options: ForegroundOptions | None = None) -> None:
+        self.options = options or ForegroundOptions()
+        self.background: np.ndarray | None = None
+        self._model = new_model(self.options)
+        self._size: tuple[int, int] | None = None
+        self._learned = 0
+        self._primed = False
+        self._flooded = 0
+        slow = 10 if self.options.background is not None else 1
+        self._rate = 1.0 / (slow * self.options.memory)
+
+    @classmethod
+    def for_frames(cls, frames: ColourFrames, options: ForegroundOptions | None = None) -> Foreground:
+        """Return a model primed from the background clip if there is one, or else from all of ``frames``."""
+        foreground = cls(options)
+        clip = foreground.options.background
+        if clip is None:
+            foreground.prime(frames.sample(foreground.options.warm_up))
+            return foreground
+        with ColourFrames(clip) as empty:
+            if empty.size != frames.size:
+                raise EpibarError(
+                    f"{empty.path}: {empty.width}x{empty.height}, but {frames.path} is "
+                    f"{frames.width}x{frames.height}; film the background with the same camera and settings"
+                )
+            foreground.prime(empty.sample(foreground.options.warm_up))
+        return foreground
+
+    def prime(self, frames: Iterable[np.ndarray]) -> None:
+        """Learn the empty scene before the first frame.
+
+        Parameters
+        ----------
+        frames : iterable of ndarray, shape (H, W, 3), uint8
+            BGR frames spread over time; people in them are painted over.
+
+        Raises
+        ------
+        EpibarError
+            No frames, or frames of two sizes.
+        """
+        samples = collect((self._checked(frame) for frame in frames), self.options.warm_up)
+        self._set_size(samples[0])
+        self.background = steady_background(samples)
+        self._model = new_model(self.options)
+        # MOG2 weighs late samples a little more, so their order must not be that of time.
+        order = np.random.default_rng(0).permutation(len(samples))
+        for number in range(max(len(order), 20)):
+            sample = samples[order[number % len(order)]]
+            self._model.learn(self._painted(sample, self.background), number)
+        self._primed = True
+
+    def _painted(self, sample: np.ndarray, background: np.ndarray) -> np.ndarray:
+        """Replace people in a sample by background; flicker, which is small, stays to be learnt."""
+        import cv2
+
+        far = (largest_difference(sample, background) > 30).astype(np.uint8)
+        margin = 2 * self._odd(2.0) + 1
+        around = cv2.dilate(self._cleaned(far, ignore=False), np.ones((margin, margin), np.uint8))
+        painted = sample.copy()
+        cv2.copyTo(background, around, painted)
+        return painted
+
+    def apply(self, frame: np.ndarray) -> np.ndarray:
+        """Return the mask of the next frame.
+
+        Parameters
+        ----------
+        frame : ndarray, shape (H, W, 3), uint8
+            BGR.
+
+        Returns
+        -------
+        ndarray, shape (H, W), uint8
+            1 where something moves, 0 elsewhere.
+
+        Raises
+        ------
+        EpibarError
+            The frame's size or type differs from what came before, or from the ignore mask.
+        """
+        self._set_size(self._checked(frame))
+        if not self._primed and self._learned < self.options.warm_up:
+            self._model.learn(frame, self._learned)
+            self._learned += 1
+            return np.zeros(frame.shape[:2], np.uint8)
+        rate = FLOOD_LEARNING_RATE if self._flooded >= FLOOD_PATIENCE else self._rate
+        moving = self._model.moving(frame, rate)
+        self._flooded = self._flooded + 1 if moving_share(moving) > FLOOD_SHARE else 0
+        return self._cleaned(moving)
+
+    def clean(self, mask: np.ndarray) -> np.ndarray:
+        """Clean a ready mask as the model's own are: median filter, closing, area filter, ignore mask.
+
+        Parameters
+        ----------
+        mask : ndarray, shape (H, W), bool or uint8
+            Non-zero where something moves.
+
+        Returns
+        -------
+        ndarray, shape (H, W), uint8
+            1 where something moves, 0 elsewhere.
+
+        Raises
+        ------
+        EpibarError
+            The mask is of another kind, or of another size than what came before.
+        """
+        if mask.ndim != 2 or mask.dtype not in (np.bool_, np.uint8):
+            raise EpibarError(
+                f"a mask must be a (height, width) bool or uint8 image, not {mask.dtype} {mask.shape}"
+            )
+        self._set_size(mask)
+        return self._cleaned((mask != 0).astype(np.uint8))
+
+    def _set_size(self, frame: np.ndarray) -> None:
+        height, width = frame.shape[:2]
+        if self._size is None:
+            self._size = width, height
+            ignore = self.options.ignore
+            if ignore is not None and ignore.shape != (height, width):
+                raise EpibarError(
+                    f"ignore mask: {ignore.shape[1]}x{ignore.shape[0]}, but the frames are {width}x{height}"
+                )
+        elif self._size != (width, height):
+            raise EpibarError(f"a frame of {width}x{height} after frames of {self._size[0]}x{self._size[1]}")
+
+    def _odd(self, size: float) -> int:
+        """Convert a size at 480 lines to an odd number of pixels of this image; 1 does nothing."""
+        lines = self._size[1] if self._size else REFERENCE_HEIGHT
+        return max(1, 2 * round((size * lines / REFERENCE_HEIGHT - 1) / 2) + 1) if size else 1
+
+    @staticmethod
+    def _checked(frame: Any) -> np.ndarray:
+        if (
+            not isinstance(frame, np.ndarray)
+            or frame.dtype != np.uint8
+            or frame.ndim != 3
+            or frame.shape[2] != 3
+        ):
+            found = f"{frame.dtype} {frame.shape}" if isinstance(frame, np.ndarray) else type(frame).__name__
+            raise EpibarError(f"a frame must be a (height, width, 3) uint8 BGR image, not {found}")
+        return frame
+
+    def _cleaned(self, mask: np.ndarray, ignore: bool = True) -> np.ndarray:
+        import cv2
+
+        hidden = self.options.ignore.astype(bool) if ignore and self.options.ignore is not None else None
+        if hidden is not None:
+            mask[hidden] = 0
+        size = self._odd(self.options.median_filter)
+        if size > 1:
+            mask = cv2.medianBlur(mask, size)
+        size = self._odd(self.options.closing)
+        if size > 1:
+            disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+            mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disc)
+        if hidden is not None:
+            mask[hidden] = 0
+        if self.options.min_area:
+            least = math.ceil(self.options.min_area * mask.size)
+            mask = _core.remove_small(np.ascontiguousarray(mask), least)
+        return mask

@@ -1,0 +1,58 @@
+"""What the two views of a pair have in common: lines with like motion barcodes, and points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arguments import Array
+
+__all__ = ["Candidates", "FrontierPoints"]
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Pairs of lines whose motion barcodes correlate.
+
+    Attributes
+    ----------
+    lines_a, lines_b : ndarray, shape (n, 3)
+        Lines (a, b, c) with a² + b² = 1, pixels.
+    correlation : ndarray, shape (n,)
+        Of their barcodes, falling.
+    inliers : ndarray, shape (n,), bool
+        Which of them are epipolar under F.
+    """
+
+    lines_a: Array
+    lines_b: Array
+    correlation: Array
+    inliers: NDArray[np.bool_]
+
+    def __len__(self) -> int:
+        return len(self.correlation)
+
+
+@dataclass(frozen=True, eq=False)
+class FrontierPoints:
+    """Point correspondences: where epipolar planes touch a moving object, seen by both cameras.
+
+    Attributes
+    ----------
+    frame : ndarray, shape (m,), int
+        Frame of A. The moment's frame of B is :meth:`Calibration.frame_of_b`.
+    a, b : ndarray, shape (m, 2)
+        Pixels (x, y).
+    residual : ndarray, shape (m,)
+        Symmetric epipolar distance under F, pixels.
+    """
+
+    frame: NDArray[np.int64]
+    a: Array
+    b: Array
+    residual: Array
+
+    def __len__(self) -> int:
+        return len(self.frame)

@@ -1,0 +1,81 @@
+"""Recordings that were saved, given in place of videos."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import EpibarError
+from ..lens.intrinsics import Intrinsics
+from ..recording import DEFAULT_LINES, Recording
+from ..sources.frame_range import FrameRange
+from .inputs import CameraInput, RecordOptions
+
+__all__ = ["is_saved", "load_saved"]
+
+
+def is_saved(camera: CameraInput, options: RecordOptions) -> bool:
+    """Whether the camera's source is a recording, not a video."""
+    return camera.source.lower().endswith(".npz") and not options.masks
+
+
+def load_saved(camera: CameraInput, options: RecordOptions) -> Recording:
+    """Load a saved recording.
+
+    What can no longer be done to it, a background, an ignore mask, a foreground or a number of lines other
+    than the default, is told in its warnings, and that its distortion is taken on trust: a recording knows
+    its camera matrix and no coefficients.
+
+    Raises
+    ------
+    EpibarError
+        It cannot be read, is of other frames than are asked for, or of another camera matrix than the
+        intrinsics say, or of none though the lens bends lines.
+    """
+    recording = Recording.load(camera.source)
+    _check_frames(recording, camera.source, options)
+    if camera.intrinsics is not None:
+        _check_lens(recording, camera.source, camera.intrinsics)
+        recording.matrix = camera.intrinsics.matrix
+        if camera.intrinsics.distorted:
+            recording.warnings.append(
+                f"{camera.source}: recorded already, so its distortion is taken to be that of the intrinsics"
+            )
+    given = {"background": camera.background, "ignore mask": camera.ignore}
+    vain = [what for what, path in given.items() if path is not None]
+    if options.foreground != RecordOptions().foreground:
+        vain.append(f"foreground {options.foreground!r}")
+    if vain:
+        what = " and ".join(vain)
+        recording.warnings.append(
+            f"{camera.source}: recorded already, so its {what} cannot be applied; record the video again"
+        )
+    there = len(recording.segments)
+    if options.lines not in (there, DEFAULT_LINES):
+        recording.warnings.append(
+            f"{camera.source}: recorded already, with {there} lines; "
+            f"for {options.lines} record the video again"
+        )
+    return recording
+
+
+def _check_frames(recording: Recording, source: str, options: RecordOptions) -> None:
+    frames = options.frames
+    first, last = recording.first_frame, recording.first_frame + recording.frames
+    fits = frames.first == first and (frames.last is None or last <= frames.last)
+    if frames != FrameRange() and not fits:
+        raise EpibarError(
+            f"{source}: frames {frames} asked for, but this is recorded already, from the frames "
+            f"{first}:{last} of its video; record that again"
+        )
+
+
+def _check_lens(recording: Recording, source: str, lens: Intrinsics) -> None:
+    again = "record the video again with these intrinsics"
+    lens.check_size(recording.size, source)
+    if recording.matrix is None:
+        if lens.distorted:
+            raise EpibarError(
+                f"{source}: recorded without intrinsics, so its lens still bends lines; {again}"
+            )
+    elif not np.allclose(recording.matrix, lens.matrix, rtol=1e-9, atol=1e-9):
+        raise EpibarError(f"{source}: recorded with another camera matrix; {again}")

@@ -1,0 +1,163 @@
+"""The ``cameras.toml`` that known cameras are read from and written to.
+
+The file is the one aniposelib writes, one table per camera: ``name``, ``size``, ``matrix``, ``distortions``,
+``rotation`` (Rodrigues), ``translation``; X_c = R X + t. What Caliscope adds is understood or ignored: tables
+under ``[cameras]``, ``port`` or ``cam_id`` for a name, rotations as matrices, ``fisheye``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..arguments import as_numbers
+from ..errors import EpibarError
+from ..files.atomic import write_atomically
+from .intrinsics import Intrinsics
+
+__all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras"]
+
+
+def load_cameras(path: str | os.PathLike[str]) -> list[Intrinsics]:
+    """Read the cameras of an aniposelib or Caliscope ``.toml`` file, in its order.
+
+    Raises
+    ------
+    EpibarError
+        The file is missing, is not TOML, or has no camera; a camera lacks something or has a wrong value.
+    """
+    path = os.fspath(path)
+    try:
+        document = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise EpibarError(f"{path}: no such file") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise EpibarError(f"{path}: cannot be read ({error})") from error
+    except tomllib.TOMLDecodeError as error:
+        raise EpibarError(f"{path}: not a TOML file ({error})") from error
+    cameras = [_camera(path, section, table) for section, table in _tables(document)]
+    if not cameras:
+        raise EpibarError(
+            f"{path}: no cameras; expected tables like [cam_0] with size, matrix and distortions"
+        )
+    names = [camera.name for camera in cameras]
+    for name in names:
+        if names.count(name) > 1:
+            raise EpibarError(f"{path}: two cameras are called {name!r}")
+    return cameras
+
+
+def _tables(document: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    """Tables that describe a camera, also those one level down in ``[cameras.x]`` or ``[[cameras]]``."""
+    found: list[tuple[str, dict[str, Any]]] = []
+    for section, table in document.items():
+        if section == "cameras" and isinstance(table, (dict, list)):
+            inner = table.items() if isinstance(table, dict) else enumerate(table)
+            found += [(str(key), value) for key, value in inner if isinstance(value, dict)]
+        elif isinstance(table, dict) and ("matrix" in table or "distortions" in table):
+            found.append((section, table))
+    return found
+
+
+def _camera(path: str, section: str, table: dict[str, Any]) -> Intrinsics:
+    given = next((table[key] for key in ("name", "cam_id", "port") if key in table), section)
+    for key in ("size", "matrix", "distortions"):
+        if table.get(key) is None:
+            raise EpibarError(f"{path}: [{section}] has no {key}; calibrate that camera, or remove the table")
+    name = str(given)
+    try:
+        rotation, translation = _optional(table, "rotation"), _optional(table, "translation")
+        if rotation is not None and np.shape(rotation) == (3, 3):
+            import cv2
+
+            rotation = cv2.Rodrigues(as_numbers(f"{name}: rotation", rotation, (3, 3)))[0]
+        return Intrinsics(
+            name,
+            table["size"],
+            table["matrix"],
+            table["distortions"],
+            bool(table.get("fisheye", False)),
+            None if rotation is None else as_numbers(f"{name}: rotation", rotation, None).ravel(),
+            None if translation is None else as_numbers(f"{name}: translation", translation, None).ravel(),
+        )
+    except EpibarError as error:
+        raise EpibarError(f"{path}: [{section}] {error}") from error
+
+
+def _optional(table: dict[str, Any], key: str) -> Any:
+    """Return a value, or None for the empty lists and strings of a camera that was not placed yet."""
+    value = table.get(key)
+    return None if value in (None, [], "", "null") else value
+
+
+def find_camera(cameras: Sequence[Intrinsics], stem: str, index: int | None) -> Intrinsics:
+    """Find the camera of a video: the one called like the file without suffix, or else the one at its place.
+
+    A video alone has no place, and ``index`` is None.
+
+    Raises
+    ------
+    EpibarError
+        Neither exists.
+    """
+    for same in (str, str.casefold):
+        for camera in cameras:
+            if same(camera.name) == same(stem):
+                return camera
+    if index is not None and 0 <= index < len(cameras):
+        return cameras[index]
+    known = ", ".join(camera.name for camera in cameras)
+    nor = "" if index is None else f", nor one at place {index}"
+    raise EpibarError(f"{stem}: no camera of that name in the camera file{nor}; it has {known}")
+
+
+def write_cameras(
+    path: str | os.PathLike[str],
+    cameras: Iterable[Intrinsics],
+    metadata: Mapping[str, str | list[str]] | None = None,
+    caliscope: bool = False,
+) -> None:
+    """Write cameras the way :func:`load_cameras` reads them, and aniposelib or Caliscope.
+
+    Parameters
+    ----------
+    path : str or path
+    cameras : iterable of Intrinsics
+    metadata : mapping of str to str or list of str, optional
+        For the table ``metadata``, which readers keep or skip.
+    caliscope : bool
+        Tables as Caliscope reads them, ``[cameras.0]``, rather than as aniposelib does, ``[cam_0]``.
+
+    Raises
+    ------
+    EpibarError
+        The file cannot be written.
+    """
+    tables = []
+    for index, camera in enumerate(cameras):
+        rows = [f"[cameras.{index}]", f"cam_id = {index}"] if caliscope else [f"[cam_{index}]"]
+        rows += [f"name = {json.dumps(camera.name, ensure_ascii=False)}"]
+        rows += [f"size = {list(camera.size)}", f"matrix = {camera.matrix.tolist()}"]
+        rows += [f"distortions = {camera.distortions.tolist()}"]
+        rows += ["fisheye = true"] if camera.fisheye else []
+        for key in ("rotation", "translation"):
+            value = getattr(camera, key)
+            rows += [] if value is None else [f"{key} = {value.tolist()}"]
+        tables.append("\n".join(rows) + "\n")
+    if metadata:
+        rows = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in metadata.items()]
+        tables.append("\n".join(["[metadata]", *rows]) + "\n")
+    text = "\n".join(tables)
+    write_atomically(path, lambda stream: stream.write(text.encode()))
+
+
+def intrinsics_of(path: str | os.PathLike[str], name: str) -> Intrinsics:
+    """Look one camera up by its name: alone it has no place in an order, unless the file has only one."""
+    cameras = load_cameras(path)
+    return find_camera(cameras, name, 0 if len(cameras) == 1 else None)

@@ -1,0 +1,71 @@
+"""Verdicts in words, and what to do next."""
+
+from __future__ import annotations
+
+from ..calibration import Calibration
+
+__all__ = ["advice", "verdict_words"]
+
+SOME_EVIDENCE = 2.0
+"""Standard deviations above chance: by chance one pair in 44 has more."""
+
+TITLES = {
+    "accepted": "Accepted",
+    "too_little_motion": "Too little motion",
+    "no_common_scene": "No common scene",
+    "undetermined": "Geometry undetermined",
+    "ambiguous": "Ambiguous",
+    "inaccurate": "Not accurate enough",
+}
+
+ADVICE = {
+    "too_little_motion": [
+        "Film longer, or with more people, so that things move in many places of both views.",
+        "Look at the heat maps below: is what moves there what really moved? If not, give a clip of the "
+        "empty scene (`--background`), or your own masks (`--masks`).",
+    ],
+    "no_common_scene": [
+        "If the cameras were not started together, search for the offset: `--time-offset search`.",
+        "Check that both cameras see the same people at the same time; views without overlap have no answer.",
+        "Look at the heat maps: trees, screens and reflections drown what matters. Mask them with "
+        "`--ignore`.",
+        "Film longer: some hundred frames in which people walk, in many places of both views, are the least.",
+    ],
+    "undetermined": [
+        "Film other motion: crossing paths, near and far, raised arms, people of different heights.",
+        "If the cameras stand at one place, move one: without a baseline there is no epipolar geometry.",
+    ],
+    "ambiguous": [
+        "Film other motion, in more of the room and in more directions: the rivals below explain this one as "
+        "well.",
+        "If all cameras are the right way up, do not use `--any-way-up`.",
+    ],
+    "inaccurate": [
+        "Film longer, or give better masks: ragged outlines are the usual cause.",
+        "Lens distortion bends lines: give `--intrinsics` for anything but a narrow lens.",
+        "If a coarser answer is good enough, raise `--max-expected-error`; not with boxes or ellipses "
+        "as masks, whose true error is larger than expected.",
+    ],
+}
+
+FILM_LONGER = (
+    "Some evidence is there, but too little to rely on: film longer, or with more people. "
+    "It grows with the length."
+)
+
+
+def verdict_words(calibration: Calibration) -> str:
+    """Name the verdict in a few words."""
+    kind = calibration.kind
+    return TITLES.get(kind, kind.replace("_", " ").capitalize())
+
+
+def advice(calibration: Calibration) -> list[str]:
+    """Say what to do about a refused pair; code is between backticks."""
+    if calibration.accepted:
+        return []
+    known = ADVICE.get(calibration.kind, ["Read docs/trust.md on this verdict."])
+    z = calibration.evidence.get("z")
+    if calibration.kind == "no_common_scene" and z is not None and z > SOME_EVIDENCE:
+        return [FILM_LONGER, *known[:-1]]
+    return known

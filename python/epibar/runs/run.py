@@ -1,0 +1,289 @@
+"""What an export starts from: the cameras of a run, and its pairs with F, verdict and frontier points."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arguments import Array, camera_names, check_pairs
+from ..calibration import Calibration
+from ..clocks import nearest_frame, position_in_b
+from ..errors import EpibarError
+from ..files.calibration_json import read_json
+from ..files.frontier_csv import read_frontier_points
+from ..geometry.correspondences import FrontierPoints
+from ..geometry.pose import RelativePose, relative_pose
+from ..lens.camera_file import find_camera
+from ..lens.intrinsics import Intrinsics
+from ..recording import Recording
+
+__all__ = ["Camera", "Pair", "Run"]
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """One camera of a run.
+
+    Attributes
+    ----------
+    name : str
+    size : (int, int)
+        Width and height, pixels.
+    matrix : ndarray, shape (3, 3), or None
+        Camera matrix of the undistorted pixels that all is in; None where no intrinsics were given.
+    index : int or None
+        Place among the cameras that were given to ``epibar calibrate``, of which some may have failed; None
+        where it is that in the run.
+    """
+
+    name: str
+    size: tuple[int, int]
+    matrix: Array | None = None
+    index: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """One pair of a run: the names of its cameras, and what :class:`~epibar.Calibration` calls the same."""
+
+    a: str
+    b: str
+    F: Array | None
+    accepted: bool
+    kind: str
+    reason: str
+    expected_error: float | None
+    time_offset: float
+    frontier_points: FrontierPoints
+    frames_per_frame: float = 1.0
+
+    @property
+    def name(self) -> str:
+        """Both names, for messages."""
+        return f"{self.a} - {self.b}"
+
+    @property
+    def frames_b(self) -> NDArray[np.int64]:
+        """Frame of B of each frontier point, where no frame of either camera is missing."""
+        frames = self.frontier_points.frame
+        return nearest_frame(position_in_b(frames, self.time_offset, self.frames_per_frame))
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Cameras and pairs.
+
+    Attributes
+    ----------
+    cameras : list of Camera
+    pairs : list of Pair
+    intrinsics : str or None
+        The camera file that the run was given.
+    files : list of Path
+        Where it was read from; none of them may be overwritten by an export.
+    """
+
+    cameras: list[Camera]
+    pairs: list[Pair]
+    intrinsics: str | None = None
+    files: list[Path] = field(default_factory=list)
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Run:
+        """Read what ``epibar calibrate --out folder`` wrote, given the folder or the calibration.json in it.
+
+        Raises
+        ------
+        EpibarError
+            A file is missing or damaged.
+        """
+        path = Path(folder)
+        if not path.is_file():
+            path /= "calibration.json"
+        result = read_json(path)
+        files = [path]
+        pairs = []
+        try:
+            cameras = [
+                Camera(
+                    str(camera["name"]),
+                    _size(camera),
+                    _matrix("matrix", camera["matrix"]),
+                    int(camera["index"]),
+                )
+                for camera in result["cameras"]
+            ]
+            for pair in result["pairs"]:
+                points = _no_points()
+                if pair.get("frontier_points"):
+                    files.append(path.parent / pair["frontier_points"])
+                    points = read_frontier_points(files[-1])
+                pairs.append(_pair(pair, points))
+        except (KeyError, TypeError, ValueError) as error:
+            if isinstance(error, EpibarError):
+                raise
+            raise EpibarError(
+                f"{path}: damaged: {error} is missing or of the wrong kind; run 'epibar calibrate' again"
+            ) from error
+        run = cls(cameras, pairs, result.get("intrinsics"), files)
+        for name in {name for pair in pairs for name in (pair.a, pair.b)}:
+            if name not in run.by_name:
+                raise EpibarError(f"{path}: damaged: there is a pair with {name!r}, but no such camera")
+        return run
+
+    @classmethod
+    def of(cls, recordings: Sequence[Recording], calibrations: Mapping[tuple[int, int], Calibration]) -> Run:
+        """Put results of :func:`epibar.calibrate` together.
+
+        Parameters
+        ----------
+        recordings : sequence of Recording
+            One per camera. One without a name is called cam1, cam2, … by its place.
+        calibrations : mapping of (int, int) to Calibration
+            ``{(i, j): epibar.calibrate(recordings[i], recordings[j])}``.
+
+        Raises
+        ------
+        EpibarError
+            Two cameras of one name, or a pair of cameras that are not there.
+        """
+        names = camera_names(recording.name for recording in recordings)
+        check_pairs(calibrations, len(names))
+        pairs = [
+            Pair(
+                names[a],
+                names[b],
+                calibration.F,
+                calibration.accepted,
+                calibration.kind,
+                calibration.reason,
+                calibration.expected_error,
+                calibration.time_offset,
+                calibration.frontier_points,
+                calibration.timing.frames_per_frame,
+            )
+            for (a, b), calibration in calibrations.items()
+        ]
+        cameras = [
+            Camera(name, recording.size, recording.matrix)
+            for name, recording in zip(names, recordings, strict=True)
+        ]
+        return cls(cameras, pairs)
+
+    @property
+    def by_name(self) -> dict[str, Camera]:
+        """Cameras by their name."""
+        return {camera.name: camera for camera in self.cameras}
+
+    def selected(self, every: bool = False) -> Run:
+        """Keep the accepted pairs only, or all.
+
+        Raises
+        ------
+        EpibarError
+            No pair is left.
+        """
+        if not self.pairs:
+            raise EpibarError("there is no pair: nothing to export")
+        pairs = self.pairs if every else [pair for pair in self.pairs if pair.accepted]
+        if not pairs:
+            refused = "; ".join(f"{pair.name}: {pair.kind}" for pair in self.pairs)
+            raise EpibarError(
+                f"no pair was accepted ({refused}); --all exports refused pairs, with the verdict"
+            )
+        return replace(self, pairs=pairs)
+
+    def with_intrinsics(self, known: Sequence[Intrinsics], where: str) -> Run:
+        """Give camera matrices to a run that was made without; check them in a run that was made with.
+
+        Raises
+        ------
+        EpibarError
+            A camera is missing, has another size or matrix, or has a lens that the run did not take out.
+        """
+        cameras = []
+        for camera, given in zip(self.cameras, self.found_in(known, where), strict=True):
+            if camera.matrix is None and given.distorted:
+                raise EpibarError(
+                    f"{where}: {given.name} has lens distortion, but {camera.name} was calibrated without; "
+                    "run 'epibar calibrate' again with --intrinsics"
+                )
+            if camera.matrix is not None and not np.allclose(camera.matrix, given.matrix):
+                raise EpibarError(
+                    f"{where}: {given.name} has another camera matrix than {camera.name} was calibrated with"
+                )
+            cameras.append(replace(camera, matrix=given.matrix))
+        return replace(self, cameras=cameras)
+
+    def found_in(self, known: Sequence[Intrinsics], where: str) -> list[Intrinsics]:
+        """Find each camera of the run in a camera file, by its name or else by its place.
+
+        Raises
+        ------
+        EpibarError
+            One is not there, or is for images of another size; ``where`` names the file.
+        """
+        found = []
+        for place, camera in enumerate(self.cameras):
+            given = find_camera(known, camera.name, place if camera.index is None else camera.index)
+            if given.size != camera.size:
+                raise EpibarError(
+                    f"{where}: {given.name} is for {given.size[0]}x{given.size[1]}, "
+                    f"but {camera.name} was recorded at {camera.size[0]}x{camera.size[1]}"
+                )
+            found.append(given)
+        return found
+
+    def poses(self) -> tuple[dict[tuple[str, str], RelativePose], list[str]]:
+        """Relative pose of each pair whose camera matrices are known, and why others have none."""
+        found, reasons = {}, []
+        cameras = self.by_name
+        for pair in self.pairs:
+            K_a, K_b = cameras[pair.a].matrix, cameras[pair.b].matrix
+            if K_a is None or K_b is None:
+                reasons.append(f"{pair.name}: no camera matrix")
+                continue
+            try:
+                found[pair.a, pair.b] = relative_pose(pair, K_a, K_b)
+            except EpibarError as error:
+                reasons.append(f"{pair.name}: {error}")
+        return found, reasons
+
+
+def _no_points() -> FrontierPoints:
+    return FrontierPoints(np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+
+
+def _size(camera: Mapping[str, Any]) -> tuple[int, int]:
+    return int(camera["width"]), int(camera["height"])
+
+
+def _matrix(name: str, value: Iterable[Any] | None) -> Array | None:
+    if value is None:
+        return None
+    matrix = np.asarray(value, dtype=np.float64)
+    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+        raise ValueError(name)
+    return matrix
+
+
+def _pair(pair: Mapping[str, Any], points: FrontierPoints) -> Pair:
+    error = pair["expected_error"]
+    return Pair(
+        str(pair["a"]),
+        str(pair["b"]),
+        _matrix("F", pair["F"]),
+        bool(pair["accepted"]),
+        str(pair["kind"]),
+        str(pair["reason"]),
+        None if error is None else float(error),
+        float(pair["time_offset"]),
+        points,
+        float(pair.get("timing", {}).get("frames_per_frame", 1.0)),
+    )

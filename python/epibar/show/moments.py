@@ -1,0 +1,66 @@
+"""Which moments of a pair a report shows."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import numpy as np
+
+from ..arguments import Index
+from ..calibration import Calibration
+from ..recording import Recording
+
+__all__ = ["MOMENTS", "busiest_window", "choose_moments", "points_per_frame"]
+
+MOMENTS = 16
+"""Frames to scrub through, per pair."""
+
+
+def points_per_frame(common: Index, a: Recording, b: Recording, calibration: Calibration) -> Index:
+    """How much each moment has to show: its frontier points, or else whether both cameras see something."""
+    if len(calibration.frontier_points):
+        return np.bincount(calibration.frontier_points.frame, minlength=a.frames)[common[:, 0]]
+    moving = np.minimum(a.moving_pixels[common[:, 0]], b.moving_pixels[common[:, 1]])
+    return moving.astype(np.int64)
+
+
+def choose_moments(
+    common: Index, worth: Index, wanted_a: Collection[int], wanted_b: Collection[int], count: int = MOMENTS
+) -> Index:
+    """Choose moments spread over the time both cameras share.
+
+    Parameters
+    ----------
+    common : ndarray, shape (n, 2)
+        Frames of A and of B, see :func:`epibar.clocks.common_frames`.
+    worth : ndarray, shape (n,)
+        How much each has to show.
+    wanted_a, wanted_b : collections of int
+        Frames that other pairs show already: they cost nothing, so they come first where they show anything.
+    count : int
+
+    Returns
+    -------
+    ndarray, shape (at most count, 2)
+    """
+    busy = np.flatnonzero(worth > 0)
+    if len(busy):
+        inside = slice(busy[0], busy[-1] + 1)
+        common, worth = common[inside], worth[inside]
+    known = np.isin(common[:, 0], list(wanted_a)).astype(np.int64) + np.isin(common[:, 1], list(wanted_b))
+    score = np.where(worth > 0, worth + known * (int(worth.max(initial=0)) + 1), 0)
+    chosen = [
+        part[int(score[part].argmax())]
+        for part in np.array_split(np.arange(len(common)), min(count, len(common)) or 1)
+        if len(part)
+    ]
+    return common[chosen]
+
+
+def busiest_window(worth: Index, length: int) -> slice:
+    """Find the stretch of ``length`` moments that has most to show."""
+    if len(worth) <= length:
+        return slice(0, len(worth))
+    sums = np.concatenate([[0], np.cumsum(worth)])
+    start = int((sums[length:] - sums[:-length]).argmax())
+    return slice(start, start + length)

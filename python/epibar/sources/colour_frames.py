@@ -1,0 +1,259 @@
+"""Colour frames, decoded from a video or read from images."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import EpibarError
+from .frame_range import FrameRange
+from .images import IMAGE_SUFFIXES, as_bgr, natural_order, read_image
+from .mask_array_file import ARRAY_SUFFIXES
+from .opencv import opencv
+from .source import FrameSource
+
+__all__ = ["ColourFrames"]
+
+# A container may announce a frame or two more than it holds without anything being wrong with it.
+TRUNCATION_FRAMES = 2
+TRUNCATION_SHARE = 0.02
+
+
+def _is_stream_or_pattern(source: str) -> bool:
+    return "://" in source or re.search(r"%0?\d*d", source) is not None
+
+
+class ColourFrames(FrameSource[np.ndarray]):
+    """Colour frames of a video, a folder of images, or anything ``cv2.VideoCapture`` opens.
+
+    Iterating yields ``(index, time, frame)``: the frame number from 0, seconds since frame 0, and an
+    (H, W, 3) uint8 BGR image. Each new iteration starts at frame 0.
+
+    Parameters
+    ----------
+    path : str or path
+        Video file; folder of png, jpg, tif or bmp images, in natural order; one image; URL or
+        ``image_%04d.png`` pattern.
+    fps : float, optional
+        Frames per second. Overrides what the file says, and its time stamps.
+    frames : FrameRange, optional
+        Which of them to use; all by default. Numbers and times then count from the first of these.
+
+    Attributes
+    ----------
+    name : str
+        File name without its suffix, or the folder's name.
+    width, height : int
+        Pixels, of the decoded frames.
+    fps : float
+        Frames per second; 25, with a warning, where nothing says otherwise.
+    frame_count : int or None
+        What the container announces until the end was reached, then what was decoded; None if unknown.
+    truncated : bool
+        The container announced clearly more frames than could be decoded. Known once the end was reached.
+    warnings : list of str
+        Plain-English remarks for the user.
+
+    Raises
+    ------
+    EpibarError
+        Missing, unreadable or empty source; while iterating, a frame of another size.
+
+    Examples
+    --------
+    >>> with ColourFrames("cam1.mp4") as frames:
+    ...     times = [time for index, time, frame in frames]
+    """
+
+    def __init__(
+        self, path: str | os.PathLike[str], *, fps: float | None = None, frames: FrameRange | None = None
+    ) -> None:
+        super().__init__(path, fps, frames)
+        self._images: list[Path] | None = None
+        self._started: tuple[Any, np.ndarray] | None = None
+        file = Path(self.path)
+        if file.is_dir():
+            self.name = file.resolve().name
+            self._open_folder(file)
+            return
+        if not _is_stream_or_pattern(self.path):
+            if not file.exists():
+                raise EpibarError(f"{self.path}: no such file or folder")
+            if file.stat().st_size == 0:
+                raise EpibarError(f"{self.path}: the file is empty; copy or record it again")
+            if file.suffix.lower() in ARRAY_SUFFIXES:
+                raise EpibarError(f"{self.path}: an array of masks, not a video; open it as ready-made masks")
+            if (
+                file.suffix.lower() in IMAGE_SUFFIXES
+            ):  # OpenCV would take scene1.png for the start of a sequence
+                self._open_images([file])
+                return
+        self._open_video()
+
+    def _open_folder(self, folder: Path) -> None:
+        images = (f for f in folder.iterdir() if f.suffix.lower() in IMAGE_SUFFIXES)
+        files = sorted((f for f in images if not f.name.startswith(".")), key=natural_order)
+        if not files:
+            raise EpibarError(f"{self.path}: no png, jpg, tif or bmp images in this folder")
+        self._open_images(files)
+
+    def _open_images(self, files: list[Path]) -> None:
+        files = files[self.first : self.first + self._range.count(self.path, len(files))]
+        self._images = files
+        self.height, self.width = read_image(files[0]).shape[:2]
+        self.frame_count = len(files)
+        self._choose_fps(None)
+
+    def _capture(self) -> Any:
+        cv2 = opencv()
+        try:
+            capture = cv2.VideoCapture(self.path)
+        except cv2.error:
+            capture = None
+        if capture is None or not capture.isOpened():
+            reason = "it may be another kind of file, or a recording cut off before its index was written"
+            raise EpibarError(f"{self.path}: not a video that OpenCV can open; {reason}")
+        return capture
+
+    def _open_video(self) -> None:
+        cv2 = opencv()
+        capture = self._capture()
+        ok, first = capture.read()
+        if not ok or first is None:
+            capture.release()
+            raise EpibarError(
+                f"{self.path}: not one frame can be decoded; convert it to H.264 mp4 and try again"
+            )
+        self.height, self.width = first.shape[:2]
+        announced = capture.get(cv2.CAP_PROP_FRAME_COUNT)
+        if math.isfinite(announced) and 0 < announced < 1e12:
+            self.frame_count = self._range.count(self.path, int(announced))
+        self._announced = self.frame_count
+        self._choose_fps(capture.get(cv2.CAP_PROP_FPS))
+        self._started = (capture, first)
+
+    @property
+    def of_images(self) -> bool:
+        """Whether the source is one image or a folder of them."""
+        return self._images is not None
+
+    def __iter__(self) -> Iterator[tuple[int, float, np.ndarray]]:
+        return self._iterate_video() if self._images is None else self._iterate_folder(self._images)
+
+    def _iterate_folder(self, images: list[Path]) -> Iterator[tuple[int, float, np.ndarray]]:
+        for index, file in enumerate(images):
+            image = read_image(file)
+            self._check_size(image.shape, str(file))
+            yield index, index / self.fps, image
+
+    def _at(self, number: int) -> tuple[Any, np.ndarray | None]:
+        """A capture that has read so far, and that frame of the file; None where it ends before."""
+        if self._started is not None:
+            (capture, frame), self._started = self._started, None
+        else:
+            capture = self._capture()
+            frame = capture.read()[1]
+        if number and all(capture.grab() for _ in range(number)):
+            return capture, capture.retrieve()[1]
+        return capture, None if number else frame
+
+    def _iterate_video(self) -> Iterator[tuple[int, float, np.ndarray]]:
+        cv2 = opencv()
+        capture, frame = self._at(self.first)
+        try:
+            if self.first and frame is None:
+                raise self._range.beyond(self.path)
+            index, time, start, gaps = 0, 0.0, float(capture.get(cv2.CAP_PROP_POS_MSEC)), 0
+            while frame is not None:
+                self._check_size(frame.shape, f"{self.path}: frame {self.first + index}")
+                if index:
+                    previous, time = time, self._time(index, time, capture.get(cv2.CAP_PROP_POS_MSEC) - start)
+                    gaps += time - previous > 1.5 / self.fps
+                yield index, time, as_bgr(frame)
+                index += 1
+                frame = capture.read()[1] if self._range.holds(self.first + index) else None
+            self._finish(index, gaps)
+        finally:
+            capture.release()
+
+    def _time(self, index: int, previous: float, stamp_ms: float) -> float:
+        """Seconds of a frame: its time stamp where that makes sense, else one frame after the last."""
+        if self._given_fps is not None:
+            return index / self.fps
+        stamp = stamp_ms / 1000.0
+        sane = math.isfinite(stamp) and previous < stamp < previous + max(60.0, 10.0 / self.fps)
+        return stamp if sane else previous + 1.0 / self.fps
+
+    def _finish(self, decoded: int, gaps: int) -> None:
+        self.frame_count = decoded
+        if self._announced is not None:
+            missing = self._announced - decoded
+            self.truncated = missing > max(TRUNCATION_FRAMES, TRUNCATION_SHARE * self._announced)
+            if self.truncated:
+                found = f"decoded {decoded} of {self._announced} frames"
+                self._warn(f"{self.path}: truncated, {found}; those are used")
+        if gaps:
+            self._warn(
+                f"{self.path}: {gaps} gaps between frames are longer than 1.5 frame times; frames were "
+                "dropped or the rate varies, and frames of two cameras may not belong together"
+            )
+
+    def read(self, index: int) -> np.ndarray:
+        """One frame by its number, (H, W, 3) uint8 BGR, reached by decoding from the start.
+
+        Raises
+        ------
+        EpibarError
+            There is no such frame.
+        """
+        if self._images is not None:
+            if index < len(self._images):
+                return read_image(self._images[index])
+        else:
+            capture, frame = self._at(self.first + index)
+            capture.release()
+            if frame is not None:
+                return as_bgr(frame)
+        raise EpibarError(f"{self.path}: frame {index} asked for, but it has {self.frame_count} frames")
+
+    def sample(self, count: int) -> Iterator[np.ndarray]:
+        """About ``count`` frames spread over the whole source, found by seeking, so good for statistics only.
+
+        Where seeking does not work, or the length is unknown, all frames come.
+        """
+        if self._images is not None:
+            for number in np.unique(np.linspace(0, len(self._images) - 1, count).astype(int)):
+                image = read_image(self._images[number])
+                self._check_size(image.shape, str(self._images[number]))
+                yield image
+            return
+        total = self.frame_count or 0
+        if total <= 4 * count or "://" in self.path:
+            keep = max(1, total // count)
+            yield from (frame for index, _, frame in self if index % keep == 0)
+            return
+        cv2 = opencv()
+        capture, found = self._capture(), 0
+        try:
+            for number in np.linspace(self.first, self.first + total - 1, count).astype(int):
+                capture.set(cv2.CAP_PROP_POS_FRAMES, float(number))
+                ok, frame = capture.read()
+                if ok and frame is not None and (frame.shape[1], frame.shape[0]) == self.size:
+                    found += 1
+                    yield as_bgr(frame)
+        finally:
+            capture.release()
+        if not found:
+            yield from (frame for _, _, frame in self)
+
+    def close(self) -> None:
+        """Release the file."""
+        if self._started is not None:
+            self._started[0].release()
+            self._started = None

@@ -1,0 +1,70 @@
+"""Which frames of a video to use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..errors import EpibarError
+
+__all__ = ["FrameRange"]
+
+
+@dataclass(frozen=True)
+class FrameRange:
+    """The frames from ``first`` up to, but not including, ``last``; to the end where ``last`` is None.
+
+    Raises
+    ------
+    EpibarError
+        Not whole numbers, or no frame between them.
+    """
+
+    first: int = 0
+    last: int | None = None
+
+    def __post_init__(self) -> None:
+        for number in (self.first, self.last):
+            if number is not None and (isinstance(number, bool) or not isinstance(number, int)):
+                raise EpibarError(f"frames {self}: {number!r} is not a whole number")
+        if self.first < 0 or (self.last is not None and self.last <= self.first):
+            raise EpibarError(
+                f"frames {self}: no frame is in it; they count from 0, and the last is left out"
+            )
+
+    @classmethod
+    def of(cls, ends: Sequence[int | None] | FrameRange | None) -> FrameRange:
+        """Make a range of what a caller passed: (first, last), either of which may be None."""
+        if isinstance(ends, FrameRange):
+            return ends
+        if ends is None:
+            return cls()
+        try:
+            first, last = ends
+        except (TypeError, ValueError):
+            raise EpibarError(f"frames = {ends!r}: expected two numbers, (first, last)") from None
+        return cls(0 if first is None else first, last)
+
+    def __str__(self) -> str:
+        return f"{self.first}:{'' if self.last is None else self.last}"
+
+    def holds(self, number: int) -> bool:
+        """Whether a frame at or after the first is used."""
+        return self.last is None or number < self.last
+
+    def count(self, path: str, total: int) -> int:
+        """How many of the ``total`` frames of a file are used.
+
+        Raises
+        ------
+        EpibarError
+            None is.
+        """
+        if self.first >= total:
+            raise self.beyond(path, total)
+        return (total if self.last is None else min(total, self.last)) - self.first
+
+    def beyond(self, path: str, total: int | None = None) -> EpibarError:
+        """The error that the file ends before the first frame."""
+        found = "it ends before" if total is None else f"it has only {total} frames"
+        return EpibarError(f"{path}: frames {self} asked for, but {found}")

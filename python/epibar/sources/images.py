@@ -1,0 +1,49 @@
+"""Single images."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import EpibarError
+from .opencv import opencv
+
+__all__ = ["IMAGE_SUFFIXES", "as_bgr", "natural_order", "read_image"]
+
+IMAGE_SUFFIXES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"}
+
+
+def natural_order(path: Path) -> list[tuple[int, int, str]]:
+    """Sort key that puts ``frame2`` before ``frame10``."""
+    parts = re.split(r"(\d+)", path.name.lower())
+    return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
+
+
+def as_bgr(image: np.ndarray) -> np.ndarray:
+    """Convert a grey or BGRA image to BGR."""
+    cv2 = opencv()
+    if image.ndim == 2 or image.shape[2] == 1:
+        result: np.ndarray = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+        return result
+    return image if image.shape[2] == 3 else cv2.cvtColor(image, cv2.COLOR_BGRA2BGR)
+
+
+def read_image(path: Path) -> np.ndarray:
+    """One image as BGR uint8; the bytes are read by Python because OpenCV cannot open every file name."""
+    cv2 = opencv()
+    try:
+        data = np.frombuffer(path.read_bytes(), np.uint8)
+    except OSError as error:
+        raise EpibarError(f"{path}: cannot be read ({error.strerror or error})") from error
+    image = None
+    if data.size:
+        try:
+            image = cv2.imdecode(data, cv2.IMREAD_COLOR)
+        except cv2.error:
+            image = None
+    if image is None:
+        raise EpibarError(f"{path}: not an image that OpenCV can decode; remove it or save it again")
+    result: np.ndarray = image
+    return result

@@ -1,0 +1,81 @@
+"""What every source of frames or masks has in common."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+from ..errors import EpibarError
+from .frame_range import FrameRange
+
+__all__ = ["DEFAULT_FPS", "FrameSource"]
+
+DEFAULT_FPS = 25.0
+
+T = TypeVar("T")
+
+
+class FrameSource(Generic[T]):
+    """What every source has: a name, a size, a rate, warnings and a way to be read from the start."""
+
+    def __init__(
+        self, path: str | os.PathLike[str], fps: float | None, frames: FrameRange | None = None
+    ) -> None:
+        if fps is not None and not (math.isfinite(fps) and fps > 0):
+            raise EpibarError(f"{path}: fps is {fps}; give a positive number of frames per second")
+        self.path = os.fspath(path)
+        self.name = Path(self.path).stem
+        self.warnings: list[str] = []
+        self.truncated = False
+        self.width = 0
+        self.height = 0
+        self.frame_count: int | None = None
+        self.fps = DEFAULT_FPS
+        self._given_fps = fps
+        self._range = frames or FrameRange()
+
+    @property
+    def first(self) -> int:
+        """Number in the file of the frame that is frame 0 here."""
+        return self._range.first
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self.width, self.height
+
+    def _warn(self, message: str) -> None:
+        if message not in self.warnings:
+            self.warnings.append(message)
+
+    def _choose_fps(self, announced: float | None) -> None:
+        if self._given_fps is not None:
+            self.fps = float(self._given_fps)
+        elif announced is not None and 0 < announced < 1e4:  # also false for NaN
+            self.fps = float(announced)
+        else:
+            self.fps = DEFAULT_FPS
+            self._warn(f"{self.path}: no frame rate given, {DEFAULT_FPS:g} frames per second assumed")
+
+    def _check_size(self, shape: tuple[int, ...], where: str) -> None:
+        height, width = shape[:2]
+        if (width, height) != self.size:
+            raise EpibarError(
+                f"{where}: {width}x{height}, but the frames before it are {self.width}x{self.height}; "
+                "all frames of one camera must have one size"
+            )
+
+    def close(self) -> None:
+        """Release the file."""
+
+    def __enter__(self: Any) -> Any:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def __iter__(self) -> Iterator[tuple[int, float, T]]:
+        raise NotImplementedError

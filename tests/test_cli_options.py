@@ -1,0 +1,214 @@
+"""What the command line takes: options with a value for each camera, short ones, completion, exit codes."""
+
+import json
+import shutil
+import subprocess
+import sys
+
+import cv2
+import numpy as np
+import pytest
+from jobs_input import WORDS, write_masks
+
+import epibar
+from epibar import synthetic
+from epibar.cli import main
+from epibar.cli.exit_codes import DONE, PARTLY, UNUSABLE, exit_code
+from epibar.cli.parser import COMMANDS, build_parser
+from epibar.evaluation import image_correspondences
+
+
+@pytest.fixture(scope="module")
+def masks(tmp_path_factory):
+    return [str(path) for path in write_masks(tmp_path_factory.mktemp("masks"))]
+
+
+# --- options that take one value for each camera ---
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "c1 c2 --background b1 b2 --out D",
+        "c1 c2 --out D --background b1 b2",
+        "--background b1 b2 c1 c2 --out D",
+        "--out D --background b1 b2 c1 c2",
+        "--background b1 b2 --out D c1 c2",
+        "--background b1 --background b2 c1 c2 --out D",
+        "--background b1 b2 -o D -- c1 c2",
+        "c1 -o D c2 --background b1 b2",
+        "c1 --background b1 b2 -o D c2",
+    ],
+)
+def test_videos_are_left_alone(words):
+    given = build_parser().parse_args(["calibrate", *words.split()])
+    assert (given.videos, given.background, given.ignore, given.out) == (
+        ["c1", "c2"],
+        ["b1", "b2"],
+        None,
+        "D",
+    )
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "--background b1 b2 b3 --ignore m1 m2 m3 c1 c2 c3",
+        "--background b1 b2 b3 c1 c2 c3 --ignore m1 m2 m3",
+        "c1 c2 c3 --background b1 b2 b3 --ignore m1 m2 m3",
+        "--ignore m1 --ignore m2 m3 --background b1 b2 b3 c1 c2 c3",
+    ],
+)
+def test_videos_are_left_alone_by_two_options(words):
+    given = build_parser().parse_args(["inspect", *words.split()])
+    assert given.videos == ["c1", "c2", "c3"]
+    assert given.background == ["b1", "b2", "b3"]
+    assert given.ignore == ["m1", "m2", "m3"]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("-o D", "VIDEO"),
+        ("--background b1 b2 c1 -o D", "VIDEO"),  # of three it cannot be said which are videos
+        ("c1 c2 --background b1 -o D", "--background: 1 given for 2 cameras"),
+        ("c1 --background b1 b2 b3 -o D", "at least two cameras"),
+        ("c1 c2 -o D --outt D", "--outt"),
+    ],
+)
+def test_what_does_not_fit_is_refused(words, told, capsys):
+    assert main(["calibrate", *words.split()]) == 2
+    assert told in capsys.readouterr().err
+
+
+# --- what all commands have in common ---
+
+
+@pytest.mark.parametrize("command", [module.NAME for module in COMMANDS])
+def test_every_command_says_when_it_fails(command, capsys):
+    assert main([command, "--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "Exit codes: 0 done" in text
+
+
+@pytest.mark.parametrize("command", [module.NAME for module in COMMANDS])
+def test_every_option_is_explained(command):
+    (commands,) = (action for action in build_parser()._actions if action.dest == "command")
+    for action in commands.choices[command]._actions:
+        assert action.help or action.dest == "shell", f"{command} {action.dest}"
+
+
+def test_short_options(masks, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["calibrate", *masks[:2], "-o", str(out), *WORDS, "-q"]) == 0
+    assert capsys.readouterr() == ("", "")
+    assert (out / "calibration.json").exists()
+    assert main(["calibrate", *masks[:2], "-o", str(out), *WORDS, "-v"]) == 0
+    printed = capsys.readouterr()
+    assert f"epibar {epibar.__version__}" in printed.err
+    assert "  counts: " in printed.err
+    assert "cam1 - cam2: " in printed.out
+    saved = tmp_path / "cam1.npz"
+    assert main(["record", masks[0], "--masks", "-o", str(saved), "--lines", "100", "-q"]) == 0
+    assert main(["export", str(out), "--format", "csv", "--all", "-o", str(tmp_path / "points.csv")]) == 0
+    assert (tmp_path / "points.csv").exists()
+
+
+def test_the_largest_error_that_is_accepted_can_be_given(masks, tmp_path):
+    """A pair is refused where less is asked for than it states, and is not taken from the run before."""
+    words = ["calibrate", *masks[:2], "-o", str(tmp_path), *WORDS, "-q"]
+    assert main(words) == 0
+    (pair,) = json.loads((tmp_path / "calibration.json").read_text())["pairs"]
+    assert pair["expected_error"] > 1e-6
+    assert main([*words, "--max-expected-error", "1e-6"]) == 0
+    (stricter,) = json.loads((tmp_path / "calibration.json").read_text())["pairs"]
+    assert not stricter["accepted"]
+    assert stricter["kind"] != "accepted"
+    for value in ("0", "-1", "nan", "much"):
+        assert main([*words, "--max-expected-error", value]) == 2
+
+
+# --- exit codes ---
+
+
+def test_exit_codes():
+    assert exit_code(done=3, failed=0) == DONE
+    assert exit_code(done=0, failed=0) == DONE
+    assert exit_code(done=7, failed=1) == PARTLY
+    assert exit_code(done=0, failed=2) == UNUSABLE
+
+
+def test_nothing_done_and_one_of_many_failed(masks, tmp_path):
+    words = ["-o", str(tmp_path / "out"), *WORDS, "-q"]
+    assert main(["calibrate", *masks[:2], "none.npz", *words]) == 3
+    assert main(["calibrate", masks[0], "none.npz", *words]) == 2
+    assert main(["inspect", masks[0], "none.npz", "--masks", "-q", "--lines", "50"]) == 3
+    assert main(["inspect", "none.npz", "--masks", "-q"]) == 2
+
+
+# --- evaluate ---
+
+
+def test_evaluate_for_programs(masks, tmp_path, capsys):
+    assert main(["calibrate", *masks[:2], "-o", str(tmp_path), *WORDS, "-q"]) == 0
+    known = tmp_path / "cameras.toml"
+    tables = []
+    scene = synthetic.cubes(3, cameras=4, objects=12, frames=200, size=(160, 120), size_m=(0.25, 0.45))
+    for index, camera in enumerate(scene.cameras):
+        rotation = cv2.Rodrigues(camera.R)[0].ravel().tolist()
+        tables.append(
+            f'[cam_{index}]\nname = "cam{index + 1}"\nsize = {list(camera.size)}\n'
+            f"matrix = {camera.K.tolist()}\ndistortions = []\n"
+            f"rotation = {rotation}\ntranslation = {camera.t.tolist()}\n"
+        )
+    known.write_text("\n".join(tables))
+    capsys.readouterr()
+    assert main(["evaluate", str(tmp_path), "--cameras", str(known), "--json"]) == 0
+    (pair,) = json.loads(capsys.readouterr().out)["pairs"]
+    assert pair["b"] == "cam2"
+    # Over the image, where the definition can be applied to what is in the files.
+    F = np.array(json.loads((tmp_path / "calibration.json").read_text())["pairs"][0]["F"])
+    sizes = scene.cameras[0].size, scene.cameras[1].size
+    a, b = image_correspondences(scene.fundamental(0, 1), *sizes)
+    error = epibar.symmetric_epipolar_distance(F, a, b).mean()
+    assert pair["image_error"] == pytest.approx(error)
+    assert main(["evaluate", str(tmp_path), "--cameras", str(known)]) == 0
+    assert f"{pair['image_error']:.2f} px" in capsys.readouterr().out
+
+
+# --- completion ---
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "tcsh"])
+def test_completion_scripts(shell, capsys):
+    assert main(["completion", shell]) == 0
+    script = capsys.readouterr().out
+    assert "calibrate" in script
+    assert "max-expected-error" in script
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
+def test_bash_completes_options_and_choices(tmp_path, capsys):
+    assert main(["completion", "bash"]) == 0
+    script = tmp_path / "completion.bash"
+    script.write_text(capsys.readouterr().out)
+
+    def completed(*words):
+        line = " ".join(["epibar", *words])
+        typed = " ".join(f"'{word}'" for word in ("epibar", *words))
+        code = (
+            f"source {script}; COMP_WORDS=({typed}); COMP_CWORD={len(words)}; COMP_LINE='{line}'; "
+            f"COMP_POINT={len(line)}; $(complete -p epibar | sed 's/.*-F //; s/ .*//') epibar; "
+            'printf "%s\\n" "${COMPREPLY[@]}"'
+        )
+        return subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True).stdout.split()
+
+    assert "calibrate" in completed("cal")
+    assert completed("calibrate", "--max") == ["--max-expected-error"]
+    assert completed("calibrate", "--foreground", "k") == ["knn"]
+
+
+def test_completion_without_its_library(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert main(["completion", "bash"]) == 2
+    assert "epibar[completion]" in capsys.readouterr().err
