@@ -8,17 +8,39 @@ distance). That nobody hides anybody is assumed, so what is not determined here 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .camera import Camera
+from .film import Film
 from .world import ALL
 
-if TYPE_CHECKING:
-    from .situations import Situation
-
 Array = NDArray[np.float64]
+
+
+class Filmed(Protocol):
+    """What the bound asks of a `Situation`."""
+
+    @property
+    def cameras(self) -> Sequence[Camera]:
+        """True cameras."""
+
+    @property
+    def films(self) -> Sequence[Film]:
+        """What each of them films."""
+
+    def seen(self, index: int, points: Array) -> NDArray[np.bool_]:
+        """Tell which of (n, 3) points a camera shows."""
+
+    def fundamental(self, a: int, b: int) -> Array:
+        """Return the true F of a pair."""
+
+    def correspondences(self, a: int, b: int, points: Array | None = None) -> tuple[Array, Array]:
+        """Project points that both see: two (m, 2) arrays."""
+
 
 NOISE = 0.5
 """Pixels: standard deviation of a tangent."""
@@ -33,7 +55,7 @@ _DIRECTIONS = np.array(
 _DIRECTIONS /= np.linalg.norm(_DIRECTIONS, axis=1, keepdims=True)
 
 
-def frontier_points(situation: Situation, a: int, b: int) -> tuple[Array, float]:
+def frontier_points(situation: Filmed, a: int, b: int) -> tuple[Array, float]:
     """World points where epipolar planes touch movers, (n, 3), and how many seconds each stands for."""
     first, second = situation.films[a], situation.films[b]
     start = max(first.moments.min(), second.moments.min())
@@ -65,9 +87,7 @@ def frontier_points(situation: Situation, a: int, b: int) -> tuple[Array, float]
     return points[seen], max(1.0, (end - start) / MOMENTS)
 
 
-def error_bound(
-    situation: Situation, a: int, b: int, where: Array | None = None, noise: float = NOISE
-) -> float:
+def error_bound(situation: Filmed, a: int, b: int, where: Array | None = None, noise: float = NOISE) -> float:
     """Mean symmetric epipolar distance that the best method must expect, pixels.
 
     It is over (n, 3) points ``where``, by default those of the volume. Infinite where the tangents do not

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import symmetric_epipolar_distance
 from .camera import Camera, true_fundamental
 
 if TYPE_CHECKING:
@@ -120,8 +121,6 @@ def pair_error(situation: Situation, found: Mapping[str, Camera], a: int, b: int
     Where the true lenses show a point is taken through the estimated lenses, so that it is in undistorted
     pixels of the estimated cameras. NaN where the two see nothing in common.
     """
-    from .. import symmetric_epipolar_distance
-
     points = situation.correspondences(a, b, lens=True)
     if not len(points[0]):
         return float("nan")

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry import symmetric_epipolar_distance
 from .camera import Camera, true_fundamental
 from .film import Clock, Film
 from .information import error_bound
@@ -192,8 +193,6 @@ class Situation:
 
         F and the error are in undistorted pixels; for films through a lens take the lens off first.
         """
-        from .. import symmetric_epipolar_distance
-
         matches = self.correspondences(a, b, points)
         return float(symmetric_epipolar_distance(F, *matches).mean()) if len(matches[0]) else float("nan")
 
