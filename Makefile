@@ -70,7 +70,7 @@ check: build
 # tarpaulin reads what rustc's instrumentation writes by itself, so no LLVM tools of the compiler's version are needed.
 # One thread: several wait for each other at the counters.
 $(VENV)/.tarpaulin: $(VENV)/.created
-	cargo install --quiet --locked --root $(VENV) cargo-tarpaulin@0.37
+	cargo install --quiet --locked --root $(VENV) 'cargo-tarpaulin@^0.37'
 	touch $@
 
 coverage: build $(VENV)/.tarpaulin

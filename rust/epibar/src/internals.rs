@@ -21,9 +21,9 @@ pub use crate::matching::{
 pub use crate::random::generator;
 pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;
-pub use crate::recording::block::{BLOCK_FRAMES, PixelBlock};
 pub use crate::recording::components::Components;
 pub use crate::recording::hull::convex_hull;
+pub use crate::recording::pixel_words::{BLOCK_FRAMES, PixelBlock};
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
 pub use crate::refine::refine;

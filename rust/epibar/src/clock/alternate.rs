@@ -3,7 +3,7 @@
 use super::aligned::Aligned;
 use super::clock::Clock;
 use super::offset::{FoundOffset, find_offset};
-use super::sharpen::{Measured, sharpen};
+use super::offset_and_drift::{Measured, sharpen};
 use super::timing::{TimeOffset, Timing};
 use crate::error::Result;
 use crate::frontier::{busy_frames, symmetric_score};

@@ -1,7 +1,7 @@
 //! What is given and what is found out of the clocks.
 
 use super::clock::Clock;
-use super::sharpen::{MEASURABLE_PPM, Measured};
+use super::offset_and_drift::{MEASURABLE_PPM, Measured};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 

@@ -6,8 +6,8 @@
 
 use super::barcode::Barcodes;
 use super::bit_planes::BitPlanes;
-use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
+use super::pixel_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;
