@@ -25,7 +25,7 @@ def _below(value: float | None, limit: float) -> bool:
 
 
 def right(o: Outcome) -> bool:
-    """F within 3 px over the volume; where the motion leaves it open, over the room too."""
+    """F within 3 px over the volume; where the motion leaves it open, or a film is mirrored, over the room too."""
     if not o["truth"]:
         return False
     good = _below(o.get("error"), GOOD_PAIR_PX)
@@ -166,8 +166,6 @@ def report(outcomes: list[Outcome], left_out: dict[str, Counter[str]], seeds: st
 
 def told(o: Outcome) -> str:
     """Return the errors of an outcome in words."""
-    if o.get("mirrored_error") is not None:
-        return f"mirrored, {px(o['mirrored_error'])} px over the volume as the mirrored pixels have it"
     if not o["truth"]:
         return str(o["why_not"])
     errors = [o.get(name) for name in ("error", "room_error", "image_error")]

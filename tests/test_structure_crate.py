@@ -109,7 +109,11 @@ def test_there_is_little_at_the_top():
 
 
 def test_files_are_short():
-    long = {str(path): lines for path in CRATE.rglob("*.rs") if (lines := path.read_text().count("\n")) > MOST_LINES}
+    long = {
+        str(path): lines
+        for path in CRATE.rglob("*.rs")
+        if (lines := path.read_text().count("\n")) > MOST_LINES
+    }
     assert long == {}
 
 
@@ -118,6 +122,13 @@ def test_every_room_is_told_of_in_the_architecture():
     told = set()
     for line in page.splitlines():
         if line.startswith("| `rust/epibar/src/"):
-            told |= {word.removeprefix("rust/epibar/src/").rstrip("/") for word in re.findall(r"`([^`]+)`", line.split("|")[1])}
-            told |= set(re.findall(r"`(\w+\.rs)`", line.split("|")[2])) & {path.name for path in CRATE.iterdir()}
-    assert {path.name for path in CRATE.iterdir()} <= told | {"lib.rs"}, {path.name for path in CRATE.iterdir()} - told
+            told |= {
+                word.removeprefix("rust/epibar/src/").rstrip("/")
+                for word in re.findall(r"`([^`]+)`", line.split("|")[1])
+            }
+            told |= set(re.findall(r"`(\w+\.rs)`", line.split("|")[2])) & {
+                path.name for path in CRATE.iterdir()
+            }
+    assert {path.name for path in CRATE.iterdir()} <= told | {"lib.rs"}, {
+        path.name for path in CRATE.iterdir()
+    } - told
