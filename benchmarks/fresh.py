@@ -2,9 +2,9 @@
 
 The seeds of a reported table come from the commit's own hash, so that nobody can have looked at them.
 
-What is judged is F, in the pixels that were given. So an accepted F of a mirrored film is right where it is right
-for the mirrored pixels, over the volume and over the room; ``mirrored`` still is a family without an answer, as
-nothing says that it must be accepted.
+What is judged is F, in the pixels that were given. So an accepted F of a mirrored film is right where it is
+right for the mirrored pixels, over the volume and over the room; ``mirrored`` still is a family without an
+answer, as nothing says that it must be accepted.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ def _below(value: float | None, limit: float) -> bool:
 
 
 def right(o: Outcome) -> bool:
-    """F within 3 px over the volume; where the motion leaves it open, or a film is mirrored, over the room too."""
+    """F within 3 px over the volume; of a pair without an answer, over the room too."""
     if not o["truth"]:
         return False
     good = _below(o.get("error"), GOOD_PAIR_PX)
