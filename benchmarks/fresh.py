@@ -265,7 +265,7 @@ def main() -> None:
                 for outcome in kept[job.key]["outcomes"]:
                     print(json.dumps({"family": job.family, "seed": job.seed, **outcome}), file=sys.stderr)
     present = [(job, kept[job.key]) for job in jobs if job.key in kept]
-    told = [
+    outcomes = [
         {"family": job.family, "seed": job.seed, **outcome}
         for job, found in present
         for outcome in found["outcomes"]
@@ -274,7 +274,7 @@ def main() -> None:
     for job, found in present:
         left_out.setdefault(job.family, Counter()).update(found["left_out"])
     seeds = f"commit {origin}" if origin else f"development seeds {args.seeds[0]}–{args.seeds[-1]}"
-    print(report(told, left_out, seeds, args.lines))
+    print(report(outcomes, left_out, seeds, args.lines))
 
 
 if __name__ == "__main__":
