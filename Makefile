@@ -86,7 +86,7 @@ $(VENV)/.tarpaulin: $(VENV)/.created
 
 coverage: build $(VENV)/.tarpaulin
 	$(BIN)/python -m pytest -q --cov=epibar --cov-branch --cov-report=term
-	env -u PYO3_BUILD_EXTENSION_MODULE RAYON_NUM_THREADS=1 $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --skip-clean \
+	env -u PYO3_BUILD_EXTENSION_MODULE RAYON_NUM_THREADS=1 $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --lib --tests --skip-clean \
 		--exclude-files 'rust/epibar-py/*' --out Stdout --target-dir target/coverage --timeout 3600
 
 $(VENV)/.docs: pyproject.toml $(VENV)/.tools
@@ -121,7 +121,7 @@ dist: $(VENV)/.tools
 	$(DIST)/venv/bin/python -m pip check
 	cd $(DIST) && PATH=/usr/bin:/bin venv/bin/epibar demo --out demo
 	cd $(DIST) && PATH=/usr/bin:/bin venv/bin/epibar inspect demo/videos/cam1.*
-	$(DIST)/venv/bin/python benchmarks/startup.py
+	$(DIST)/venv/bin/python benchmarks/startup.py --rounds 5
 	rm -rf $(DIST)/venv $(DIST)/demo
 	ls $(DIST)
 
