@@ -62,6 +62,7 @@ impl<'a> Clocks<'a> {
     ) -> Result<Self> {
         let (clock, found, next) = match offset {
             TimeOffset::Known(offset) => (Clock::at(offset), None, Next::Drift),
+            TimeOffset::About(offset) => (Clock::at(offset), None, Next::First),
             TimeOffset::Search { seconds } => {
                 let found = find_offset(a, b, seconds, watch)?;
                 (Clock::at(found.map_or(0.0, |s| s.offset)), found, Next::First)

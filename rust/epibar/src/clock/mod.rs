@@ -19,5 +19,5 @@ pub mod timing;
 pub use aligned::Aligned;
 pub use alternate::Clocks;
 pub use clock::{Clock, common_frames};
-pub use offset::find_offset;
+pub use offset::{find_offset, score_at_offset};
 pub use timing::{RunnerUp, TimeOffset, Timing};
