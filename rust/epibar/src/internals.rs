@@ -8,6 +8,7 @@ pub use crate::frontier::{
     Class, CommonFrame, FrontierScore, Scorer, TangentMatch, View, Views, busy_frames, compare,
     frontier_score,
 };
+pub use crate::geometry::lens::Lens;
 pub use crate::geometry::seven_parameters::Step;
 pub use crate::geometry::{LinePair, PencilHomography, SevenParameters, area_between, epipolar_tangents};
 pub use crate::hypotheses::floor::find_floors;

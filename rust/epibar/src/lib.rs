@@ -70,6 +70,7 @@ mod image;
 pub mod internals;
 mod lines;
 mod matching;
+pub mod network;
 mod options;
 mod random;
 mod recording;
