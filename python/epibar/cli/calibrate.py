@@ -112,7 +112,7 @@ def run(args: Namespace) -> int:
     from contextlib import nullcontext
 
     from ..errors import EpibarError
-    from ..files.calibration_json import json_text
+    from ..files.json_file import json_text
     from ..jobs.all_pairs import run_job
     from ..jobs.dask import dask_executor
     from .console import Console

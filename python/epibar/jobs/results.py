@@ -8,8 +8,8 @@ from typing import Any
 
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..files.calibration_json import write_json
 from ..files.frontier_csv import write_frontier_points
+from ..files.json_file import write_json
 from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
 from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
