@@ -73,3 +73,14 @@ def made_up(count=4, unit="baseline", refused=("cam3",), lost=("cam4",), floor=T
     return epibar.Network(
         cameras, NetworkPairs(pairs), clocks, not (refused or lost), "made up", unit, ground, 1.2
     )
+
+
+def write_masks(folder, count=3):
+    """Ready masks of the cameras of :func:`situation`."""
+    paths = []
+    for k in range(count):
+        paths.append(folder / f"cam{k + 1}.npz")
+        if not paths[-1].exists():
+            made = situation()
+            np.savez_compressed(paths[-1], masks=made.masks(k, 0, FRAMES), fps=made.clocks[k].fps)
+    return [str(path) for path in paths]

@@ -122,14 +122,16 @@ def _stages(progress: Progress | None) -> Callable[..., Progress | None]:
     return tell
 
 
-def in_metres(network: Network, distance: Any = (), person_height: Any = None) -> Network:
+def in_metres(
+    network: Network, distance: Any = (), person_height: Any = None, camera_height: Any = ()
+) -> Network:
     """Scale a network where that can be done; where not, its ``reason`` says why.
 
     The pairs of hours of work are not to be lost for a length that does not fit.
     """
-    if not distance and person_height is None:
+    if not distance and not camera_height and person_height is None:
         return network
     try:
-        return network.scaled(distance=distance, person_height=person_height)
+        return network.scaled(distance=distance, person_height=person_height, camera_height=camera_height)
     except EpibarError as error:
         return replace(network, reason=f"{network.reason}; not in metres: {error}")

@@ -94,7 +94,7 @@ def _several(given: Any) -> list[Any]:
 
 
 def check_lengths(
-    names: list[str], distance: Any, person_height: Any = None, camera_height: Any = ()
+    names: list[str], distance: Any = (), person_height: Any = None, camera_height: Any = ()
 ) -> None:
     """Refuse lengths that no network of these cameras could use, before there is one.
 
