@@ -189,3 +189,31 @@ def test_a_camera_that_cannot_be_recorded(masks, again, capsys):
     network = read(again)["network"]
     assert [camera["name"] for camera in network["cameras"]] == ["cam1", "cam2", "cam3"]
     assert "accepted: 3 of 4 cameras" in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_of_many_cameras_only_likely_pairs_are_searched(masks, tmp_path, monkeypatch, capsys):
+    """Seven names for three cameras' masks, few lines: which pairs are searched, not how good they are."""
+
+    def refused(*_):
+        raise epibar.EpibarError("not here")
+
+    def quick(a, b, *_):
+        return epibar.calibrate(a, b, method="lines", draws=100), 0.0
+
+    monkeypatch.setattr(runner, "join_cameras", refused)
+    monkeypatch.setattr(runner, "calibrate_pair", quick)
+    paths = []
+    for k in range(7):
+        with np.load(masks[k % 3]) as archive:
+            paths.append(str(tmp_path / f"view{k}.npz"))
+            np.savez_compressed(paths[-1], masks=archive["masks"][:60, ::4, ::4], fps=archive["fps"])
+    words = ["--masks", "--lines", "200", "--no-report", "--time-offset", "0"]
+    assert main(["calibrate", *paths, "--out", str(tmp_path / "out"), *words]) == 0
+    printed = capsys.readouterr()
+    result = read(tmp_path / "out")
+    searched = len(result["pairs"])
+    assert searched < 21
+    assert f"{searched} of 21 pairs are searched" in printed.err
+    assert f"accepted: 0 of {searched} pairs" in printed.err.splitlines()[-1]
+    assert len({name for pair in result["pairs"] for name in (pair["a"], pair["b"])}) == 7
+    assert "not here" in result["network_reason"]

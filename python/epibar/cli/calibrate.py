@@ -58,6 +58,12 @@ def add_options(command: CommandParser) -> None:
         help="do everything again, whatever is kept in DIR; after a change of epibar's own sources",
     )
     group.add_argument(
+        "--every-pair",
+        action="store_true",
+        help="search every pair by itself, also of more than six cameras, where otherwise as many are as the "
+        "network needs",
+    )
+    group.add_argument(
         "--no-report",
         dest="report",
         action="store_false",
@@ -144,13 +150,12 @@ def run(args: Namespace) -> int:
 def _summary(job: Job, found: AllPairs) -> str:
     """What came out, and where it is."""
     accepted = sum(calibration.accepted for calibration in found.calibrations.values())
-    said = f"accepted: {accepted} of {len(job.pairs)} pairs"
+    said = f"accepted: {accepted} of {len(found.searched)} pairs"
     files = ["calibration.json"]
     if found.network is not None:
         cameras = len(found.network.cameras) - len(found.network.left_out)
-        said = (
-            f"accepted: {cameras} of {len(job.cameras)} cameras; alone {accepted} of {len(job.pairs)} pairs"
-        )
+        alone = said.removeprefix("accepted: ")
+        said = f"accepted: {cameras} of {len(job.cameras)} cameras; alone {alone}"
         files += ["network.json"] + ["cameras.toml"] * (cameras > 0)
     files += ["report.html"] * job.report
     failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
@@ -205,6 +210,7 @@ def _job(args: Namespace) -> Job:
         fresh=args.fresh,
         report=args.report,
         lengths=known_lengths,
+        every_pair=args.every_pair,
     )
 
 

@@ -42,6 +42,8 @@ class AllPairs:
         What was written to calibration.json.
     network : Network or None
         Of all cameras; where there is none ``content["network_reason"]`` says why.
+    searched : sequence of (str, str)
+        Pairs that were to be done: all, or of more than six cameras those that a network needs.
     """
 
     recordings: dict[str, Recording]
@@ -49,6 +51,7 @@ class AllPairs:
     errors: list[dict[str, str]]
     content: dict[str, Any]
     network: Network | None = None
+    searched: Sequence[tuple[str, str]] = ()
 
     def __repr__(self) -> str:
         accepted = sum(calibration.accepted for calibration in self.calibrations.values())
@@ -76,12 +79,13 @@ def calibrate_all(
     frames: Sequence[int | None] | None = None,
     person_height: Any = None,
     distances: Any = (),
+    every_pair: bool = False,
     executor: Executor | None = None,
     fresh: bool = False,
     report: bool = True,
     watch: Watch | None = None,
 ) -> AllPairs:
-    """Record every camera once, calibrate every pair, join all to a network, write it to a folder.
+    """Record every camera once, calibrate pairs, join all to a network, write it to a folder.
 
     Recordings and pairs are kept under ``out/recordings`` and ``out/pairs``, each with a key of what it was
     made of: the path, size and time of change of its files, the options, the versions of epibar and OpenCV. A
@@ -107,6 +111,9 @@ def calibrate_all(
         Camera file in which each is found by its name, or else by its place.
     person_height, distances : optional
         Metres, as ``person_height`` and ``distance`` of :meth:`epibar.Network.scaled`.
+    every_pair : bool
+        Search every pair by itself. Else of more than six cameras only those are that are likeliest to see
+        the same, as many as a network needs; it has all.
     executor : concurrent.futures.Executor, optional
         Where the tasks run: one per camera records its video, one per pair matches two recordings. Threads of
         this process by default. The result does not depend on it. It stays open. For Dask see
@@ -160,6 +167,7 @@ def calibrate_all(
         fresh=fresh,
         report=report,
         lengths=lengths,
+        every_pair=every_pair,
     )
     return run_job(job, executor, watch or Watch())
 
@@ -198,6 +206,7 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
         list(results.errors.values()),
         results.content(),
         results.network,
+        runner.searched,
     )
 
 

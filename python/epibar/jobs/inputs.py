@@ -34,6 +34,9 @@ __all__ = [
 
 PathLike = str | os.PathLike[str]
 
+FEW = 6
+"""Of so many cameras every pair is searched; of more those that are likeliest to see the same."""
+
 
 @dataclass(frozen=True)
 class RecordOptions:
@@ -130,6 +133,8 @@ class Job:
     lengths : dict
         What is known in metres: ``distance``, ``person_height``, ``camera_height``, see
         :meth:`epibar.Network.scaled`.
+    every_pair : bool
+        Search every pair, however many cameras there are.
     """
 
     cameras: list[CameraInput]
@@ -140,6 +145,12 @@ class Job:
     fresh: bool = False
     report: bool = True
     lengths: dict[str, Any] = field(default_factory=dict)
+    every_pair: bool = False
+
+    @property
+    def chooses_pairs(self) -> bool:
+        """Whether only as many pairs are searched as a network needs."""
+        return len(self.cameras) > FEW and self.pair.method == "frontier" and not self.every_pair
 
     @property
     def pairs(self) -> list[Pair]:

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..network.offsets import ClockOffsets
+from ..network.offsets import ClockOffsets, pairs_to_search
 from ..network.result import Network
 from ..recording import Recording
 from .inputs import CameraInput, Job, Pair, PairOptions, pair_stems
@@ -30,14 +30,12 @@ from .network_stage import (
 )
 from .results import Results
 from .saved_recordings import is_saved
+from .stages import CLOCKS, MATCHING, NETWORK, RECORDING, STAGES, Task
 from .store import Store
 from .tasks import calibrate_pair, record_camera
 from .watch import Watch
 
 __all__ = ["Runner"]
-
-CLOCKS, NETWORK = "clocks", "network"
-STAGES = ("recording", CLOCKS, "matching", NETWORK)
 
 TICK = 0.25
 """Seconds between two looks at how far the tasks are."""
@@ -47,24 +45,6 @@ Progress = Callable[[str, float], None]
 
 class _Stopped(EpibarError):
     """No task runs any more."""
-
-
-@dataclass(eq=False)
-class _Task:
-    """What one future stands for: a camera, a pair, or a stage of all cameras."""
-
-    of: CameraInput | Pair | str
-    share: float = 0.0
-
-    @property
-    def stage(self) -> str:
-        if isinstance(self.of, str):
-            return self.of
-        return "recording" if isinstance(self.of, CameraInput) else "matching"
-
-    def progress(self, _: str, share: float) -> None:
-        """Note how far the task is; called in the thread that runs it."""
-        self.share = share
 
 
 class Runner:
@@ -104,15 +84,21 @@ class Runner:
         self._keys = {camera: recording_key(camera.located(), job.record, seen) for camera in job.cameras}
         self._queue: deque[CameraInput] = deque()
         self._kept: dict[Pair, tuple[Calibration, float]] = {}
-        self._running: dict[Future[Any], _Task] = {}
+        self._running: dict[Future[Any], Task] = {}
         self._done = dict.fromkeys(STAGES, 0)
         self._total = dict.fromkeys(STAGES, 0)
+        self._pairs = job.pairs
         self._offsets: ClockOffsets | None = None
         self._clocks_asked = self._network_asked = False
         self._reused = False
         self._network_key: str | None = None
         self._no_clocks: str | None = None
         self._bug: Exception | None = None
+
+    @property
+    def searched(self) -> list[tuple[str, str]]:
+        """Names of the pairs that are to be done: all, or those that a network of many cameras needs."""
+        return [(a.name, b.name) for a, b in (self._pairs if self._job.chooses_pairs else self._job.pairs)]
 
     def run(self) -> None:
         """Do what is missing and write everything.
@@ -150,7 +136,7 @@ class Runner:
             recordings = {c: self._store.recording(c.name, self._keys[c]) for c in cameras}
         self._tell_damaged()
         self._queue.extend(camera for camera in cameras if recordings.get(camera) is None)
-        self._total["recording"] = len(self._queue)
+        self._total[RECORDING] = len(self._queue)
         if not self._waits_for_clocks:
             self._reuse_pairs()
         for camera, recording in recordings.items():
@@ -160,15 +146,15 @@ class Runner:
 
     def _reuse_pairs(self) -> None:
         """Take the pairs that an earlier run kept, whose options are known now."""
-        cameras, pairs = self._job.cameras, self._job.pairs
+        cameras, pairs = self._job.cameras, self._pairs
         if not self._job.fresh:
             for pair in pairs:
                 kept = self._store.pair(self._stem(pair), self._pair_key(pair))
                 if kept is not None:
                     self._kept[pair] = kept
             self._tell_damaged()
-        self._total["matching"] = len(pairs) - len(self._kept)
-        reused = len(cameras) - self._total["recording"]
+        self._total[MATCHING] = len(pairs) - len(self._kept)
+        reused = len(cameras) - self._total[RECORDING]
         if reused or self._kept:
             self._watch.note(
                 f"kept from an earlier run in {self._job.out}: {reused} of {len(cameras)} recordings, "
@@ -183,7 +169,8 @@ class Runner:
     @property
     def _waits_for_clocks(self) -> bool:
         """Whether no pair can start before the clocks of all cameras are known."""
-        return self._job.pair.time_offset == "auto" and self._offsets is None
+        asked = self._job.pair.time_offset == "auto" or self._job.chooses_pairs
+        return asked and self._offsets is None
 
     def _stem(self, pair: Pair) -> str:
         return self._stems[pair[0].name, pair[1].name]
@@ -210,14 +197,17 @@ class Runner:
         no_network = why_no_network(self._job, self.results.recordings)
         if not self._clocks_asked:
             self._clocks_asked = True
-            self._offsets = given_clocks(self._job, films)
+            given = given_clocks(self._job, films)
+            if given is not None:
+                self._clocks_found(given)
+                return True
             wanted = self._job.pair.time_offset == "auto" or no_network is None
-            if self._offsets is None and wanted and len(films) > 1:
+            if wanted and len(films) > 1:
                 key = self._clocks_key(cameras)
                 kept = None if self._job.fresh else self._store.clocks(key)
                 if kept is None:
                     self._total[CLOCKS] = 1
-                    self._submit(_Task(CLOCKS), find_clocks, self._job.pair.search_seconds, *films)
+                    self._submit(Task(CLOCKS), find_clocks, self._job.pair.search_seconds, *films)
                 else:
                     self._clocks_found(kept)
                 return True
@@ -237,10 +227,19 @@ class Runner:
         self._offsets = offsets
         if not waited:
             return
+        recorded = self._recorded_cameras
+        self._pairs = list(combinations(recorded, 2))
+        if self._job.chooses_pairs:
+            films = [self.results.recordings[camera] for camera in recorded]
+            self._pairs = [(recorded[a], recorded[b]) for a, b in pairs_to_search(films, offsets)]
+            every = len(recorded) * (len(recorded) - 1) // 2
+            self._watch.note(
+                f"{len(self._pairs)} of {every} pairs are searched, those that are likeliest to see the "
+                "same; the network has all"
+            )
         self._reuse_pairs()
-        for pair in self._job.pairs:
-            if all(camera in self.results.recordings for camera in pair):
-                self._start_pair(pair)
+        for pair in self._pairs:
+            self._start_pair(pair)
         self._reused = True
 
     def _start_network(
@@ -260,7 +259,7 @@ class Runner:
         self._total[NETWORK] = 1
         calibrations = {(a.name, b.name): found[a, b] for a, b in pairs}
         request = JoinRequest(names, calibrations, offsets, self._job.lengths)
-        self._submit(_Task(NETWORK), join_cameras, request, *films)
+        self._submit(Task(NETWORK), join_cameras, request, *films)
         return True
 
     def _joined(self, network: Network | None, why: str | None) -> None:
@@ -278,9 +277,9 @@ class Runner:
         busy = sum(isinstance(task.of, CameraInput) for task in self._running.values())
         for _ in range(min(self._at_once - busy, len(self._queue))):
             camera = self._queue.popleft()
-            self._submit(_Task(camera), record_camera, camera.located(), self._job.record)
+            self._submit(Task(camera), record_camera, camera.located(), self._job.record)
 
-    def _submit(self, task: _Task, function: Callable[..., Any], *arguments: Any) -> None:
+    def _submit(self, task: Task, function: Callable[..., Any], *arguments: Any) -> None:
         if self._reporting is not None:
             arguments = (*arguments, self._reporting(task.progress))
         try:
@@ -288,7 +287,7 @@ class Runner:
         except RuntimeError as error:  # it is broken, or was shut down
             raise self._stopped(error) from error
 
-    def _take(self, task: _Task, future: Future[Any]) -> None:
+    def _take(self, task: Task, future: Future[Any]) -> None:
         """Take what a task returned or raised."""
         self._done[task.stage] += 1
         try:
@@ -342,7 +341,7 @@ class Runner:
                 self._failed(pair, str(error))
         else:
             a, b = (self.results.recordings[camera] for camera in pair)
-            self._submit(_Task(pair), calibrate_pair, a, b, self._options(pair))
+            self._submit(Task(pair), calibrate_pair, a, b, self._options(pair))
 
     def _calibrated(self, pair: Pair, calibration: Calibration, seconds: float, kept: bool) -> None:
         stem = self._stem(pair)
