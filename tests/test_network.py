@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from network_input import calibrated, made_up, recordings, situation
+from network_input import FRAMES, LINES, calibrated, made_up, recordings, situation
 
 import epibar
 from epibar import EpibarError, KnownCamera, Network, Recording, synthetic
@@ -332,3 +332,35 @@ def test_repr_says_how_many():
     assert "2 of 4 cameras accepted" in repr(made_up())
     assert "cam1 - cam2" in repr(made_up().pairs)
     assert replace(made_up(), unit="metre").unit == "metre"
+
+
+# --- clocks that are not known ---
+
+
+def test_three_cameras_started_apart():
+    """Each is found against the first, and pairs and network agree on it."""
+    made, first = situation(), (20, 0, 60)
+    fps = made.clocks[0].fps
+    films = {
+        f"cam{k + 1}": Recording.from_masks(made.masks(k, start, start + 450), fps=fps, lines=LINES, seed=k)
+        for k, start in enumerate(first)
+    }
+    net = epibar.calibrate_network(films, search_seconds=8.0)
+    assert net.accepted, net.reason
+    for k, start in enumerate(first):
+        assert net.clocks[f"cam{k + 1}"].offset == pytest.approx((first[0] - start) / fps, abs=0.1 / fps)
+
+
+def test_two_cameras_started_apart():
+    """The second filmed two seconds longer before."""
+    made, late = situation(), 2.0
+    fps = made.clocks[0].fps
+    skip = round(late * fps)
+    known = {f"cam{k + 1}": KnownCamera(matrix=made.cameras[k].K) for k in range(2)}
+    films = {
+        "cam1": Recording.from_masks(made.masks(0, skip, FRAMES), fps=fps, lines=LINES),
+        "cam2": Recording.from_masks(made.masks(1, 0, FRAMES - skip), fps=fps, lines=LINES, seed=1),
+    }
+    net = epibar.calibrate_network(films, known=known, search_seconds=4.0)
+    assert net.accepted, net.reason
+    assert net.clocks["cam2"].offset == pytest.approx(skip / fps, abs=0.1 / fps)

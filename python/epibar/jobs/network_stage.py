@@ -11,11 +11,23 @@ from ..clocks import frame_interval
 from ..network.calibrating import in_metres
 from ..network.joining import join_pairs
 from ..network.offsets import ClockOffsets, find_offsets
+from ..network.pair_search import offsets_of_pair
 from ..network.result import Network
 from ..recording import Recording
 from .inputs import CameraInput, Job, PairOptions
 
-__all__ = ["JoinRequest", "find_clocks", "given_clocks", "join_cameras", "pair_options", "why_no_network"]
+__all__ = [
+    "JoinRequest",
+    "final_clocks",
+    "find_clocks",
+    "given_clocks",
+    "join_cameras",
+    "pair_options",
+    "why_no_network",
+]
+
+OF_THE_PAIR = ClockOffsets((0.0, 0.0))
+"""Stands for clocks of two cameras, whose only pair finds the offset by itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,19 +75,29 @@ def _sorted(given: Sequence[Any]) -> tuple[list[Recording], Callable[[str, float
 
 
 def given_clocks(job: Job, recordings: Sequence[Recording]) -> ClockOffsets | None:
-    """Clocks whose offset the job was given; None where they are to be found."""
+    """Clocks whose offset the job was given, or that the only pair finds; None where they are to be found."""
     offset = job.pair.time_offset
     if isinstance(offset, str):
-        return None
+        return OF_THE_PAIR if len(recordings) == 2 else None
     seconds = [float(offset) * frame_interval(one) for one in recordings[1:]]
     return ClockOffsets((0.0, *seconds), given=True)
+
+
+def final_clocks(
+    offsets: ClockOffsets, recordings: Sequence[Recording], calibration: Calibration
+) -> ClockOffsets:
+    """Clocks that a network starts from; ``calibration`` is that of the first pair."""
+    return offsets_of_pair(recordings[1], calibration) if offsets is OF_THE_PAIR else offsets
 
 
 def pair_options(
     options: PairOptions, offsets: ClockOffsets | None, recordings: Sequence[Recording], a: int, b: int
 ) -> PairOptions:
-    """Options of one pair: of clocks that were found, its offset. Where nothing tells it is taken to be 0."""
-    if options.time_offset != "auto" or offsets is None:
+    """Options of one pair: of clocks that were found, its offset. Where nothing tells it is taken to be 0.
+
+    The only pair of two cameras finds its offset by itself.
+    """
+    if options.time_offset != "auto" or offsets is None or len(recordings) == 2:
         return options
     frames = offsets.between(recordings, a, b)
     if frames is None:

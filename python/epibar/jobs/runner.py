@@ -22,6 +22,7 @@ from .keys import clocks_key, fingerprint, network_key, pair_key, recording_key
 from .network_files import kept_network
 from .network_stage import (
     JoinRequest,
+    final_clocks,
     find_clocks,
     given_clocks,
     join_cameras,
@@ -250,6 +251,10 @@ class Runner:
         names = [camera.name for camera in cameras]
         found = self.results.calibrations
         pairs = [pair for pair in self._job.pairs if pair in found]
+        if not pairs:
+            self._joined(None, "no pair could be calibrated")
+            return False
+        offsets = final_clocks(offsets, films, found[pairs[0]])
         keys = [self._pair_key(pair) for pair in pairs]
         self._network_key = network_key(keys, names, offsets.seconds, self._job.lengths)
         kept = None if self._job.fresh else kept_network(self._job.out, self._network_key)

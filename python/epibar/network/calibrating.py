@@ -12,6 +12,7 @@ from ..errors import EpibarError
 from .joining import Recordings, join_pairs, knowledge_of, named_recordings
 from .knowledge import KnownCamera, has_focal
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
+from .pair_search import calibrate_unsynchronised, offsets_of_pair
 from .result import Network
 from .scaling import check_lengths
 
@@ -91,6 +92,15 @@ def calibrate_network(
     if len(names) == 2 and not all(map(has_focal, knowledge)):
         # No search can help: the core says what is missing.
         return join_pairs(cameras, {}, offsets or ClockOffsets((0.0, 0.0)), known=known)
+    if offsets is None and len(films) == 2:
+        pair = calibrate_unsynchronised(
+            *films, seed=seed, search_seconds=search_seconds, upright=upright, progress=tell("pairs")
+        )
+        offsets = offsets_of_pair(films[1], pair)
+        network = join_pairs(
+            cameras, {(names[0], names[1]): pair}, offsets, known=known, progress=tell("network")
+        )
+        return in_metres(network, distances, person_height)
     if offsets is None:
         offsets = find_offsets(films, search_seconds, tell("clocks"))
     pairs = pairs_to_search(films, offsets)
