@@ -149,7 +149,9 @@ def test_a_camera_file_of_the_user_stays(masks, again, capsys):
     mine = path.read_bytes()
     assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--person-height", "1.7"]) == 0
     assert path.read_bytes() == mine
-    assert "stays as it is" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "stays as it is" in told
+    assert "cameras.toml" not in told.splitlines()[-1]
 
 
 def test_files_of_a_network_that_is_no_more_are_removed(masks, again):

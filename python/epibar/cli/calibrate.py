@@ -134,6 +134,11 @@ def run(args: Namespace) -> int:
     job = _job(args)
     if job.out.exists() and not job.out.is_dir():
         raise EpibarError(f"--out {job.out}: this is a file; give a folder")
+    if job.intrinsics is None and len(job.cameras) > 2 and job.pair.method == "frontier":
+        console.note(
+            "without --intrinsics each pair is searched as it was filmed, and may be refused for its lenses; "
+            "what counts is the network in the end"
+        )
     with console, nullcontext() if args.scheduler is None else dask_executor(args.scheduler) as executor:
         found = run_job(job, executor, console)
     lenses = _about_lenses(found)
@@ -149,14 +154,16 @@ def run(args: Namespace) -> int:
 
 def _summary(job: Job, found: AllPairs) -> str:
     """What came out, and where it is."""
+    from ..jobs.network_files import replaceable
+
     accepted = sum(calibration.accepted for calibration in found.calibrations.values())
     said = f"accepted: {accepted} of {len(found.searched)} pairs"
     files = ["calibration.json"]
     if found.network is not None:
         cameras = len(found.network.cameras) - len(found.network.left_out)
-        alone = said.removeprefix("accepted: ")
-        said = f"accepted: {cameras} of {len(job.cameras)} cameras; alone {alone}"
-        files += ["network.json"] + ["cameras.toml"] * (cameras > 0)
+        alone = f"{accepted} of {len(found.searched)} pairs also by themselves"
+        said = f"accepted: {cameras} of {len(job.cameras)} cameras ({alone})"
+        files += ["network.json"] + ["cameras.toml"] * replaceable(job.out, job.intrinsics)
     files += ["report.html"] * job.report
     failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
     written = " and ".join(filter(None, [", ".join(files[:-1]), files[-1]]))

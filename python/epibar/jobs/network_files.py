@@ -12,7 +12,7 @@ from ..files.json_file import read_json_object, write_json
 from ..lens.intrinsics import Intrinsics
 from ..network.result import Network
 
-__all__ = ["CAMERAS", "NETWORK", "kept_network", "write_network"]
+__all__ = ["CAMERAS", "NETWORK", "kept_network", "replaceable", "write_network"]
 
 NETWORK = "network.json"
 CAMERAS = "cameras.toml"
@@ -67,7 +67,7 @@ def write_network(
     else:
         write_json(path, {**network.as_dict(), **({} if key is None else {KEY: key})})
     there = network is not None and any(camera.accepted for camera in network.cameras.values())
-    if cameras.exists() and (not _ours(cameras) or _same(cameras, given)):
+    if cameras.exists() and not replaceable(out, given):
         if not there:
             return []
         return [f"{cameras} is not of an earlier network: it stays as it is; the cameras are in {path}"]
@@ -76,6 +76,12 @@ def write_network(
     else:
         _remove(cameras)
     return []
+
+
+def replaceable(out: Path, given: str | None) -> bool:
+    """Whether the ``cameras.toml`` of a run is of an earlier network, and not what the run was given."""
+    path = out / CAMERAS
+    return _ours(path) and not _same(path, given)
 
 
 def _ours(path: Path) -> bool:

@@ -9,6 +9,7 @@ from typing import Any
 from ..arguments import MAX_SEED, as_positive, as_whole_number
 from ..calibration import Calibration, calibrate
 from ..errors import EpibarError
+from ..recording import Recording
 from .joining import Recordings, join_pairs, knowledge_of, named_recordings
 from .knowledge import KnownCamera, has_focal
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
@@ -96,29 +97,36 @@ def calibrate_network(
         pair = calibrate_unsynchronised(
             *films, seed=seed, search_seconds=search_seconds, upright=upright, progress=tell("pairs")
         )
-        offsets = offsets_of_pair(films[1], pair)
-        network = join_pairs(
-            cameras, {(names[0], names[1]): pair}, offsets, known=known, progress=tell("network")
-        )
-        return in_metres(network, distances, person_height)
-    if offsets is None:
-        offsets = find_offsets(films, search_seconds, tell("clocks"))
-    pairs = pairs_to_search(films, offsets)
-    calibrations: dict[tuple[str, str], Calibration] = {}
-    for done, (a, b) in enumerate(pairs):
+        offsets, pairs = offsets_of_pair(films[1], pair), {(names[0], names[1]): pair}
+    else:
+        offsets = offsets or find_offsets(films, search_seconds, tell("clocks"))
+        pairs = _pairs(cameras, offsets, tell, seed=seed, upright=upright)
+    network = join_pairs(cameras, pairs, offsets, known=known, progress=tell("network"))
+    return in_metres(network, distances, person_height)
+
+
+def _pairs(
+    cameras: Mapping[str, Recording],
+    offsets: ClockOffsets,
+    tell: Callable[..., Progress | None],
+    **options: Any,
+) -> dict[tuple[str, str], Calibration]:
+    """Calibrate the pairs that are worth a search, each by itself."""
+    names, films = list(cameras), list(cameras.values())
+    chosen = pairs_to_search(films, offsets)
+    found = {}
+    for done, (a, b) in enumerate(chosen):
         frames = offsets.between(films, a, b)
         assert frames is not None
-        calibrations[names[a], names[b]] = calibrate(
+        found[names[a], names[b]] = calibrate(
             films[a],
             films[b],
-            seed=seed,
             time_offset=frames,
             sharpen_offset=offsets.sharpen,
-            upright=upright,
-            progress=tell("pairs", done, len(pairs)),
+            progress=tell("pairs", done, len(chosen)),
+            **options,
         )
-    network = join_pairs(cameras, calibrations, offsets, known=known, progress=tell("network"))
-    return in_metres(network, distances, person_height)
+    return found
 
 
 def _stages(progress: Progress | None) -> Callable[..., Progress | None]:
