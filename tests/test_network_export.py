@@ -58,9 +58,10 @@ def test_anipose_sorts_its_tables(count, tmp_path):
     assert_projects(net, found)
 
 
-def test_what_is_refused_is_left_out_and_named(tmp_path):
+def test_what_is_refused_is_left_out_and_named(tmp_path, caplog):
     net = made_up()
     net.export(tmp_path / "c.toml", format="anipose")
+    assert "left out: cam3" in caplog.text
     cameras = epibar.load_cameras(tmp_path / "c.toml")
     assert (
         [camera.name for camera in cameras]

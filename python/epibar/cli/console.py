@@ -79,6 +79,8 @@ class Console(Watch):
         self.result(f"network: {network.reason}")
         for text in network_notes(network):
             self.note(text)
+        for name, camera in network.cameras.items():
+            self.numbers(f"evidence of {name}", camera.evidence)
 
     def numbers(self, of_what: str, found: Mapping[str, float]) -> None:
         """Print numbers by their name, where the user asked for much."""

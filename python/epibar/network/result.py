@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,6 +18,8 @@ from .saved import as_dict, network_from
 from .scaling import rescaled
 
 __all__ = ["Network"]
+
+logger = logging.getLogger("epibar")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -115,6 +118,8 @@ class Network(NetworkParts):
         accepted = [camera for camera in self.cameras.values() if camera.accepted]
         if not accepted:
             raise EpibarError(f"no camera is accepted, so there is nothing to export: {self.reason}")
+        for name in self.left_out:
+            logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].reason)
         lenses = lenses or {}
         cameras = [camera.intrinsics(lenses.get(camera.name)) for camera in accepted]
         return FORMATS[format].write(cameras, Path(path), self._metadata())
