@@ -9,7 +9,7 @@ pub const PAIR_DEVIATES: f64 = 3.0;
 /// Pairs that must confirm a camera among more than two: two directions are needed for its place.
 pub const CONFIRMED_PAIRS: usize = 2;
 /// Expected errors, nine times in ten below, that are still of use: of the focal length, relative.
-pub const MAX_FOCAL: f64 = 0.05;
+pub const MAX_FOCAL: f64 = 0.08;
 /// Of the rotation, radians: 2°.
 pub const MAX_ROTATION: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// Of the position, as a share of the largest distance between two cameras.
@@ -32,7 +32,7 @@ pub const OUTLINE_ERROR: f64 = 0.06;
 pub const PIXELS: f64 = 0.5;
 /// The share of the scatter that is common to the outlines of one camera in one part of the image: of what pixels do by
 /// themselves, and of what is more than that.
-pub const OUTLINE_SHARE: [f64; 2] = [0.3, 0.75];
+pub const OUTLINE_SHARE: [f64; 2] = [0.5, 0.9];
 /// The same as a multiple of the scatter where outlines are wrong in the same way everywhere.
 pub const OUTLINE_STRAINED: f64 = 4.0;
 /// Standard deviation of clocks' offsets where barcodes found that all started together, seconds.
