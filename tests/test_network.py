@@ -291,6 +291,7 @@ def damaged(change):
         (lambda c: c.update(cameras=c["cameras"][:1]), "cam1"),
         (lambda c: c.update(unit="inch"), "inch"),
         (lambda c: c.update(accepted="yes"), "accepted"),
+        (lambda c: c.update(accepted=True), "does not fit"),
         (lambda c: c.update(reason=""), "reason"),
         (lambda c: c.update(ground=None), "damaged"),
         (lambda c: c["cameras"][0].update(name="cam2"), "cam2, cam2"),

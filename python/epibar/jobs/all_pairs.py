@@ -56,7 +56,11 @@ class AllPairs:
     def __repr__(self) -> str:
         accepted = sum(calibration.accepted for calibration in self.calibrations.values())
         pairs = f"{accepted} of {len(self.calibrations)} pairs accepted"
-        return f"<AllPairs {len(self.recordings)} cameras, {pairs}, {len(self.errors)} errors>"
+        network = "no network"
+        if self.network is not None:
+            left_out = len(self.network.left_out)
+            network = f"{len(self.network.cameras) - left_out} in the network"
+        return f"<AllPairs {len(self.recordings)} cameras, {network}, {pairs}, {len(self.errors)} errors>"
 
 
 def calibrate_all(

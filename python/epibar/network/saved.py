@@ -132,6 +132,8 @@ def _network(kind: type[N], content: Mapping[str, Any]) -> N:
         for one in content["cameras"]
     }
     pairs = [_pair(one, names) for one in _list(content, "pairs")]
+    if _truth(content) != all(camera.accepted for camera in cameras):
+        raise EpibarError("whether the whole is accepted does not fit its cameras")
     unit = _word(content, "unit")
     if unit not in (BASELINE, METRE):
         raise EpibarError(f"unit is {unit!r}")
