@@ -1,9 +1,9 @@
 //! Networks of cameras: their clocks, which pairs to search, and all pairs joined.
 
-use epibar::nalgebra::Matrix3;
+use epibar::nalgebra::{Matrix3, Vector3};
 use epibar::network::{
     Aspect, CameraInput, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime, Offsets,
-    PairFound,
+    PairFound, StoredCamera,
 };
 use numpy::IntoPyArray;
 use pyo3::exceptions::PyValueError;
@@ -203,4 +203,69 @@ fn pair<'py>(py: Python<'py>, pair: &NetworkPair) -> PyResult<Bound<'py, PyDict>
     dict.set_item("F", pair.fundamental.map(|f| matrix(&f).into_pyarray(py)))?;
     dict.set_item("deviates", (pair.deviates.tangents, pair.deviates.whole))?;
     Ok(dict)
+}
+
+/// A camera of a network as it is stored.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PythonStored {
+    matrix: [[f64; 3]; 3],
+    distortions: [f64; 5],
+    rotation: [[f64; 3]; 3],
+    translation: [f64; 3],
+}
+
+/// Which cameras of a stored network have moved, by new footage.
+#[pyfunction]
+pub fn check_network<'py>(
+    py: Python<'py>,
+    recordings: Vec<PyRef<'py, Recording>>,
+    names: Vec<String>,
+    cameras: Vec<PythonStored>,
+    clocks: PythonClocks,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    if names.len() != recordings.len() || cameras.len() != recordings.len() {
+        return Err(PyValueError::new_err("a name and a stored camera for each recording"));
+    }
+    let rows = |m: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| m[i][j]);
+    let stored: Vec<StoredCamera> = recordings
+        .iter()
+        .zip(&names)
+        .zip(&cameras)
+        .map(|((r, name), c)| StoredCamera {
+            name,
+            recording: &r.inner,
+            matrix: rows(&c.matrix),
+            distortions: c.distortions,
+            rotation: rows(&c.rotation),
+            translation: Vector3::from(c.translation),
+        })
+        .collect();
+    let clocks = offsets(clocks);
+    let mut watch = PythonWatch::new(progress);
+    let found = py.detach(|| epibar::network::check_network(&stored, &clocks, &mut watch));
+    let found = match (found, watch.raised) {
+        (Ok(found), None) => found,
+        (_, Some(raised)) => return Err(raised),
+        (Err(error), None) => return Err(to_python_error(&error)),
+    };
+    let number = |v: f64| Some(v).filter(|v| v.is_finite());
+    found
+        .iter()
+        .map(|c| {
+            let dict = PyDict::new(py);
+            dict.set_item("name", &c.name)?;
+            dict.set_item("status", c.status.name())?;
+            dict.set_item("reason", &c.reason)?;
+            dict.set_item("turned", number(c.turned.to_degrees()))?;
+            dict.set_item("turned_error", number(c.turned_error.to_degrees()))?;
+            dict.set_item("shifted", number(c.shifted))?;
+            dict.set_item("shifted_error", number(c.shifted_error))?;
+            dict.set_item("focal", None::<f64>)?;
+            dict.set_item("deviate", c.deviate)?;
+            dict.set_item("since", c.since)?;
+            Ok(dict)
+        })
+        .collect()
 }

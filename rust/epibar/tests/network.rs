@@ -5,8 +5,8 @@ mod common;
 use common::cameras::Camera;
 use common::flying::Scene;
 use epibar::network::{
-    CameraInput, CameraStatus, Ground, Knowledge, Network, NetworkOptions, NetworkTime, PairStatus,
-    calibrate_network,
+    CameraCheck, CameraInput, CameraStatus, CheckStatus, Ground, Knowledge, Network, NetworkOptions,
+    NetworkTime, Offsets, PairStatus, StoredCamera, calibrate_network, check_network,
 };
 use epibar::{Recorder, RecorderOptions, Recording};
 use nalgebra::{Matrix3, Rotation3};
@@ -171,4 +171,43 @@ fn what_cannot_be_is_refused() {
     ] {
         of(&[input("a", known), input("b", unknown)], search());
     }
+}
+
+/// New footage of cameras, checked against where they are stored to be.
+fn checked(filmed: &[Camera], stored: &[Camera], seed: u64) -> Vec<CameraCheck> {
+    let scene = Scene::new(5, FRAMES, seed);
+    let recordings: Vec<Recording> =
+        filmed.iter().enumerate().map(|(i, c)| recorded(&scene, c, 0.0, i as u64)).collect();
+    let names = ["cam1", "cam2", "cam3", "cam4"];
+    let stored: Vec<StoredCamera> = stored
+        .iter()
+        .zip(&recordings)
+        .zip(names)
+        .map(|((camera, recording), name)| StoredCamera {
+            name,
+            recording,
+            matrix: camera.matrix(),
+            distortions: [0.0; 5],
+            rotation: camera.rotation(),
+            translation: -(camera.rotation() * camera.centre()),
+        })
+        .collect();
+    check_network(&stored, &Offsets::given(vec![0.0; 4]), &mut |_, _| true).unwrap()
+}
+
+#[test]
+fn a_camera_that_was_turned_is_named() {
+    let stored = cameras();
+    let turned = Rotation3::new(nalgebra::Vector3::new(0.3, 1.0, 0.2).normalize() * 1f64.to_radians());
+    let mut filmed = stored.clone();
+    filmed[2] = filmed[2].clone().turned(&turned);
+    let found = checked(&filmed, &stored, 21);
+    let status: Vec<CheckStatus> = found.iter().map(|c| c.status).collect();
+    let unmoved = CheckStatus::Unmoved;
+    assert_eq!(status, [unmoved, unmoved, CheckStatus::Moved, unmoved], "{found:#?}");
+    assert!((found[2].turned.to_degrees() - 1.0).abs() < 0.15, "{:#?}", found[2]);
+    assert!(found[2].shifted < 0.1 && found[2].reason.contains("turned"));
+
+    let found = checked(&stored, &stored, 22);
+    assert!(found.iter().all(|c| c.status == unmoved), "{found:#?}");
 }

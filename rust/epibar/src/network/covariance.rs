@@ -197,7 +197,7 @@ pub fn expected(
 
 /// Nine in ten of normal vectors of this covariance are shorter (the square of the length as a gamma variable of the same
 /// mean and variance, Satterthwaite 1946, by the cube-root approximation of Wilson and Hilferty 1931).
-fn length_quantile(covariance: &Matrix3<f64>) -> f64 {
+pub fn length_quantile(covariance: &Matrix3<f64>) -> f64 {
     let mean = covariance.trace().max(0.0);
     if mean == 0.0 {
         return 0.0;

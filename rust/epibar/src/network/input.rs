@@ -60,7 +60,7 @@ const GIVEN_FOCAL: f64 = 0.001;
 /// Standard deviation of `log (f_y / f_x)` where it is solved for.
 const ASPECT: f64 = 0.01;
 /// How far hulls lie inside of outlines, pixels: a part of the grid, and what masks leave out or add.
-const INSET: Belief = Belief { mean: 0.2, deviation: 1.0 };
+pub(super) const INSET: Belief = Belief { mean: 0.2, deviation: 1.0 };
 
 impl Knowledge {
     /// Whether the focal length is known.
@@ -116,6 +116,7 @@ impl Knowledge {
             intrinsic: [focal, aspect, principal[0], principal[1], k1, k2, k3],
             clock: [Belief::fixed(0.0); 2],
             inset: INSET,
+            posed: false,
         };
         (camera, beliefs)
     }

@@ -44,6 +44,8 @@ pub struct Beliefs {
     pub clock: [Belief; 2],
     /// Of the inset of its silhouettes, pixels.
     pub inset: Belief,
+    /// Where it stands and looks is given, and not solved for.
+    pub posed: bool,
 }
 
 /// `k₂ / k₁²` and `k₃ / k₁³` of real wide lenses: 1.4 to 1.7 and 1.4 to 1.8 of three in one recording, 2 and 5 of the
@@ -104,7 +106,9 @@ impl Problem<'_> {
                     active.push((camera, k));
                 }
             }
-            active.extend((INTRINSIC..CLOCK).map(|k| (camera, k)));
+            if !beliefs.posed {
+                active.extend((INTRINSIC..CLOCK).map(|k| (camera, k)));
+            }
             if beliefs.inset.deviation > 0.0 {
                 active.push((camera, INSET));
             }

@@ -30,6 +30,7 @@
 mod calibrate;
 mod camera;
 mod case;
+mod check;
 mod clocks;
 mod covariance;
 mod ends;
@@ -59,11 +60,12 @@ mod world;
 pub use calibrate::{
     NetworkOptions, NetworkTime, calibrate_network, calibrate_network_watched, clock_offsets, pairs_to_search,
 };
+pub use check::{StoredCamera, check_network};
 pub use clocks::Offsets;
 pub use covariance::Expected;
 pub use graph::PairFound;
 pub use input::{Aspect, CameraInput, Knowledge};
 pub use join::join;
-pub use result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus};
+pub use result::{CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus};
 pub use support::Deviates;
 pub use world::Ground;

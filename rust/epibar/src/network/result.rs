@@ -176,6 +176,53 @@ pub struct NetworkPair {
     pub deviates: Deviates,
 }
 
+/// What new footage says of a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum CheckStatus {
+    /// It stands and looks as stored.
+    Unmoved,
+    /// It does not.
+    Moved,
+    /// Too little moved before it and the others to say.
+    Unsure,
+}
+
+impl CheckStatus {
+    /// A word for programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unmoved => "unmoved",
+            Self::Moved => "moved",
+            Self::Unsure => "unsure",
+        }
+    }
+}
+
+/// What new footage says of a camera, in numbers.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CameraCheck {
+    /// Its name.
+    pub name: String,
+    /// Whether it moved.
+    pub status: CheckStatus,
+    /// The same in words.
+    pub reason: String,
+    /// By how much it looks another way, radians; NaN where it is not known.
+    pub turned: f64,
+    /// Below this, nine times in ten, is the error of that, radians.
+    pub turned_error: f64,
+    /// How far it stands from where it stood, unit of the network.
+    pub shifted: f64,
+    /// Below this, nine times in ten, is the error of that.
+    pub shifted_error: f64,
+    /// What it has in common with the others on this footage, as a normal deviate.
+    pub deviate: f64,
+    /// When it moved, seconds since its first frame; `None` where it did not, or before.
+    pub since: Option<f64>,
+}
+
 /// `F` of two cameras in undistorted pixels, of norm 1.
 pub(super) fn fundamental(a: &Camera, b: &Camera) -> Option<Matrix3<f64>> {
     let baseline = b.rotation * (a.position - b.position);

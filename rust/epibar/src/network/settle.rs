@@ -56,7 +56,8 @@ pub fn settle(
     let mut radius = from.unwrap_or(WIDEST);
     let mut at = cameras.to_vec();
     // All that is compared moves, so that size and place of the whole are free.
-    let whole = pairs.iter().all(|&(a, b)| moving[a] && moving[b]);
+    let free = |c: usize| moving[c] && !beliefs[c].posed;
+    let whole = pairs.iter().all(|&(a, b)| free(a) && free(b));
     let mut found = Vec::new();
     let (mut scale, mut prior_weight) = (radius, 1.0);
     for _ in 0..ROUNDS {

@@ -59,7 +59,7 @@ impl Support {
     }
 
     /// Of a network on the moments of a survey.
-    fn on(survey: &Survey, network: &Placed) -> Self {
+    pub fn on(survey: &Survey, network: &Placed) -> Self {
         let pairs = network.pairs();
         let rays = survey.all_rays(&network.cameras);
         let scores: Vec<Vec<Score>> = pairs

@@ -41,3 +41,7 @@ pub const CLOCK_TOGETHER: f64 = 0.02;
 pub const CLOCK_FOUND: f64 = 0.1;
 /// Standard deviation of clocks' drifts, ppm: quartz.
 pub const DRIFT: f64 = 30.0;
+/// A camera has moved where it now looks another way, or stands elsewhere, by so many times what is below nine times in ten.
+pub const MOVED: f64 = 2.0;
+/// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
+pub const MOVED_DEVIATES: f64 = 4.0;

@@ -39,6 +39,12 @@ impl Camera {
         Self { k, ..self }
     }
 
+    /// The same, knocked: turned about its centre.
+    pub fn turned(self, turn: &nalgebra::Rotation3<f64>) -> Self {
+        let (r, centre) = (turn * self.r, self.centre());
+        Self { t: -(r * centre), r, ..self }
+    }
+
     /// The camera matrix.
     pub fn matrix(&self) -> Matrix3<f64> {
         self.k
