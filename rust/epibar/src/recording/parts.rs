@@ -89,7 +89,8 @@ impl TryFrom<RecordingParts> for Recording {
                 points: parts.hull_points,
                 area: parts.hull_area,
                 border: parts.hull_border,
-                outline_start: parts.outline_start,
+                // One made without them may say so by an empty array.
+                outline_start: if parts.outline_start.is_empty() { vec![0] } else { parts.outline_start },
                 outline_points: parts.outline_points,
             },
             heat: parts.heat,
