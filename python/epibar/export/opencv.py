@@ -8,11 +8,15 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import printable
 from ..files.atomic import write_atomically
 from ..runs.run import Run
 from ..sources.opencv import opencv
 
 __all__ = ["write_opencv"]
+
+LONGEST = 2000
+"""Characters of a text; OpenCV's reader takes no more than some thousand."""
 
 
 def write_opencv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
@@ -71,6 +75,20 @@ def write_opencv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
 def _write_map(cv2: Any, storage: Any, **values: Any) -> None:
     storage.startWriteStruct("", cv2.FILE_NODE_MAP)
     for key, value in values.items():
-        if value is not None:
+        if isinstance(value, str):
+            storage.write(key, _text(value))
+        elif value is not None:
             storage.write(key, np.ascontiguousarray(value) if isinstance(value, np.ndarray) else value)
     storage.endWriteStruct()
+
+
+def _text(text: str) -> str:
+    """Quote what OpenCV would read as another text, or not at all: it writes what looks quoted as it is."""
+    text = printable(text if len(text) <= LONGEST else text[:LONGEST] + "...")
+    if text[:1] in ("'", '"') or text != text.strip() or text.lower() == "null":
+        return (
+            '"'
+            + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n").replace("\t", "\\t")
+            + '"'
+        )
+    return text

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS, Calibration
-from ..errors import EpibarError
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
+from .folder import Folder
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
 from .runner import Progress, Runner
 from .watch import Watch
@@ -70,6 +70,7 @@ def calibrate_all(
     ignore: Sequence[PathLike] | None = None,
     intrinsics: PathLike | None = None,
     frames: Sequence[int | None] | None = None,
+    seconds: float | None = None,
     executor: Executor | None = None,
     fresh: bool = False,
     report: bool = True,
@@ -90,7 +91,7 @@ def calibrate_all(
         Folder for calibration.json, frontier points, pictures, the report and what is kept. Made if missing.
     method, seed, time_offset, upright, essential, search_seconds, max_expected_error
         Of every pair, see :func:`epibar.calibrate`.
-    lines, seed, masks, foreground, frames
+    lines, seed, masks, foreground, frames, seconds
         Of every camera, see :func:`epibar.record`.
     background, ignore : sequence of path, optional
         One per camera, see :func:`epibar.record`.
@@ -114,8 +115,9 @@ def calibrate_all(
     Raises
     ------
     EpibarError
-        An argument is unusable, the folder cannot be written, or the executor has stopped. A camera or a pair
-        that cannot be done is no such error: it is in ``errors``, and the others are done.
+        An argument is unusable, the folder cannot be written, holds an input or is that of another run that
+        goes on, or the executor has stopped. A camera or a pair that cannot be done is no such error: it is
+        in ``errors``, and the others are done.
 
     Examples
     --------
@@ -129,7 +131,7 @@ def calibrate_all(
             cameras, background=background, ignore=ignore, intrinsics=intrinsics, time_offset=time_offset
         ),
         out=Path(out),
-        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames)),
+        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds)),
         pair=PairOptions(method, seed, time_offset, upright, essential, search_seconds, max_expected_error),
         intrinsics=None if intrinsics is None else os.fspath(intrinsics),
         fresh=fresh,
@@ -140,10 +142,14 @@ def calibrate_all(
 
 def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
     """Run a job whose arguments are checked; see :func:`calibrate_all`."""
-    try:
-        job.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise EpibarError(f"{job.out}: cannot be made ({error.strerror})") from error
+    # What is wrong with the arguments is told before a folder is made.
+    Folder(job.out).refuse_inputs(job.inputs, job.files)
+    with Folder(job.out) as folder:
+        folder.refuse_foreign(job.files)
+        return _run(job, folder, executor, watch)
+
+
+def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> AllPairs:
     for camera in job.cameras:
         lens = camera.intrinsics
         if lens is not None and lens.name.casefold() != camera.name.casefold():
@@ -153,10 +159,10 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
             )
     if executor is None:
         with _own_threads() as (threads, reporting):
-            runner = Runner(job, threads, watch, at_once=_thread_count(), reporting=reporting)
+            runner = Runner(job, folder, threads, watch, at_once=_thread_count(), reporting=reporting)
             runner.run()
     else:
-        runner = Runner(job, executor, watch)
+        runner = Runner(job, folder, executor, watch)
         runner.run()
     results = runner.results
     if job.report:

@@ -13,8 +13,8 @@ from ..files.frontier_csv import write_frontier_points
 from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
 from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
-from .inputs import CameraInput, Job, Pair
-from .saved_recordings import is_saved
+from .folder import Folder
+from .inputs import REPORT, RESULT, CameraInput, Job, Pair, picture_file, points_file
 
 __all__ = ["Results"]
 
@@ -35,7 +35,8 @@ class Results:
         Why some could not be done.
     """
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, folder: Folder) -> None:
+        self._folder = folder
         self.recordings: dict[CameraInput, Recording] = {}
         self.calibrations: dict[Pair, Calibration] = {}
         self.seconds: dict[Pair, float] = {}
@@ -48,13 +49,14 @@ class Results:
     @property
     def path(self) -> Path:
         """The file calibration.json."""
-        return self._job.out / "calibration.json"
+        return self._job.out / RESULT
 
     def add(self, pair: Pair, stem: str, calibration: Calibration, seconds: float) -> None:
         """Take a calibration; write its points and its picture where they are missing."""
         a, b = pair
         points, picture = self._points(stem), self._picture(stem)
         self.calibrations[pair], self.seconds[pair] = calibration, seconds
+        self._folder.will_write(points, picture)
         if not points.exists():
             write_frontier_points(points, calibration.frontier_points)
         if not picture.exists():
@@ -69,7 +71,7 @@ class Results:
         self._files[pair] = {"frontier_points": points.name, "picture": picture.name}
 
     def forget(self, stem: str) -> None:
-        """Remove the points and the picture of an earlier run.
+        """Remove the points and the picture that an earlier run wrote.
 
         Raises
         ------
@@ -77,16 +79,18 @@ class Results:
             They cannot be removed.
         """
         for path in (self._points(stem), self._picture(stem)):
+            if not self._folder.owns(path):
+                continue
             try:
                 path.unlink(missing_ok=True)
             except OSError as error:
                 raise EpibarError(f"{path}: cannot be removed ({error.strerror or error})") from error
 
     def _points(self, stem: str) -> Path:
-        return self._job.out / f"{stem}_frontier.csv"
+        return points_file(self._job.out, stem)
 
     def _picture(self, stem: str) -> Path:
-        return self._job.out / f"{stem}.png"
+        return picture_file(self._job.out, stem)
 
     def content(self) -> dict[str, Any]:
         """Return what calibration.json holds. No times are in it: the same job gives the same file."""
@@ -101,7 +105,7 @@ class Results:
             intrinsics=job.intrinsics,
         )
         result["cameras"] = [
-            camera_entry(camera.name, camera.source, camera.index, self.recordings[camera])
+            camera_entry(camera.name, camera.shown, camera.index, self.recordings[camera])
             for camera in job.cameras
             if camera in self.recordings
         ]
@@ -126,7 +130,7 @@ class Results:
         cameras = [
             ReportCamera(
                 camera.name,
-                None if is_saved(camera, job.record) else camera.source,
+                None if camera.is_saved(job.record) else camera.source,
                 job.record.masks,
                 self.recordings[camera],
                 camera.intrinsics,
@@ -140,7 +144,8 @@ class Results:
             if pair in self._files
         ]
         errors = [error["message"] for error in self.content()["errors"]]
-        write_report(job.out / "report.html", cameras, pairs, errors)
+        self._folder.will_write(job.out / REPORT)
+        write_report(job.out / REPORT, cameras, pairs, errors)
 
     def write_now_and_then(self) -> None:
         """Write calibration.json where pairs have come since, and it was some time ago."""
@@ -149,5 +154,6 @@ class Results:
 
     def write(self) -> None:
         """Write calibration.json."""
+        self._folder.will_write(self.path)
         write_json(self.path, self.content())
         self._written, self._in_file = time.monotonic(), len(self._files)

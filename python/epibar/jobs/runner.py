@@ -13,12 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..calibration import Calibration
-from ..errors import EpibarError
+from ..errors import EpibarError, without_secrets
 from ..recording import Recording
+from .folder import Folder
 from .inputs import CameraInput, Job, Pair, pair_stems
 from .keys import fingerprint, pair_key, recording_key
 from .results import Results
-from .saved_recordings import is_saved
+from .returned import checked_calibration, checked_recording
 from .store import Store
 from .tasks import calibrate_pair, record_camera
 from .watch import Watch
@@ -57,6 +58,8 @@ class Runner:
     Parameters
     ----------
     job : Job
+    folder : Folder
+        Of the job, held.
     executor : Executor
         Where the tasks run. It may have two methods more than others: ``fingerprint(path)``, for files that
         only its workers can see, and ``news()``, which returns what happened since it was last asked.
@@ -70,19 +73,20 @@ class Runner:
     def __init__(
         self,
         job: Job,
+        folder: Folder,
         executor: Executor,
         watch: Watch,
         at_once: int | None = None,
         reporting: Callable[[Progress], Progress] | None = None,
     ) -> None:
-        self.results = Results(job)
+        self.results = Results(job, folder)
         self._job = job
         self._executor = executor
         self._watch = watch
         self._at_once = at_once or len(job.cameras)
         self._reporting = reporting
         self._news: Callable[[], Iterable[str]] = getattr(executor, "news", tuple)
-        self._store = Store(job.out)
+        self._store = Store(folder)
         self._stems = pair_stems(job.cameras)
         seen = getattr(executor, "fingerprint", fingerprint)
         self._keys = {camera: recording_key(camera.located(), job.record, seen) for camera in job.cameras}
@@ -172,13 +176,15 @@ class Runner:
         """Take what a task returned or raised."""
         self._done[task.stage] += 1
         try:
-            value, seconds = future.result()
+            returned = future.result()
             if isinstance(task.of, CameraInput):
-                if not is_saved(task.of, self._job.record):
+                value, seconds = checked_recording(returned, task.of, self._job.record)
+                if not task.of.is_saved(self._job.record):
                     self._keep(self._store.keep_recording, task.of.name, self._keys[task.of], value, seconds)
                 self._recorded(task.of, value, seconds)
             else:
-                self._calibrated(task.of, value, seconds, kept=False)
+                a, b = (self.results.recordings[camera] for camera in task.of)
+                self._calibrated(task.of, *checked_calibration(returned, a, b, self._job.pair), kept=False)
         except _Stopped:
             raise
         except EpibarError as error:
@@ -187,7 +193,7 @@ class Runner:
             raise self._stopped(error) from error
         except Exception as error:  # a bug: raised at the end, when the rest is done
             self._bug = self._bug or error
-            self._failed(task.of, f"{type(error).__name__}: {error}")
+            self._failed(task.of, f"{type(error).__name__}: {without_secrets(str(error))}")
 
     def _stopped(self, error: Exception) -> _Stopped:
         return _Stopped(
@@ -230,7 +236,11 @@ class Runner:
 
     def _failed(self, of: CameraInput | Pair, message: str) -> None:
         if isinstance(of, CameraInput):
-            self.results.errors[of] = {"camera": of.name, "file": of.source, "message": message}
+            self.results.errors[of] = {
+                "camera": of.name,
+                "file": of.shown,
+                "message": without_secrets(message),
+            }
         else:
             a, b = of
             message = f"{a.name} - {b.name}: {message}"

@@ -18,6 +18,8 @@ from ..errors import EpibarError
 from ..files import calibration_npz as calibration_file
 from ..files.archive import read_archive, write_archive
 from ..recording import Recording
+from .folder import Folder
+from .inputs import pair_file, recording_file
 
 __all__ = ["Store"]
 
@@ -30,8 +32,8 @@ class Store:
 
     Parameters
     ----------
-    out : Path
-        The job's folder.
+    folder : Folder
+        The job's.
 
     Attributes
     ----------
@@ -39,8 +41,9 @@ class Store:
         What could not be read, one message per file.
     """
 
-    def __init__(self, out: Path) -> None:
-        self.out = out
+    def __init__(self, folder: Folder) -> None:
+        self._folder = folder
+        self.out = folder.path
         self.damaged: list[str] = []
 
     def recording(self, name: str, key: str | None) -> Recording | None:
@@ -74,10 +77,10 @@ class Store:
         self._write(self._pair(stem), key, calibration_file.to_arrays(kept), seconds)
 
     def _recording(self, name: str) -> Path:
-        return self.out / "recordings" / f"{name}.npz"
+        return recording_file(self.out, name)
 
     def _pair(self, stem: str) -> Path:
-        return self.out / "pairs" / f"{stem}.npz"
+        return pair_file(self.out, stem)
 
     def _read(self, path: Path, key: str | None, kind: str) -> dict[str, NDArray[Any]] | None:
         if key is None or not path.exists():
@@ -92,4 +95,5 @@ class Store:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise EpibarError(f"{path.parent}: cannot be made ({error.strerror})") from error
+        self._folder.will_write(path)
         write_archive(path, {**arrays, KEY: np.array(key), SECONDS: np.array(seconds)})

@@ -12,7 +12,7 @@ from ..calibration import Calibration, calibrate
 from ..from_video import record
 from ..recording import Recording
 from .inputs import CameraInput, PairOptions, RecordOptions
-from .saved_recordings import is_saved, load_saved
+from .saved_recordings import load_saved
 
 __all__ = ["calibrate_pair", "record_camera"]
 
@@ -31,7 +31,7 @@ def record_camera(
         of other frames than the options ask for.
     """
     started = time.perf_counter()
-    if is_saved(camera, options):
+    if camera.is_saved(options):
         recording = load_saved(camera, options)
         recording.name = camera.name
     else:
@@ -46,6 +46,7 @@ def record_camera(
             intrinsics=camera.intrinsics,
             ignore=camera.ignore,
             frames=(options.frames.first, options.frames.last),
+            seconds=options.frames.seconds,
             progress=progress,
         )
     return recording, time.perf_counter() - started
