@@ -2,6 +2,8 @@
 #
 #   make demo      render videos of a crowd, calibrate them, compare with the known answer
 #   make test      every test, Rust and Python
+#   make fuzz      ten thousand hostile inputs for every reader and public function, in both languages
+#   make audit     known holes in what epibar depends on, and licences
 #   make docs      the documentation site, into build/docs; warnings are errors
 #   make check     formatting, lints, types, type stubs, documentation
 #   make semver    does the crate break programs written for the release before? SINCE=revision says otherwise
@@ -31,7 +33,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test docs check semver coverage bench paper dist clean
+.PHONY: help build demo test fuzz audit docs check semver coverage bench paper dist clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -58,6 +60,23 @@ demo: build
 test: build
 	cargo test --workspace --locked
 	$(BIN)/python -m pytest
+
+# Memory is limited, so that what grows without limit fails instead of taking the machine along.
+FUZZ ?= 10000
+
+fuzz: build
+	ulimit -v 12000000; EPIBAR_FUZZ=$(FUZZ) $(BIN)/python -m pytest -q tests/test_properties.py
+	ulimit -v 12000000; PROPTEST_CASES=$(FUZZ) cargo test --package epibar --locked --test hostile_files --test hostile_recordings
+
+# Both ask for lists of known holes on the network, so they are not part of the check.
+$(VENV)/.audit: $(VENV)/.created
+	$(BIN)/python -m pip install 'pip-audit>=2.7'
+	cargo install --quiet --locked --root $(VENV) cargo-deny@0.20
+	touch $@
+
+audit: build $(VENV)/.audit
+	$(BIN)/pip-audit --skip-editable
+	$(BIN)/cargo-deny --workspace check
 
 check: build
 	cargo fmt --all --check

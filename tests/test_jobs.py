@@ -284,8 +284,10 @@ def test_a_broken_executor_keeps_what_is_done(masks, tmp_path):
 
 
 def test_a_file_that_cannot_be_replaced_is_named(masks, tmp_path):
+    run(masks[:2], tmp_path)
+    (tmp_path / "cam1_cam2.png").unlink()
     (tmp_path / "cam1_cam2.png").mkdir()
-    found, _, heard = run(masks[:3], tmp_path)
+    found, _, heard = run(masks[:3], tmp_path, seed=1)
     assert list(found.calibrations) == [("cam1", "cam3"), ("cam2", "cam3")]
     assert "cam1 - cam2: " in heard.errors[0]
     assert "cam1_cam2.png: cannot be removed" in heard.errors[0]

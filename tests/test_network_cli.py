@@ -3,6 +3,7 @@
 import json
 import shutil
 import tomllib
+from dataclasses import replace
 
 import jsonschema
 import numpy as np
@@ -14,6 +15,7 @@ import epibar
 from epibar.cli import main
 from epibar.files.calibration_json import schema
 from epibar.jobs import network_stage, runner
+from epibar.jobs.folder import Folder
 from epibar.lens import Intrinsics, write_cameras
 
 WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
@@ -154,6 +156,42 @@ def test_a_camera_file_of_the_user_stays(masks, again, capsys):
     assert "cameras.toml" not in told.splitlines()[-1]
 
 
+def test_a_camera_file_that_was_exported_stays(masks, again, capsys):
+    """The list of what runs wrote decides, not only what the file says of itself."""
+    path = again / "cameras.toml"
+    listed = json.loads((again / ".epibar" / "written.json").read_text())
+    assert {"network.json", "cameras.toml", "recordings/clocks.json"} <= set(listed["files"])
+    listed["files"].remove("cameras.toml")
+    (again / ".epibar" / "written.json").write_text(json.dumps(listed))
+    mine = path.read_bytes()
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--person-height", "1.7"]) == 0
+    assert main(["scale", str(again), "--person-height", "1.6"]) == 0
+    assert path.read_bytes() == mine
+    assert capsys.readouterr().err.count("stays as it is") == 2
+
+
+def test_a_network_of_a_stranger_in_the_folder_is_refused(masks, tmp_path, capsys):
+    (tmp_path / "network.json").write_text("mine")
+    assert main(["calibrate", *masks, "--out", str(tmp_path), *WORDS]) == 2
+    assert "not written by epibar" in capsys.readouterr().err
+    assert (tmp_path / "network.json").read_text() == "mine"
+
+
+def test_one_at_a_time_scales_a_network(again, capsys):
+    with Folder(again):
+        assert main(["scale", str(again), "--person-height", "1.6"]) == 2
+    assert "at work" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "[" * 100_000])
+def test_kept_files_that_are_damaged_are_made_again(text, masks, again):
+    before = (again / "calibration.json").read_bytes()
+    (again / "network.json").write_text(text)
+    (again / "recordings" / "clocks.json").write_text(text)
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--quiet"]) == 0
+    assert (again / "calibration.json").read_bytes() == before
+
+
 def test_files_of_a_network_that_is_no_more_are_removed(masks, again):
     words = ["--method", "lines", "--quiet"]
     assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
@@ -200,7 +238,7 @@ def test_of_many_cameras_only_likely_pairs_are_searched(masks, tmp_path, monkeyp
         raise epibar.EpibarError("not here")
 
     def quick(a, b, *_):
-        return epibar.calibrate(a, b, method="lines", draws=100), 0.0
+        return replace(epibar.calibrate(a, b, method="lines", draws=100), method="frontier"), 0.0
 
     monkeypatch.setattr(runner, "join_cameras", refused)
     monkeypatch.setattr(runner, "calibrate_pair", quick)

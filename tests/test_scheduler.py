@@ -3,6 +3,7 @@
 import importlib.util
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
@@ -45,15 +46,17 @@ def masks(tmp_path_factory):
 class Cluster:
     """A scheduler and workers, each a process of its own."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, protocol="tcp", options=()):
         self.folder = folder
         self.processes = []
-        self._start("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show")
+        self.options = options
+        words = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show", "--protocol", protocol]
+        self._start("scheduler", *words, *options)
         self.address = self._wait_for("scheduler", "Scheduler at:").split()[-1]
         self.workers = [self.start_worker(name) for name in ("first", "second")]
 
     def start_worker(self, name, *words, environment=None):
-        options = ["--no-nanny", "--nthreads", "1", "--name", name, "--no-dashboard", *words]
+        options = ["--no-nanny", "--nthreads", "1", "--name", name, "--no-dashboard", *self.options, *words]
         worker = self._start("worker", self.address, *options, log=name, environment=environment)
         self._wait_for(name, "Registered to:")
         return worker
@@ -187,6 +190,36 @@ def test_a_scheduler_without_workers(cluster):
         worker.wait()
     with pytest.raises(EpibarError, match="no worker after 1 s"), dask_executor(cluster.address, 1.0):
         pass
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="makes certificates with openssl")
+def test_tls_with_certificates_and_without(masks, tmp_path):
+    files = {"ca-file": tmp_path / "cert.pem", "cert": tmp_path / "cert.pem", "key": tmp_path / "key.pem"}
+    words = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=epibar"]
+    words += ["-addext", "subjectAltName=IP:127.0.0.1", "-keyout", files["key"], "-out", files["cert"]]
+    subprocess.run(words, check=True, capture_output=True)
+    options = [word for name, path in files.items() for word in (f"--tls-{name}", str(path))]
+    import dask
+
+    (tmp_path / "cluster").mkdir()
+    cluster = Cluster(tmp_path / "cluster", "tls", options)
+    try:
+        assert cluster.address.startswith("tls://")
+        with (
+            pytest.raises(EpibarError, match="no certificates; name them in Dask's settings"),
+            dask_executor(cluster.address, 5.0),
+        ):
+            pass
+        settings = {
+            "distributed.comm.tls.ca-file": str(files["ca-file"]),
+            "distributed.comm.tls.client.cert": str(files["cert"]),
+            "distributed.comm.tls.client.key": str(files["key"]),
+        }
+        with dask.config.set(settings), dask_executor(cluster.address) as executor:
+            done = epibar.calibrate_all(masks[:2], tmp_path / "out", executor=executor, **FAST)
+        assert len(done.calibrations) == 1
+    finally:
+        cluster.close()
 
 
 def test_nobody_answers():

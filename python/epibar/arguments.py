@@ -94,7 +94,7 @@ def as_camera_matrix(matrix: Any, name: str = "matrix") -> Array:
     """Return a camera matrix as a (3, 3) array, or say what is wrong with it."""
     try:
         array = np.array(matrix, dtype=np.float64, order="C")
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise EpibarError(f"{name} = {matrix!r}: expected numbers, 3 x 3") from None
     if array.shape != (3, 3):
         raise EpibarError(f"{name} has shape {array.shape}, expected 3 x 3 numbers")
@@ -109,7 +109,7 @@ def as_numbers(name: str, value: Any, shape: tuple[int, ...] | None) -> Array:
     """Return finite numbers of a shape, or of any where that is None."""
     try:
         numbers = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise EpibarError(f"{name} is {value!r}, expected numbers") from None
     if shape is not None and numbers.shape != shape:
         raise EpibarError(f"{name} has shape {numbers.shape}, expected {shape}")

@@ -55,6 +55,7 @@ def record(
     intrinsics: Intrinsics | str | os.PathLike[str] | None = None,
     fps: float | None = None,
     frames: Sequence[int | None] | None = None,
+    seconds: float | None = None,
     progress: bool | Callable[[str, float], None] | None = None,
 ) -> Recording:
     """Turn the video of one stationary camera into a recording.
@@ -87,6 +88,9 @@ def record(
         First frame to use and the one after the last, each None for the end of the video: a part in which
         the camera stood still. Frames of the recording, and their times, count from the first of them, so
         give the same part to cameras that were started together.
+    seconds : float, optional
+        Use only so much of the video, from the first frame used on. A live stream needs this, or a last
+        frame.
     progress : bool or callable, optional
         Show a progress bar on stderr; by default where that is a terminal. Or called after each frame with
         the name of the stage and the share of the announced frames that is done, 0 to 1.
@@ -106,7 +110,7 @@ def record(
     >>> import epibar
     >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)
     """
-    part = FrameRange.of(frames)
+    part = FrameRange.of(frames, seconds)
     with (
         MaskFrames(path, fps=fps, frames=part)
         if masks

@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from .arguments import MAX_SEED, as_camera_matrix, as_masks, as_whole_number, core_errors
 from .errors import EpibarError
-from .files.archive import read_archive, write_archive
+from .files.archive import ArrayHeader, read_archive, write_archive
+from .files.checks import check_format, check_recording
 
 __all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "as_recording", "new_recorder"]
 
@@ -31,6 +32,7 @@ FORMAT = 1
 """Version of the saved file; a file of a newer one is refused."""
 
 KIND = "a recording saved by epibar"
+MARK = "epibar_recording"
 PREFIX = "core_"
 MAX_LINES = 10_000_000
 
@@ -231,12 +233,18 @@ class Recording:
         EpibarError
             The file is missing, damaged, something else, or of a newer format.
         """
-        return cls.from_arrays(read_archive(path, KIND), os.fspath(path))
+        where = os.fspath(path)
+
+        def check(headers: Mapping[str, ArrayHeader]) -> None:
+            if MARK in headers:  # what is no recording is told from its arrays
+                check_recording(where, headers)
+
+        return cls.from_arrays(read_archive(path, KIND, check), where)
 
     def to_arrays(self) -> dict[str, NDArray[Any]]:
         """Return everything as named arrays, as they are in the file."""
         arrays: dict[str, Any] = {PREFIX + key: value for key, value in self._core.to_arrays().items()}
-        arrays["epibar_recording"] = np.array(FORMAT)
+        arrays[MARK] = np.array(FORMAT)
         arrays["name"] = np.array(self.name)
         arrays["warnings"] = np.array(self.warnings, dtype=np.str_)
         arrays["health_names"] = np.array(list(self.health), dtype=np.str_)
@@ -255,15 +263,12 @@ class Recording:
         EpibarError
             The arrays are something else, damaged, or of a newer format.
         """
-        if "epibar_recording" not in arrays:
+        if MARK not in arrays:
             hint = "; its key 'masks' says that it holds masks" if "masks" in arrays else ""
             raise EpibarError(f"{where}: not {KIND}{hint}")
         try:
-            version = int(arrays["epibar_recording"])
-            if version != FORMAT:
-                raise EpibarError(
-                    f"{where}: format {version}, but this epibar reads format {FORMAT}; update epibar"
-                )
+            check_format(where, arrays[MARK], FORMAT)
+            check_recording(where, arrays)
             matrix = arrays.get("matrix")
             core = {
                 key.removeprefix(PREFIX): value for key, value in arrays.items() if key.startswith(PREFIX)
@@ -274,7 +279,7 @@ class Recording:
                 warnings=[str(text) for text in np.atleast_1d(arrays["warnings"])],
                 matrix=matrix,
                 health=_stored_health(arrays),
-                first_frame=int(arrays.get("first_frame", 0)),
+                first_frame=as_whole_number("first_frame", arrays.get("first_frame", np.array(0))[()], 0),
             )
         except (ValueError, TypeError, KeyError, OverflowError) as error:
             text = str(error)
@@ -297,7 +302,12 @@ def _stored_health(arrays: Mapping[str, NDArray[Any]]) -> dict[str, float]:
         return {}
     if names.ndim != 1 or names.shape != values.shape:
         raise ValueError("the numbers of the camera's health do not fit their names")
-    return {str(name): float(value) for name, value in zip(names, values, strict=True)}
+    found = {str(name): float(value) for name, value in zip(names, values, strict=True)}
+    for name, value in found.items():
+        # A view that went altogether moved infinitely far.
+        if not (math.isfinite(value) or (name.startswith("moved_") and value > 0)):
+            raise ValueError(f"{name} of the camera's health is {value}")
+    return found
 
 
 def _unpickled(arrays: dict[str, NDArray[Any]]) -> Recording:

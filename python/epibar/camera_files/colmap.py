@@ -6,13 +6,14 @@ Pitfall: COLMAP counts pixels from the corner of the image, so that the centre o
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import EpibarError
+from ..errors import EpibarError, printable
 from ..files.atomic import write_atomically
 from ..lens.intrinsics import Intrinsics
 
@@ -47,9 +48,8 @@ def write_colmap(
     except OSError as error:
         raise EpibarError(f"{path}: cannot be made ({error.strerror or error})") from error
     model.write_text(str(path))
-    text = "\n".join(
-        f"{key}: {value if isinstance(value, str) else '; '.join(value)}" for key, value in metadata.items()
-    )
+    texts = {key: value if isinstance(value, str) else "; ".join(value) for key, value in metadata.items()}
+    text = "\n".join(f"{key}: {_line(value)}" for key, value in texts.items())
     write_atomically(path / "README.txt", lambda stream: stream.write(text.encode() + b"\n"))
     return [path]
 
@@ -63,10 +63,15 @@ def _add(pycolmap: Any, model: Any, number: int, camera: Intrinsics) -> None:
     model.add_camera_with_trivial_rig(found)
     pose = camera.posed()
     image = pycolmap.Image()
-    image.name, image.camera_id, image.image_id = camera.name, number, number
+    image.name, image.camera_id, image.image_id = _line(camera.name), number, number
     model.add_image_with_trivial_frame(
         image, pycolmap.Rigid3d(pycolmap.Rotation3d(np.asarray(pose.R)), np.asarray(pose.t))
     )
+
+
+def _line(text: str) -> str:
+    """Keep a text on its line: the files have one for each image."""
+    return re.sub(r"[\n\t]+", " ", printable(text))
 
 
 def _lens(camera: Intrinsics) -> tuple[str, list[float]]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..files.atomic import write_atomically
+from ..files.opencv_text import opencv_text
 from ..lens.intrinsics import Intrinsics
 from ..sources.opencv import opencv
 
@@ -25,12 +26,12 @@ def write_opencv(
     cv2 = opencv()
     storage = cv2.FileStorage(".yml", cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
     for key, value in metadata.items():
-        storage.write(key, value if isinstance(value, str) else "; ".join(value))
+        storage.write(key, opencv_text(value if isinstance(value, str) else "; ".join(value)))
     storage.startWriteStruct("cameras", cv2.FILE_NODE_SEQ)
     for camera in cameras:
         pose = camera.posed()
         storage.startWriteStruct("", cv2.FILE_NODE_MAP)
-        storage.write("name", camera.name)
+        storage.write("name", opencv_text(camera.name))
         storage.write("width", camera.size[0])
         storage.write("height", camera.size[1])
         storage.write("camera_matrix", np.ascontiguousarray(camera.matrix))

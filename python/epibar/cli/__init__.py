@@ -9,7 +9,8 @@ import os
 import sys
 from collections.abc import Sequence
 
-from .exit_codes import DONE, INTERRUPTED, UNUSABLE
+from ..errors import EpibarError, printable, without_secrets
+from .exit_codes import BUG, DONE, INTERRUPTED, UNUSABLE
 from .interrupt import prompt_interrupt
 from .parser import build_parser
 
@@ -47,12 +48,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:  # what the system says of a file: it may be in a folder that is not ours to read
         if error.filename is None:
             raise
-        print(f"epibar: error: {error.filename}: {error.strerror}", file=sys.stderr)
+        _print_error(f"{error.filename}: {error.strerror}")
+        return UNUSABLE
+    except EpibarError as error:
+        _print_error(str(error))
         return UNUSABLE
     except Exception as error:
-        from ..errors import EpibarError
-
-        if not isinstance(error, EpibarError):
+        if str(error) == without_secrets(str(error)):
             raise
-        print(f"epibar: error: {error}", file=sys.stderr)
-        return UNUSABLE
+        import traceback
+
+        print(without_secrets(traceback.format_exc()), file=sys.stderr)
+        return BUG
+
+
+def _print_error(text: str) -> None:
+    print(f"epibar: error: {printable(without_secrets(text))}", file=sys.stderr)

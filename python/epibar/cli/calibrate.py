@@ -154,8 +154,6 @@ def run(args: Namespace) -> int:
 
 def _summary(job: Job, found: AllPairs) -> str:
     """What came out, and where it is."""
-    from ..jobs.network_files import replaceable
-
     accepted = sum(calibration.accepted for calibration in found.calibrations.values())
     said = f"accepted: {accepted} of {len(found.searched)} pairs"
     files = ["calibration.json"]
@@ -163,7 +161,7 @@ def _summary(job: Job, found: AllPairs) -> str:
         cameras = len(found.network.cameras) - len(found.network.left_out)
         alone = f"{accepted} of {len(found.searched)} pairs also by themselves"
         said = f"accepted: {cameras} of {len(job.cameras)} cameras ({alone})"
-        files += ["network.json"] + ["cameras.toml"] * replaceable(job.out, job.intrinsics)
+        files += [path.name for path in found.network_files]
     files += ["report.html"] * job.report
     failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
     written = " and ".join(filter(None, [", ".join(files[:-1]), files[-1]]))

@@ -9,6 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import IO, Any
 
 from ..calibration import Calibration
+from ..errors import printable, without_secrets
 from ..jobs.watch import Watch
 from ..network.result import Network
 from ..network.words import network_notes, network_table
@@ -113,7 +114,7 @@ class Console(Watch):
 
             self._bars[stage] = tqdm(
                 total=total,
-                desc=stage,
+                desc=printable(stage),
                 initial=done,
                 file=sys.stderr,
                 leave=False,
@@ -128,6 +129,7 @@ class Console(Watch):
 
     def _print(self, text: str, stream: IO[str]) -> None:
         """Print a line above the bars."""
+        text = printable(without_secrets(text))
         if not self._bars:
             print(text, file=stream, flush=True)
             return

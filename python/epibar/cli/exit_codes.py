@@ -1,9 +1,11 @@
 """What a command's exit code says."""
 
-__all__ = ["DONE", "EXPLANATION", "INTERRUPTED", "PARTLY", "UNUSABLE", "exit_code"]
+__all__ = ["BUG", "DONE", "EXPLANATION", "INTERRUPTED", "PARTLY", "UNUSABLE", "exit_code"]
 
 DONE = 0
 """Also where a pair was refused: that is a result, not a failure."""
+BUG = 1
+"""What Python exits with after a traceback."""
 UNUSABLE = 2
 """Nothing was done: an argument, or every input, is unusable."""
 PARTLY = 3

@@ -61,7 +61,7 @@ def run(args: Namespace) -> int:
     from pathlib import Path
 
     from ..errors import EpibarError
-    from ..jobs.network_files import NETWORK
+    from ..jobs.inputs import NETWORK_FILE
     from ..lens.camera_file import load_cameras
     from ..runs.run import Run
     from .console import Console
@@ -69,7 +69,7 @@ def run(args: Namespace) -> int:
     console = Console(args.quiet, verbose=args.verbose)
     found = Run.load(args.folder)
     out = Path(args.out)
-    network = found.files[0].parent / NETWORK
+    network = found.files[0].parent / NETWORK_FILE
     if out.resolve() in [file.resolve() for file in (*found.files, network)]:
         raise EpibarError(f"--out {out}: this is part of the run itself")
     if args.cameras or (args.format in OF_CAMERAS and network.exists()):

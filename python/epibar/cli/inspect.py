@@ -33,9 +33,10 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..health.inspection import inspect
-    from ..jobs.inputs import CameraInput, one_each, source_name
+    from ..jobs.inputs import CameraInput, one_each
     from ..jobs.tasks import record_camera
     from ..lens.camera_file import find_camera, load_cameras
+    from ..sources.source import source_name
     from .console import Console
 
     console = Console(args.quiet, json=args.json, verbose=args.verbose)
@@ -55,7 +56,7 @@ def run(args: Namespace) -> int:
             continue
         diagnosis = inspect(recording)
         remarks = [text for text in recording.warnings if not _told(text, diagnosis.findings)]
-        entries.append({**diagnosis.as_dict(), "file": video, "warnings": remarks})
+        entries.append({**diagnosis.as_dict(), "file": camera.shown, "warnings": remarks})
         if not args.json:
             console.result("\n" * (len(entries) > 1) + str(diagnosis))
             for remark in remarks:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from typing import Any
+from typing import Any, NoReturn
 
+from ..errors import printable, without_secrets
 from .exit_codes import EXPLANATION
 
 __all__ = [
@@ -58,6 +59,10 @@ class CommandParser(argparse.ArgumentParser):
             if not found.videos:
                 self.error("the following arguments are required: VIDEO")
         return found, rest
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong with the arguments, of which some may be addresses with passwords, and exit."""
+        super().error(printable(without_secrets(message)))
 
     def _give_back(self, found: argparse.Namespace) -> None:
         """Where all videos went to an option, leave it as many values as there are cameras."""

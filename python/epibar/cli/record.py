@@ -28,9 +28,10 @@ def run(args: Namespace) -> int:
     from pathlib import Path
 
     from ..errors import EpibarError
-    from ..jobs.inputs import CameraInput, source_name
+    from ..jobs.inputs import CameraInput
     from ..jobs.tasks import record_camera
     from ..lens.camera_file import intrinsics_of
+    from ..sources.source import source_name
     from .console import Console
 
     out = Path(args.out)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from .options import CommandParser, frame_numbers, positive, seed_number
+from .options import CommandParser, frame_numbers, positive, seconds, seed_number
 
 if TYPE_CHECKING:
     from ..jobs.inputs import RecordOptions
@@ -58,6 +58,12 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         "that was knocked, or a light that was switched",
     )
     group.add_argument(
+        "--seconds",
+        type=seconds,
+        metavar="S",
+        help="use only so many seconds, from the first frame used on; a live stream needs this, or a LAST",
+    )
+    group.add_argument(
         "--lines",
         type=positive,
         default=20_000,
@@ -94,5 +100,5 @@ def record_options(args: argparse.Namespace) -> RecordOptions:
     from ..jobs.inputs import RecordOptions
     from ..sources.frame_range import FrameRange
 
-    frames = FrameRange.of(args.frames)
+    frames = FrameRange.of(args.frames, args.seconds)
     return RecordOptions(args.lines, args.seed, args.masks, args.foreground, frames)

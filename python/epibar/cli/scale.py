@@ -29,7 +29,9 @@ def run(args: Namespace) -> int:
     from ..errors import EpibarError
     from ..files.calibration_json import read_json
     from ..files.json_file import write_json
-    from ..jobs.network_files import NETWORK, write_network
+    from ..jobs.folder import Folder
+    from ..jobs.inputs import NETWORK_FILE
+    from ..jobs.network_files import write_network
     from ..network import Network
     from ..runs.run import Run
     from .console import Console
@@ -37,13 +39,16 @@ def run(args: Namespace) -> int:
     console = Console(args.quiet, verbose=args.verbose)
     given = lengths(args)
     found = Run.load(args.folder)
-    folder = found.files[0].parent
-    if not (folder / NETWORK).exists():
-        raise EpibarError(f"{folder / NETWORK}: there is no network in this run to scale")
-    network = Network.load(folder / NETWORK).scaled(**given)
-    result = read_json(found.files[0])
-    for text in write_network(folder, network, None, found.lenses(), found.intrinsics):
-        console.warning(text)
-    write_json(found.files[0], {**result, "network": network.as_dict()})
+    result = found.files[0]
+    path = result.parent / NETWORK_FILE
+    if not path.exists():
+        raise EpibarError(f"{path}: there is no network in this run to scale")
+    with Folder(result.parent) as folder:
+        folder.refuse_foreign([path])
+        network = Network.load(path).scaled(**given)
+        content = {**read_json(result), "network": network.as_dict()}
+        for text in write_network(folder, network, None, found.lenses(), found.intrinsics)[1]:
+            console.warning(text)
+        write_json(result, content)
     console.joined(network, None)
     return DONE

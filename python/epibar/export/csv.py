@@ -10,16 +10,21 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import printable
 from ..files.atomic import write_atomically
 from ..runs.run import Pair, Run
 
 __all__ = ["write_csv"]
 
 COLUMNS = ("a", "b", "verdict", "frame_a", "frame_b", "x_a", "y_a", "x_b", "y_b", "residual")
+FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
+"""What a spreadsheet takes for the start of one."""
 
 
 def write_csv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     """Write the frontier points of all pairs in one table: frames, pixels, and the pair's verdict.
+
+    A name that a spreadsheet would take for a formula has an apostrophe before it.
 
     Returns
     -------
@@ -35,11 +40,16 @@ def write_csv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     return [Path(path)]
 
 
+def _text(name: str) -> str:
+    name = printable(name)  # a bare carriage return would end the row
+    return f"'{name}" if name[:1] in FORMULA else name
+
+
 def _rows(pair: Pair) -> list[list[Any]]:
     points = pair.frontier_points
     frames = np.column_stack([points.frame, pair.frames_b]).tolist()
     figures = np.column_stack([points.a, points.b, points.residual]).tolist()
     return [
-        [pair.a, pair.b, pair.kind, *moment, *(f"{figure:.4f}" for figure in row)]
+        [*map(_text, (pair.a, pair.b, pair.kind)), *moment, *(f"{figure:.4f}" for figure in row)]
         for moment, row in zip(frames, figures, strict=True)
     ]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..files.atomic import write_atomically
+from ..files.opencv_text import opencv_text
 from ..runs.run import Run
 from ..sources.opencv import opencv
 
@@ -71,6 +72,8 @@ def write_opencv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
 def _write_map(cv2: Any, storage: Any, **values: Any) -> None:
     storage.startWriteStruct("", cv2.FILE_NODE_MAP)
     for key, value in values.items():
-        if value is not None:
+        if isinstance(value, str):
+            storage.write(key, opencv_text(value))
+        elif value is not None:
             storage.write(key, np.ascontiguousarray(value) if isinstance(value, np.ndarray) else value)
     storage.endWriteStruct()

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-import tempfile
+import re
+import secrets
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -11,30 +12,58 @@ from typing import IO
 
 from ..errors import EpibarError
 
-__all__ = ["write_atomically"]
+__all__ = ["sweep", "write_atomically"]
+
+LEFT_OVER = re.compile(r"\..+\.[0-9a-f]{16}\.epibar-part")
 
 
 def write_atomically(path: str | os.PathLike[str], write: Callable[[IO[bytes]], object]) -> None:
     """Let ``write`` fill a temporary file beside ``path``, then rename it: no reader ever sees half a file.
 
+    File and folder are synced, so that what is there after a power cut is the old file or the new one. The
+    file gets the permissions that the user's umask leaves.
+
     Raises
     ------
     EpibarError
-        The folder is missing or not writable, the disk is full.
+        The folder is missing or not writable, the disk is full. What was there before is there still.
     """
     target = Path(path)
-    temporary = None
+    temporary = target.with_name(f".{target.name}.{secrets.token_hex(8)}.epibar-part")
     try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".part", dir=target.parent)
-        with os.fdopen(handle, "wb") as stream:
-            write(stream)
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
-        os.replace(temporary, target)
-    except OSError as error:
-        raise EpibarError(f"{target}: cannot be written ({error.strerror or error})") from error
-    finally:
-        if temporary is not None:
+        handle = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+        try:
+            with os.fdopen(handle, "w+b") as stream:
+                write(stream)
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.replace(temporary, target)
+        except BaseException:
             with suppress(OSError):
                 os.unlink(temporary)
+            raise
+        _sync_folder(target.parent)
+    except (OSError, UnicodeEncodeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise EpibarError(f"{target}: cannot be written ({reason})") from error
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the new name last. Windows has no such thing, and some file systems refuse it."""
+    if os.name == "nt":
+        return
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def sweep(folder: Path) -> None:
+    """Remove what writers that were killed left in a folder that nobody else writes to."""
+    with suppress(OSError):
+        for left in folder.iterdir():
+            if LEFT_OVER.fullmatch(left.name):
+                with suppress(OSError):
+                    left.unlink()

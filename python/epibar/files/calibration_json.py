@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import EpibarError
+from .checks import check_format
 from .json_file import read_json_object
 
-__all__ = ["FORMAT", "SCHEMA", "read_json", "schema"]
+__all__ = ["FORMAT", "SCHEMA", "is_plain_name", "read_json", "schema"]
 
 FORMAT = 1
 """Version of calibration.json; a file of another one is refused."""
@@ -41,6 +42,10 @@ def read_json(path: Path) -> dict[str, Any]:
     result = read_json_object(path, kind)
     if not isinstance(result.get("pairs"), list) or "cameras" not in result:
         raise EpibarError(f"{path}: not {kind}")
-    if result.get("format") != FORMAT:
-        raise EpibarError(f"{path}: format {result.get('format')!r}, but this epibar reads format {FORMAT}")
+    check_format(str(path), result.get("format"), FORMAT)
     return result
+
+
+def is_plain_name(name: str) -> bool:
+    """Whether a name is that of a file in the folder itself, on every system."""
+    return name not in ("", ".", "..") and not any(sign in name for sign in "/\\:\0")

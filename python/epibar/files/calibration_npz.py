@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import EpibarError
+from .checks import check_calibration, check_format
 
 __all__ = ["KIND", "from_arrays", "to_arrays"]
 
@@ -86,13 +87,14 @@ def from_arrays(
     if MARK not in arrays:
         raise EpibarError(f"{where}: not {KIND}")
     try:
-        version = int(arrays[MARK])
-        if version != FORMAT:
-            raise EpibarError(f"{where}: format {version}, but this epibar reads format {FORMAT}")
+        check_format(where, arrays[MARK], FORMAT)
         header = json.loads(str(arrays[HEADER]), object_hook=_array_of)
+        if not isinstance(header, dict) or not header.keys().isdisjoint(arrays):
+            raise ValueError("the header is no list of names and values of its own")
         values = {**{name: array for name, array in arrays.items() if name not in (MARK, HEADER)}, **header}
+        check_calibration(values)
         return _built(kind, "", nested, values)
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as error:
         if isinstance(error, EpibarError):
             raise
         raise EpibarError(f"{where}: damaged ({error})") from error

@@ -42,10 +42,15 @@ def read_frontier_points(path: Path) -> FrontierPoints:
         Missing, or not what :func:`write_frontier_points` writes.
     """
     try:
+        if path.exists() and not path.is_file():
+            raise ValueError("not a file")
         lines = path.read_text(encoding="utf-8").splitlines()
         if not lines or lines[0] != COLUMNS:
             raise ValueError(f"the first line is not {COLUMNS}")
         table = np.array([[float(number) for number in line.split(",")] for line in lines[1:]]).reshape(-1, 6)
+        frames = table[:, 0]
+        if not np.isfinite(table).all() or not ((frames >= 0) & (frames < 2**32) & (frames % 1 == 0)).all():
+            raise ValueError("a number is not finite, or a frame is no whole number")
     except (OSError, ValueError) as error:
         raise EpibarError(f"{path}: the frontier points cannot be read ({error})") from error
     return FrontierPoints(table[:, 0].astype(np.int64), table[:, 1:3], table[:, 3:5], table[:, 5])

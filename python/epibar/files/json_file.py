@@ -1,4 +1,4 @@
-"""JSON objects in files of their own: written whole or not at all, and read back.
+"""JSON objects in files of their own: written whole or not at all, and read back, whoever they come from.
 
 The JSON holds no numpy type, no NaN and no infinity: a number that is not known is null.
 """
@@ -10,16 +10,20 @@ import os
 from pathlib import Path
 from typing import Any
 
-from ..errors import EpibarError
+from ..errors import UNPRINTABLE, EpibarError
 from .atomic import write_atomically
 from .json_values import plain
 
 __all__ = ["json_text", "read_json_object", "write_json"]
 
+LARGEST = 512 << 20
+"""Bytes of a file that is read: a calibration.json of a hundred cameras is a twentieth of it."""
+
 
 def json_text(content: dict[str, Any]) -> str:
-    """Set it as strict JSON: no numpy type, no NaN, no infinity."""
-    return json.dumps(plain(content), indent=2, allow_nan=False, ensure_ascii=False)
+    """Set it as strict JSON, in which what a terminal would obey is spelt out."""
+    text = json.dumps(plain(content), indent=2, allow_nan=False, ensure_ascii=False)
+    return UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def write_json(path: str | os.PathLike[str], content: dict[str, Any]) -> None:
@@ -40,17 +44,28 @@ def read_json_object(path: str | os.PathLike[str], kind: str) -> dict[str, Any]:
     Raises
     ------
     EpibarError
-        Missing, not JSON, or no object.
+        Missing, no regular file, too large, not JSON, or no object.
     """
-    where = os.fspath(path)
+    where, file = os.fspath(path), Path(path)
     try:
-        content = json.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise EpibarError(f"{where}: no such file") from None
+        if not file.is_file():  # a pipe would be waited for
+            raise EpibarError(f"{where}: {'not a file' if file.exists() else 'no such file'}")
+        size = file.stat().st_size
+        if size > LARGEST:
+            raise EpibarError(f"{where}: not {kind}: of {size:,} bytes, where at most {LARGEST:,} can be")
+        content = json.loads(file.read_text(encoding="utf-8"), parse_constant=_refuse)
     except OSError as error:
         raise EpibarError(f"{where}: cannot be read ({error.strerror or error})") from error
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise EpibarError(f"{where}: not JSON that epibar wrote (too deep)") from error
+    except EpibarError:
+        raise
+    except ValueError as error:
         raise EpibarError(f"{where}: not JSON ({error})") from error
     if not isinstance(content, dict):
         raise EpibarError(f"{where}: not {kind}")
     return content
+
+
+def _refuse(word: str) -> float:
+    raise ValueError(f"{word} is no number of JSON")

@@ -23,6 +23,19 @@ in any case from so many on: a live camera has noise, and a coded video is refre
 DARK_SHARE = 0.5
 
 
+COUNTED = (
+    *("frames", "last_frame", "blanked", "first_blanked", "light_switches", "first_light_switch", "flicker"),
+    *("dark", "repeated", "repeated_from", "motion_checks", "shaken", "moves"),
+)
+MOVED = ("moved_at", "moved_by", "moved_in_all", "gradual", "returned_at", "still_first", "still_last")
+
+
+def is_counted(health: Mapping[str, float]) -> bool:
+    """Whether the numbers are those of a camera that was watched, and not others that somebody kept."""
+    names = COUNTED if not health.get("moves") else (*COUNTED, *MOVED)
+    return all(name in health for name in names) and health["frames"] > 0
+
+
 def camera_findings(health: Mapping[str, float]) -> list[Finding]:
     """Say what the numbers of a camera's health mean.
 
@@ -31,7 +44,7 @@ def camera_findings(health: Mapping[str, float]) -> list[Finding]:
     health : mapping of str to float
         :attr:`CameraHealth.numbers`; empty where no image was seen, e.g. for ready masks.
     """
-    if not health:
+    if not is_counted(health):
         return []
     found = [_moved(health), _shaken(health), _frozen(health), _dark(health), _flicker(health)]
     found += [_light_switches(health), _flooded(health)]
@@ -65,7 +78,7 @@ def _moved(health: Mapping[str, float]) -> Finding | None:
 
 
 def _shaken(health: Mapping[str, float]) -> Finding | None:
-    if health["shaken"] < 3 or health["shaken"] < SHAKEN_SHARE * health["motion_checks"]:
+    if health["shaken"] < max(3, SHAKEN_SHARE * health["motion_checks"]) or not health["motion_checks"]:
         return None
     share = health["shaken"] / health["motion_checks"]
     return Finding(

@@ -14,6 +14,7 @@ import numpy as np
 
 from ..arguments import Array
 from ..files.json_values import plain
+from .camera_findings import is_counted
 from .finding import Finding
 
 __all__ = ["Diagnosis"]
@@ -127,7 +128,7 @@ class Diagnosis:
 
 def _camera(health: Mapping[str, float]) -> str:
     """Say what was seen of the camera and the light."""
-    if not health:
+    if not is_counted(health):
         return "not known: masks or an older recording, no images were seen"
     if not health["motion_checks"]:
         stood = "its view has too little structure to tell whether it moved"

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS, Calibration
-from ..errors import EpibarError
 from ..network.result import Network
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
+from .folder import Folder
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
 from .runner import Progress, Runner
 from .watch import Watch
@@ -44,6 +44,8 @@ class AllPairs:
         Of all cameras; where there is none ``content["network_reason"]`` says why.
     searched : sequence of (str, str)
         Pairs that were to be done: all, or of more than six cameras those that a network needs.
+    network_files : sequence of Path
+        Where the network was written.
     """
 
     recordings: dict[str, Recording]
@@ -52,6 +54,7 @@ class AllPairs:
     content: dict[str, Any]
     network: Network | None = None
     searched: Sequence[tuple[str, str]] = ()
+    network_files: Sequence[Path] = ()
 
     def __repr__(self) -> str:
         accepted = sum(calibration.accepted for calibration in self.calibrations.values())
@@ -84,6 +87,7 @@ def calibrate_all(
     person_height: Any = None,
     distances: Any = (),
     every_pair: bool = False,
+    seconds: float | None = None,
     executor: Executor | None = None,
     fresh: bool = False,
     report: bool = True,
@@ -107,7 +111,7 @@ def calibrate_all(
     time_offset : "auto", float or "search"
         "auto" finds an offset for the clock of each camera, and whether all started together; with "search"
         every pair searches by itself; a number, in frames of B, is for two cameras, or 0 for all.
-    lines, seed, masks, foreground, frames
+    lines, seed, masks, foreground, frames, seconds
         Of every camera, see :func:`epibar.record`.
     background, ignore : sequence of path, optional
         One per camera, see :func:`epibar.record`.
@@ -136,8 +140,9 @@ def calibrate_all(
     Raises
     ------
     EpibarError
-        An argument is unusable, the folder cannot be written, or the executor has stopped. A camera or a pair
-        that cannot be done is no such error: it is in ``errors``, and the others are done.
+        An argument is unusable, the folder cannot be written, holds an input or is that of another run that
+        goes on, or the executor has stopped. A camera or a pair that cannot be done is no such error: it is
+        in ``errors``, and the others are done.
 
     Examples
     --------
@@ -157,7 +162,7 @@ def calibrate_all(
             lengths=lengths,
         ),
         out=Path(out),
-        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames)),
+        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds)),
         pair=PairOptions(
             method=method,
             seed=seed,
@@ -178,10 +183,14 @@ def calibrate_all(
 
 def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
     """Run a job whose arguments are checked; see :func:`calibrate_all`."""
-    try:
-        job.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise EpibarError(f"{job.out}: cannot be made ({error.strerror})") from error
+    # What is wrong with the arguments is told before a folder is made.
+    Folder(job.out).refuse_inputs(job.inputs, job.files)
+    with Folder(job.out) as folder:
+        folder.refuse_foreign(job.files)
+        return _run(job, folder, executor, watch)
+
+
+def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> AllPairs:
     for camera in job.cameras:
         lens = camera.intrinsics
         if lens is not None and lens.name.casefold() != camera.name.casefold():
@@ -191,10 +200,10 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
             )
     if executor is None:
         with _own_threads() as (threads, reporting):
-            runner = Runner(job, threads, watch, at_once=_thread_count(), reporting=reporting)
+            runner = Runner(job, folder, threads, watch, at_once=_thread_count(), reporting=reporting)
             runner.run()
     else:
-        runner = Runner(job, executor, watch)
+        runner = Runner(job, folder, executor, watch)
         runner.run()
     results = runner.results
     if job.report:
@@ -211,6 +220,7 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
         results.content(),
         results.network,
         runner.searched,
+        results.network_files,
     )
 
 

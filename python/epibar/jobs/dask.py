@@ -14,10 +14,11 @@ import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import Any
 
-from ..errors import EpibarError
+from ..errors import EpibarError, is_address
 from ..recording import Recording
 from .inputs import CameraInput
 from .keys import fingerprint
@@ -71,7 +72,7 @@ class DaskExecutor(Executor):
         try:
             task = self._client.submit(
                 _run,
-                pickle.dumps((fn, places, kwargs)),
+                _Packed(pickle.dumps((fn, places, kwargs))),
                 *map(self._send, recordings),
                 key=f"epibar-{getattr(fn, '__name__', 'task')}-{uuid.uuid4()}",
                 workers=hosts,
@@ -140,7 +141,7 @@ class DaskExecutor(Executor):
         EpibarError
             No host can.
         """
-        files = [path for path in camera.files if "://" not in path]
+        files = [path for path in camera.files if not is_address(path)]
         every = {host for path in files for host in self._seen(path)}
         able = set(every)
         for path in files:
@@ -166,12 +167,19 @@ class _Place:
     """Stands for a recording, which comes by itself."""
 
 
+@dataclass(frozen=True)
+class _Packed:
+    """A task as bytes that no log shows: Dask's workers log the arguments of what failed."""
+
+    data: bytes = field(repr=False)
+
+
 # All travels as bytes that are unpickled within the task: what goes wrong there is an error of that task,
 # while an error in Dask's own unpickling breaks the worker.
 
 
-def _run(task: bytes, *recordings: bytes) -> bytes:
-    function, arguments, options = pickle.loads(task)
+def _run(task: _Packed, *recordings: bytes) -> bytes:
+    function, arguments, options = pickle.loads(task.data)
     unpacked = map(pickle.loads, recordings)
     filled = [next(unpacked) if isinstance(argument, _Place) else argument for argument in arguments]
     return pickle.dumps(function(*filled, **options))
@@ -200,7 +208,8 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
     Parameters
     ----------
     scheduler : str
-        Address, ``tcp://host:port``; or ``local`` for one worker process per core of this machine.
+        Address, ``tcp://host:port``, or ``tls://host:port`` with the certificates of Dask's settings; or
+        ``local`` for one worker process per core of this machine.
     time_limit : float
         Seconds to wait for the scheduler, and again for its first worker.
 
@@ -244,6 +253,13 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
         else:
             try:
                 client = Client(scheduler, timeout=time_limit)
+            except TypeError as error:
+                if not scheduler.startswith("tls://"):
+                    raise
+                raise EpibarError(
+                    f"scheduler {scheduler}: no certificates; name them in Dask's settings, e.g. the "
+                    "variables DASK_DISTRIBUTED__COMM__TLS__CA_FILE, ...__CLIENT__CERT and ...__CLIENT__KEY"
+                ) from error
             except (OSError, ValueError, MemoryError) as error:  # the last where something else answers
                 raise EpibarError(
                     f"scheduler {scheduler}: no answer within {time_limit:g} s ({error}); is 'dask "

@@ -12,15 +12,21 @@ from typing import Any, Literal
 
 from ..arguments import MAX_SEED, as_positive, as_whole_number
 from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
-from ..errors import EpibarError
+from ..errors import EpibarError, address_without_secrets, is_address, printable
 from ..foreground.options import METHODS as FOREGROUNDS
 from ..lens.camera_file import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..network.scaling import check_lengths
 from ..recording import DEFAULT_LINES, MAX_LINES
 from ..sources.frame_range import FrameRange
+from ..sources.source import source_name
 
 __all__ = [
+    "CAMERAS_FILE",
+    "CLOCKS_FILE",
+    "NETWORK_FILE",
+    "REPORT",
+    "RESULT",
     "CameraInput",
     "Job",
     "Pair",
@@ -28,14 +34,43 @@ __all__ = [
     "RecordOptions",
     "camera_inputs",
     "one_each",
+    "pair_file",
     "pair_stems",
-    "source_name",
+    "picture_file",
+    "points_file",
+    "recording_file",
 ]
 
 PathLike = str | os.PathLike[str]
 
 FEW = 6
 """Of so many cameras every pair is searched; of more those that are likeliest to see the same."""
+
+RESULT = "calibration.json"
+REPORT = "report.html"
+NETWORK_FILE = "network.json"
+CAMERAS_FILE = "cameras.toml"
+CLOCKS_FILE = "recordings/clocks.json"
+
+
+def recording_file(out: Path, name: str) -> Path:
+    """Where a camera's recording is kept."""
+    return out / "recordings" / f"{name}.npz"
+
+
+def pair_file(out: Path, stem: str) -> Path:
+    """Where a pair's calibration is kept."""
+    return out / "pairs" / f"{stem}.npz"
+
+
+def points_file(out: Path, stem: str) -> Path:
+    """Where a pair's frontier points go."""
+    return out / f"{stem}_frontier.csv"
+
+
+def picture_file(out: Path, stem: str) -> Path:
+    """Where a pair's picture goes."""
+    return out / f"{stem}.png"
 
 
 @dataclass(frozen=True)
@@ -83,7 +118,8 @@ class CameraInput:
     name : str
         Unlike that of any other camera; part of file names.
     source : str
-        Video, folder of images, URL or saved recording, as it was given.
+        Video, folder of images, address or saved recording, as it was given. An address may hold a password:
+        :attr:`shown` is for people and files.
     index : int
         Place among the cameras.
     background, ignore : str or None
@@ -92,7 +128,7 @@ class CameraInput:
     """
 
     name: str
-    source: str
+    source: str = field(repr=False)
     index: int
     background: str | None = None
     ignore: str | None = None
@@ -103,6 +139,15 @@ class CameraInput:
         background = None if self.background is None else _absolute(self.background)
         ignore = None if self.ignore is None else _absolute(self.ignore)
         return replace(self, source=_absolute(self.source), background=background, ignore=ignore)
+
+    def is_saved(self, options: RecordOptions) -> bool:
+        """Whether the source is a recording, not a video."""
+        return self.source.lower().endswith(".npz") and not options.masks
+
+    @property
+    def shown(self) -> str:
+        """The source without user names and passwords."""
+        return address_without_secrets(self.source)
 
     @property
     def files(self) -> list[str]:
@@ -157,9 +202,27 @@ class Job:
         """Every pair, in order."""
         return list(combinations(self.cameras, 2))
 
+    @property
+    def inputs(self) -> list[str]:
+        """Every path that is read."""
+        known = [] if self.intrinsics is None else [self.intrinsics]
+        return [*known, *(path for camera in self.cameras for path in camera.files)]
+
+    @property
+    def files(self) -> list[Path]:
+        """Every file that may be written, but for ``cameras.toml``, which gives way to one of the user's."""
+        stems = pair_stems(self.cameras).values()
+        recorded = [camera for camera in self.cameras if not camera.is_saved(self.record)]
+        return [
+            *(self.out / name for name in ((RESULT, REPORT) if self.report else (RESULT,))),
+            *(self.out / name for name in (NETWORK_FILE, CLOCKS_FILE)),
+            *(recording_file(self.out, camera.name) for camera in recorded),
+            *(file(self.out, stem) for stem in stems for file in (pair_file, points_file, picture_file)),
+        ]
+
 
 def _absolute(path: str) -> str:
-    return path if "://" in path else os.path.abspath(path)
+    return path if is_address(path) else os.path.abspath(path)
 
 
 def camera_inputs(
@@ -201,12 +264,19 @@ def camera_inputs(
     if len(sources) < 2:
         raise EpibarError(f"{spelt('cameras')}: at least two cameras are needed")
     for name in names:
-        if not name or name in (".", "..") or any(sign in name for sign in '/\\:*?"<>|\0'):
+        if not name or name in (".", "..") or any(sign in name for sign in '/\\:*?"<>|\n\r\t'):
             raise EpibarError(f"{spelt('cameras')}: {name!r} cannot be part of a file name; rename it")
-    resolved = [str(Path(source).resolve()) for source in sources]
+        if printable(name) != name:
+            raise EpibarError(f"{spelt('cameras')}: {name!r} holds what cannot be printed; rename it")
+    if not _differ(names):
+        raise EpibarError(
+            f"{spelt('cameras')}: {', '.join(names)} would be files of the same names; rename one"
+        )
+    resolved = [source if is_address(source) else str(Path(source).resolve()) for source in sources]
     for source, path in zip(sources, resolved, strict=True):
         if resolved.count(path) > 1:
-            raise EpibarError(f"{source}: given twice; a camera has no epipolar geometry with itself")
+            shown = address_without_secrets(source)
+            raise EpibarError(f"{shown}: given twice; a camera has no epipolar geometry with itself")
     if len(sources) > 2 and time_offset not in (0, "auto", "search"):
         raise EpibarError(
             f"{spelt('time_offset')} = {time_offset} with {len(sources)} cameras does not say which pair it "
@@ -241,21 +311,25 @@ def one_each(option: str, given: Sequence[PathLike] | None, count: int) -> list[
     return [os.fspath(path) for path in given]
 
 
-def source_name(source: str) -> str:
-    """Name of a camera that was given none: the file's without its suffix, or the folder's."""
-    path = Path(source)
-    return path.resolve().name if os.path.isdir(path) else path.stem
-
-
 def _names(sources: list[str]) -> list[str]:
     """File stems, with the folder's name before them where two are the same, then a number."""
     names = [source_name(source) for source in sources]
-    if len(set(names)) < len(names):
-        folders = [Path(source).resolve().parent.name for source in sources]
+    if not _differ(names):
+        folders = [
+            source_name(source.partition("?")[0].rpartition("/")[0])
+            if is_address(source)
+            else Path(source).resolve().parent.name
+            for source in sources
+        ]
         names = [f"{folder}_{name}" for folder, name in zip(folders, names, strict=True)]
-    if len(set(names)) < len(names):
+    if not _differ(names):
         names = [f"{name}_{index}" for index, name in enumerate(names)]
     return names
+
+
+def _differ(names: list[str]) -> bool:
+    """Whether files of these names differ, also where capitals do not count."""
+    return len({name.casefold() for name in names}) == len(names)
 
 
 def pair_stems(cameras: Sequence[CameraInput]) -> dict[tuple[str, str], str]:

@@ -17,9 +17,9 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from ..errors import is_address
 from ..sources.images import IMAGE_SUFFIXES
 from .inputs import CameraInput, PairOptions, RecordOptions
-from .saved_recordings import is_saved
 
 __all__ = ["clocks_key", "fingerprint", "network_key", "pair_key", "recording_key"]
 
@@ -32,7 +32,7 @@ def fingerprint(path: str) -> str | None:
     str or None
         None where nothing can be said: there is no such file, or it is a stream.
     """
-    if "://" in path:
+    if is_address(path):
         return None
     place = Path(path)
     try:
@@ -67,7 +67,7 @@ def recording_key(
     if None in prints:
         return None
     content: dict[str, Any] = {"files": camera.files, "prints": prints, "epibar": _version("epibar")}
-    if not is_saved(camera, options):
+    if not camera.is_saved(options):
         content["opencv"] = _version("opencv-python-headless")
         content["options"] = asdict(options)
     known = camera.intrinsics

@@ -2,47 +2,49 @@
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
+from ..lens.camera_file import written_by_epibar
 from ..lens.intrinsics import Intrinsics
 from ..network.result import Network
+from .folder import Folder
+from .inputs import CAMERAS_FILE, NETWORK_FILE
 
-__all__ = ["CAMERAS", "NETWORK", "kept_network", "replaceable", "write_network"]
+__all__ = ["kept_network", "write_network"]
 
-NETWORK = "network.json"
-CAMERAS = "cameras.toml"
 KEY = "epibar_key"
 
 
-def kept_network(out: Path, key: str | None) -> Network | None:
+def kept_network(out: Path, key: str | None, names: Sequence[str]) -> Network | None:
     """Return the network of an earlier run, if it was made of the same."""
-    path = out / NETWORK
+    path = out / NETWORK_FILE
     if key is None or not path.exists():
         return None
     with suppress(EpibarError):
         if read_json_object(path, "a network").get(KEY) == key:
-            return Network.load(path)
+            network = Network.load(path)
+            return network if list(network.cameras) == list(names) else None
     return None
 
 
 def write_network(
-    out: Path,
+    folder: Folder,
     network: Network | None,
     key: str | None = None,
     lenses: Mapping[str, Intrinsics] | None = None,
     given: str | None = None,
-) -> list[str]:
+) -> tuple[list[Path], list[str]]:
     """Write both files, or remove those of an earlier network.
 
     Parameters
     ----------
-    out : Path
-        Folder of the run.
+    folder : Folder
+        Of the run, held.
     network : Network or None
     key : str or None
         To know it again by.
@@ -53,51 +55,44 @@ def write_network(
 
     Returns
     -------
-    list of str
-        Warnings.
+    written : list of Path
+    warnings : list of str
 
     Raises
     ------
     EpibarError
         A file cannot be written or removed.
     """
-    path, cameras = out / NETWORK, out / CAMERAS
-    if network is None:
-        _remove(path)
-    else:
-        write_json(path, {**network.as_dict(), **({} if key is None else {KEY: key})})
-    there = network is not None and any(camera.accepted for camera in network.cameras.values())
-    if cameras.exists() and not replaceable(out, given):
-        if not there:
-            return []
-        return [f"{cameras} is not of an earlier network: it stays as it is; the cameras are in {path}"]
-    if network is not None and there:
-        network.export(cameras, "anipose", lenses)
-    else:
-        _remove(cameras)
-    return []
+    path, cameras = folder.path / NETWORK_FILE, folder.path / CAMERAS_FILE
+    accepted = network is not None and any(camera.accepted for camera in network.cameras.values())
+    replaceable = not os.path.lexists(cameras) or _of_a_network(folder, cameras, given)
+    if network is None or not accepted:
+        if replaceable:
+            _remove(folder, cameras)
+        if network is None:
+            _remove(folder, path)
+            return [], []
+    folder.will_write(path)
+    write_json(path, {**network.as_dict(), **({} if key is None else {KEY: key})})
+    if not accepted:
+        return [path], []
+    if not replaceable:
+        told = f"{cameras} is not of an earlier network: it stays as it is; the cameras are in {path}"
+        return [path], [told]
+    folder.will_write(cameras)
+    network.export(cameras, "anipose", lenses)
+    return [path, cameras], []
 
 
-def replaceable(out: Path, given: str | None) -> bool:
-    """Whether the ``cameras.toml`` of a run is of an earlier network, and not what the run was given."""
-    path = out / CAMERAS
-    return _ours(path) and not _same(path, given)
+def _of_a_network(folder: Folder, cameras: Path, given: str | None) -> bool:
+    """Whether a run wrote the camera file, nobody has replaced it, and it is not what this run was given."""
+    same = given is not None and cameras.resolve() == Path(given).resolve()
+    return folder.owns(cameras) and written_by_epibar(cameras) and not same
 
 
-def _ours(path: Path) -> bool:
-    """Whether a camera file was written by this program, and not by its user."""
-    try:
-        metadata = tomllib.loads(path.read_text(encoding="utf-8")).get("metadata", {})
-    except (OSError, ValueError):
-        return False
-    return isinstance(metadata, dict) and metadata.get("software") == "epibar"
-
-
-def _same(path: Path, given: str | None) -> bool:
-    return given is not None and path.resolve() == Path(given).resolve()
-
-
-def _remove(path: Path) -> None:
+def _remove(folder: Folder, path: Path) -> None:
+    if not folder.owns(path):
+        return
     try:
         path.unlink(missing_ok=True)
     except OSError as error:

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 from ..calibration import Calibration
 from ..clocks import frame_interval
 from ..network.calibrating import in_metres
 from ..network.joining import join_pairs
-from ..network.offsets import ClockOffsets, find_offsets
+from ..network.offsets import ClockOffsets, find_offsets, pairs_to_search
 from ..network.pair_search import offsets_of_pair
 from ..network.result import Network
 from ..recording import Recording
-from .inputs import CameraInput, Job, PairOptions
+from .inputs import CameraInput, Job, Pair, PairOptions
 
 __all__ = [
     "JoinRequest",
+    "chosen_pairs",
     "final_clocks",
     "find_clocks",
     "given_clocks",
@@ -88,6 +90,22 @@ def final_clocks(
 ) -> ClockOffsets:
     """Clocks that a network starts from; ``calibration`` is that of the first pair."""
     return offsets_of_pair(recordings[1], calibration) if offsets is OF_THE_PAIR else offsets
+
+
+def chosen_pairs(
+    job: Job, recordings: Mapping[CameraInput, Recording], offsets: ClockOffsets
+) -> tuple[list[Pair], str | None]:
+    """Pairs that are searched, and what to say where those are not all: the likeliest to see the same."""
+    cameras = list(recordings)
+    pairs = list(combinations(cameras, 2))
+    if not job.chooses_pairs:
+        return pairs, None
+    likely = pairs_to_search(list(recordings.values()), offsets)
+    note = (
+        f"{len(likely)} of {len(pairs)} pairs are searched, those that are likeliest to see the same; the "
+        "network has all"
+    )
+    return [(cameras[a], cameras[b]) for a, b in likely], note
 
 
 def pair_options(

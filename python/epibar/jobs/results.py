@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import Any
 
 from ..calibration import Calibration
-from ..errors import EpibarError
+from ..errors import EpibarError, without_secrets
 from ..files.frontier_csv import write_frontier_points
 from ..files.json_file import write_json
 from ..network.result import Network
 from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
 from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
-from .inputs import CameraInput, Job, Pair
+from .folder import Folder
+from .inputs import REPORT, RESULT, CameraInput, Job, Pair, picture_file, points_file
 from .network_files import write_network
-from .saved_recordings import is_saved
 
 __all__ = ["Results"]
 
@@ -36,17 +36,21 @@ class Results:
     network : Network or None
     no_network : str or None
         Why there is none.
+    network_files : list of Path
+        Where it was written.
     errors : dict of CameraInput or (CameraInput, CameraInput) to dict
         Why some could not be done.
     """
 
-    def __init__(self, job: Job) -> None:
+    def __init__(self, job: Job, folder: Folder) -> None:
+        self._folder = folder
         self.recordings: dict[CameraInput, Recording] = {}
         self.calibrations: dict[Pair, Calibration] = {}
         self.seconds: dict[Pair, float] = {}
         self.errors: dict[CameraInput | Pair, dict[str, str]] = {}
         self.network: Network | None = None
         self.no_network: str | None = "the run was not finished"
+        self.network_files: list[Path] = []
         self._job = job
         self._files: dict[Pair, dict[str, str]] = {}
         self._written = time.monotonic()
@@ -55,13 +59,14 @@ class Results:
     @property
     def path(self) -> Path:
         """The file calibration.json."""
-        return self._job.out / "calibration.json"
+        return self._job.out / RESULT
 
     def add(self, pair: Pair, stem: str, calibration: Calibration, seconds: float) -> None:
         """Take a calibration; write its points and its picture where they are missing."""
         a, b = pair
         points, picture = self._points(stem), self._picture(stem)
         self.calibrations[pair], self.seconds[pair] = calibration, seconds
+        self._folder.will_write(points, picture)
         if not points.exists():
             write_frontier_points(points, calibration.frontier_points)
         if not picture.exists():
@@ -75,8 +80,19 @@ class Results:
             )
         self._files[pair] = {"frontier_points": points.name, "picture": picture.name}
 
+    def failed(self, of: CameraInput | Pair, message: str) -> str:
+        """Note why a camera or a pair could not be done, and return it as people are told."""
+        message = without_secrets(message)
+        if isinstance(of, CameraInput):
+            self.errors[of] = {"camera": of.name, "file": of.shown, "message": message}
+            return message
+        a, b = of
+        message = f"{a.name} - {b.name}: {message}"
+        self.errors[of] = {"a": a.name, "b": b.name, "message": message}
+        return message
+
     def forget(self, stem: str) -> None:
-        """Remove the points and the picture of an earlier run.
+        """Remove the points and the picture that an earlier run wrote.
 
         Raises
         ------
@@ -84,16 +100,18 @@ class Results:
             They cannot be removed.
         """
         for path in (self._points(stem), self._picture(stem)):
+            if not self._folder.owns(path):
+                continue
             try:
                 path.unlink(missing_ok=True)
             except OSError as error:
                 raise EpibarError(f"{path}: cannot be removed ({error.strerror or error})") from error
 
     def _points(self, stem: str) -> Path:
-        return self._job.out / f"{stem}_frontier.csv"
+        return points_file(self._job.out, stem)
 
     def _picture(self, stem: str) -> Path:
-        return self._job.out / f"{stem}.png"
+        return picture_file(self._job.out, stem)
 
     def content(self) -> dict[str, Any]:
         """Return what calibration.json holds. No times are in it: the same job gives the same file."""
@@ -108,7 +126,7 @@ class Results:
             intrinsics=job.intrinsics,
         )
         result["cameras"] = [
-            camera_entry(camera.name, camera.source, camera.index, self.recordings[camera])
+            camera_entry(camera.name, camera.shown, camera.index, self.recordings[camera])
             for camera in job.cameras
             if camera in self.recordings
         ]
@@ -131,7 +149,10 @@ class Results:
         lenses = {
             camera.name: camera.intrinsics for camera in self._job.cameras if camera.intrinsics is not None
         }
-        return write_network(self._job.out, self.network, key, lenses, self._job.intrinsics)
+        self.network_files, warnings = write_network(
+            self._folder, self.network, key, lenses, self._job.intrinsics
+        )
+        return warnings
 
     def write_report(self) -> None:
         """Write report.html."""
@@ -142,7 +163,7 @@ class Results:
         cameras = [
             ReportCamera(
                 camera.name,
-                None if is_saved(camera, job.record) else camera.source,
+                None if camera.is_saved(job.record) else camera.source,
                 job.record.masks,
                 self.recordings[camera],
                 camera.intrinsics,
@@ -156,7 +177,8 @@ class Results:
             if pair in self._files
         ]
         errors = [error["message"] for error in self.content()["errors"]]
-        write_report(job.out / "report.html", cameras, pairs, errors)
+        self._folder.will_write(job.out / REPORT)
+        write_report(job.out / REPORT, cameras, pairs, errors)
 
     def write_now_and_then(self) -> None:
         """Write calibration.json where pairs have come since, and it was some time ago."""
@@ -165,5 +187,6 @@ class Results:
 
     def write(self) -> None:
         """Write calibration.json."""
+        self._folder.will_write(self.path)
         write_json(self.path, self.content())
         self._written, self._in_file = time.monotonic(), len(self._files)

@@ -9,19 +9,20 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from itertools import combinations
 from typing import Any
 
 from ..calibration import Calibration
-from ..errors import EpibarError
-from ..network.offsets import ClockOffsets, pairs_to_search
+from ..errors import EpibarError, without_secrets
+from ..network.offsets import ClockOffsets
 from ..network.result import Network
 from ..recording import Recording
+from .folder import Folder
 from .inputs import CameraInput, Job, Pair, PairOptions, pair_stems
 from .keys import clocks_key, fingerprint, network_key, pair_key, recording_key
 from .network_files import kept_network
 from .network_stage import (
     JoinRequest,
+    chosen_pairs,
     final_clocks,
     find_clocks,
     given_clocks,
@@ -30,7 +31,7 @@ from .network_stage import (
     why_no_network,
 )
 from .results import Results
-from .saved_recordings import is_saved
+from .returned import checked_calibration, checked_clocks, checked_network, checked_recording
 from .stages import CLOCKS, MATCHING, NETWORK, RECORDING, STAGES, Task
 from .store import Store
 from .tasks import calibrate_pair, record_camera
@@ -54,6 +55,8 @@ class Runner:
     Parameters
     ----------
     job : Job
+    folder : Folder
+        Of the job, held.
     executor : Executor
         Where the tasks run. It may have two methods more than others: ``fingerprint(path)``, for files that
         only its workers can see, and ``news()``, which returns what happened since it was last asked.
@@ -67,19 +70,20 @@ class Runner:
     def __init__(
         self,
         job: Job,
+        folder: Folder,
         executor: Executor,
         watch: Watch,
         at_once: int | None = None,
         reporting: Callable[[Progress], Progress] | None = None,
     ) -> None:
-        self.results = Results(job)
+        self.results = Results(job, folder)
         self._job = job
         self._executor = executor
         self._watch = watch
         self._at_once = at_once or len(job.cameras)
         self._reporting = reporting
         self._news: Callable[[], Iterable[str]] = getattr(executor, "news", tuple)
-        self._store = Store(job.out)
+        self._store = Store(folder)
         self._stems = pair_stems(job.cameras)
         seen = getattr(executor, "fingerprint", fingerprint)
         self._keys = {camera: recording_key(camera.located(), job.record, seen) for camera in job.cameras}
@@ -205,7 +209,7 @@ class Runner:
             wanted = self._job.pair.time_offset == "auto" or no_network is None
             if wanted and len(films) > 1:
                 key = self._clocks_key(cameras)
-                kept = None if self._job.fresh else self._store.clocks(key)
+                kept = None if self._job.fresh else self._store.clocks(key, len(cameras))
                 if kept is None:
                     self._total[CLOCKS] = 1
                     self._submit(Task(CLOCKS), find_clocks, self._job.pair.search_seconds, *films)
@@ -228,16 +232,10 @@ class Runner:
         self._offsets = offsets
         if not waited:
             return
-        recorded = self._recorded_cameras
-        self._pairs = list(combinations(recorded, 2))
-        if self._job.chooses_pairs:
-            films = [self.results.recordings[camera] for camera in recorded]
-            self._pairs = [(recorded[a], recorded[b]) for a, b in pairs_to_search(films, offsets)]
-            every = len(recorded) * (len(recorded) - 1) // 2
-            self._watch.note(
-                f"{len(self._pairs)} of {every} pairs are searched, those that are likeliest to see the "
-                "same; the network has all"
-            )
+        recorded = {camera: self.results.recordings[camera] for camera in self._recorded_cameras}
+        self._pairs, note = chosen_pairs(self._job, recorded, offsets)
+        if note is not None:
+            self._watch.note(note)
         self._reuse_pairs()
         for pair in self._pairs:
             self._start_pair(pair)
@@ -257,7 +255,7 @@ class Runner:
         offsets = final_clocks(offsets, films, found[pairs[0]])
         keys = [self._pair_key(pair) for pair in pairs]
         self._network_key = network_key(keys, names, offsets.seconds, self._job.lengths)
-        kept = None if self._job.fresh else kept_network(self._job.out, self._network_key)
+        kept = None if self._job.fresh else kept_network(self._job.out, self._network_key, names)
         if kept is not None:
             self._joined(kept, None)
             return False
@@ -296,21 +294,17 @@ class Runner:
         """Take what a task returned or raised."""
         self._done[task.stage] += 1
         try:
-            outcome = future.result()
-            if task.of == CLOCKS:
-                self._keep(self._store.keep_clocks, self._clocks_key(self._recorded_cameras), outcome)
-                self._clocks_found(outcome)
-                return
-            if task.of == NETWORK:
-                self._joined(outcome, None)
-                return
-            value, seconds = outcome
+            returned = future.result()
             if isinstance(task.of, CameraInput):
-                if not is_saved(task.of, self._job.record):
+                value, seconds = checked_recording(returned, task.of, self._job.record)
+                if not task.of.is_saved(self._job.record):
                     self._keep(self._store.keep_recording, task.of.name, self._keys[task.of], value, seconds)
                 self._recorded(task.of, value, seconds)
             elif isinstance(task.of, tuple):
-                self._calibrated(task.of, value, seconds, kept=False)
+                a, b = (self.results.recordings[camera] for camera in task.of)
+                self._calibrated(task.of, *checked_calibration(returned, a, b, self._job.pair), kept=False)
+            else:
+                self._take_stage(task.of, returned)
         except _Stopped:
             raise
         except EpibarError as error:
@@ -319,7 +313,18 @@ class Runner:
             raise self._stopped(error) from error
         except Exception as error:  # a bug: raised at the end, when the rest is done
             self._bug = self._bug or error
-            self._failed(task.of, f"{type(error).__name__}: {error}")
+            self._failed(task.of, f"{type(error).__name__}: {without_secrets(str(error))}")
+
+    def _take_stage(self, stage: str, returned: Any) -> None:
+        """Take what the only task of a stage returned."""
+        cameras = self._recorded_cameras
+        if stage == CLOCKS:
+            offsets = checked_clocks(returned, len(cameras))
+            self._keep(self._store.keep_clocks, self._clocks_key(cameras), offsets)
+            self._clocks_found(offsets)
+        else:
+            recordings = {camera.name: self.results.recordings[camera] for camera in cameras}
+            self._joined(checked_network(returned, recordings), None)
 
     def _stopped(self, error: Exception) -> _Stopped:
         return _Stopped(
@@ -368,13 +373,7 @@ class Runner:
         if isinstance(of, str):
             self._stage_failed(of, message)
             return
-        if isinstance(of, CameraInput):
-            self.results.errors[of] = {"camera": of.name, "file": of.source, "message": message}
-        else:
-            a, b = of
-            message = f"{a.name} - {b.name}: {message}"
-            self.results.errors[of] = {"a": a.name, "b": b.name, "message": message}
-        self._watch.error(message)
+        self._watch.error(self.results.failed(of, message))
 
     def _stage_failed(self, stage: str, message: str) -> None:
         """Go on with what does not need a stage that failed."""

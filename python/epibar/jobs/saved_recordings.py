@@ -10,12 +10,7 @@ from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
 from .inputs import CameraInput, RecordOptions
 
-__all__ = ["is_saved", "load_saved"]
-
-
-def is_saved(camera: CameraInput, options: RecordOptions) -> bool:
-    """Whether the camera's source is a recording, not a video."""
-    return camera.source.lower().endswith(".npz") and not options.masks
+__all__ = ["load_saved"]
 
 
 def load_saved(camera: CameraInput, options: RecordOptions) -> Recording:
@@ -62,6 +57,7 @@ def _check_frames(recording: Recording, source: str, options: RecordOptions) -> 
     frames = options.frames
     first, last = recording.first_frame, recording.first_frame + recording.frames
     fits = frames.first == first and (frames.last is None or last <= frames.last)
+    fits = fits and (frames.seconds is None or recording.times[-1] < frames.seconds)
     if frames != FrameRange() and not fits:
         raise EpibarError(
             f"{source}: frames {frames} asked for, but this is recorded already, from the frames "

@@ -7,6 +7,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +22,14 @@ from ..files.archive import read_archive, write_archive
 from ..files.json_file import read_json_object, write_json
 from ..network.offsets import ClockOffsets
 from ..recording import Recording
+from .folder import Folder
+from .inputs import CLOCKS_FILE, pair_file, recording_file
+from .returned import are_clocks
 
 __all__ = ["Store"]
 
 KEY = "epibar_key"
 SECONDS = "epibar_seconds"
-CLOCKS = "recordings/clocks.json"
 
 
 class Store:
@@ -34,8 +37,8 @@ class Store:
 
     Parameters
     ----------
-    out : Path
-        The job's folder.
+    folder : Folder
+        The job's.
 
     Attributes
     ----------
@@ -43,8 +46,9 @@ class Store:
         What could not be read, one message per file.
     """
 
-    def __init__(self, out: Path) -> None:
-        self.out = out
+    def __init__(self, folder: Folder) -> None:
+        self._folder = folder
+        self.out = folder.path
         self.damaged: list[str] = []
 
     def recording(self, name: str, key: str | None) -> Recording | None:
@@ -77,9 +81,9 @@ class Store:
         """Write a calibration, unless it has no key to be found by."""
         self._write(self._pair(stem), key, calibration_file.to_arrays(kept), seconds)
 
-    def clocks(self, key: str | None) -> ClockOffsets | None:
-        """Return the kept offsets of all clocks, if there are some with this key."""
-        path = self.out / CLOCKS
+    def clocks(self, key: str | None, cameras: int) -> ClockOffsets | None:
+        """Return the kept offsets of the clocks of so many cameras, if there are some with this key."""
+        path = self.out / CLOCKS_FILE
         if key is None or not path.exists():
             return None
         try:
@@ -87,7 +91,10 @@ class Store:
             if kept.get(KEY) != key:
                 return None
             seconds = [math.nan if value is None else float(value) for value in kept["seconds"]]
-            return ClockOffsets(tuple(seconds), bool(kept["together"]))
+            found = ClockOffsets(tuple(seconds), kept["together"])
+            if are_clocks(found, cameras):
+                return found
+            raise ValueError
         except (KeyError, TypeError, ValueError, EpibarError) as error:
             self.damaged.append(str(error) if isinstance(error, EpibarError) else f"{path}: damaged")
             return None
@@ -96,13 +103,13 @@ class Store:
         """Write the offsets of all clocks, unless they have no key to be found by."""
         if key is not None:
             content = {KEY: key, "seconds": list(kept.seconds), "together": kept.together}
-            write_json(self.out / CLOCKS, content)
+            self._write_kept(self.out / CLOCKS_FILE, lambda path: write_json(path, content))
 
     def _recording(self, name: str) -> Path:
-        return self.out / "recordings" / f"{name}.npz"
+        return recording_file(self.out, name)
 
     def _pair(self, stem: str) -> Path:
-        return self.out / "pairs" / f"{stem}.npz"
+        return pair_file(self.out, stem)
 
     def _read(self, path: Path, key: str | None, kind: str) -> dict[str, NDArray[Any]] | None:
         if key is None or not path.exists():
@@ -111,10 +118,14 @@ class Store:
         return arrays if str(arrays.get(KEY)) == key else None
 
     def _write(self, path: Path, key: str | None, arrays: dict[str, NDArray[Any]], seconds: float) -> None:
-        if key is None:
-            return
+        if key is not None:
+            more = {KEY: np.array(key), SECONDS: np.array(seconds)}
+            self._write_kept(path, lambda path: write_archive(path, {**arrays, **more}))
+
+    def _write_kept(self, path: Path, write: Callable[[Path], None]) -> None:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise EpibarError(f"{path.parent}: cannot be made ({error.strerror})") from error
-        write_archive(path, {**arrays, KEY: np.array(key), SECONDS: np.array(seconds)})
+        self._folder.will_write(path)
+        write(path)

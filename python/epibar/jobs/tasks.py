@@ -14,7 +14,7 @@ from ..from_video import record
 from ..network.pair_search import calibrate_unsynchronised
 from ..recording import Recording
 from .inputs import CameraInput, PairOptions, RecordOptions
-from .saved_recordings import is_saved, load_saved
+from .saved_recordings import load_saved
 
 __all__ = ["calibrate_pair", "record_camera"]
 
@@ -33,7 +33,7 @@ def record_camera(
         of other frames than the options ask for.
     """
     started = time.perf_counter()
-    if is_saved(camera, options):
+    if camera.is_saved(options):
         recording = load_saved(camera, options)
         recording.name = camera.name
     else:
@@ -48,6 +48,7 @@ def record_camera(
             intrinsics=camera.intrinsics,
             ignore=camera.ignore,
             frames=(options.frames.first, options.frames.last),
+            seconds=options.frames.seconds,
             progress=progress,
         )
     return recording, time.perf_counter() - started

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from ..arguments import as_numbers
-from ..errors import EpibarError
+from ..errors import UNPRINTABLE, EpibarError
 from ..files.atomic import write_atomically
 from .intrinsics import Intrinsics
 
-__all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras"]
+__all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras", "written_by_epibar"]
 
 
 def load_cameras(path: str | os.PathLike[str]) -> list[Intrinsics]:
@@ -34,11 +34,15 @@ def load_cameras(path: str | os.PathLike[str]) -> list[Intrinsics]:
     """
     path = os.fspath(path)
     try:
+        if os.path.exists(path) and not os.path.isfile(path):  # a pipe would be waited for
+            raise EpibarError(f"{path}: not a file")
         document = tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise EpibarError(f"{path}: no such file") from None
     except (OSError, UnicodeDecodeError) as error:
         raise EpibarError(f"{path}: cannot be read ({error})") from error
+    except RecursionError as error:
+        raise EpibarError(f"{path}: not a TOML file of cameras (too deep)") from error
     except tomllib.TOMLDecodeError as error:
         raise EpibarError(f"{path}: not a TOML file ({error})") from error
     cameras = [_camera(path, section, table) for section, table in _tables(document)]
@@ -51,6 +55,16 @@ def load_cameras(path: str | os.PathLike[str]) -> list[Intrinsics]:
         if names.count(name) > 1:
             raise EpibarError(f"{path}: two cameras are called {name!r}")
     return cameras
+
+
+def written_by_epibar(path: str | os.PathLike[str]) -> bool:
+    """Whether the metadata of a camera file say so; not of one that cannot be read."""
+    try:
+        file = Path(path)
+        metadata = tomllib.loads(file.read_text(encoding="utf-8")).get("metadata") if file.is_file() else None
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(metadata, dict) and metadata.get("software") == "epibar"
 
 
 def _tables(document: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
@@ -146,7 +160,7 @@ def write_cameras(
     for index, camera in enumerate(cameras):
         number = f"{index:0{digits}d}"
         rows = [f"[cameras.{index}]", f"cam_id = {index}"] if caliscope else [f"[cam_{number}]"]
-        rows += [f"name = {json.dumps(camera.name, ensure_ascii=False)}"]
+        rows += [f"name = {_toml(camera.name)}"]
         rows += [f"size = {list(camera.size)}", f"matrix = {camera.matrix.tolist()}"]
         rows += [f"distortions = {camera.distortions.tolist()}"]
         rows += ["fisheye = true"] if camera.fisheye else []
@@ -155,10 +169,16 @@ def write_cameras(
             rows += [] if value is None else [f"{key} = {value.tolist()}"]
         tables.append("\n".join(rows) + "\n")
     if metadata:
-        rows = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in metadata.items()]
+        rows = [f"{key} = {_toml(value)}" for key, value in metadata.items()]
         tables.append("\n".join(["[metadata]", *rows]) + "\n")
     text = "\n".join(tables)
     write_atomically(path, lambda stream: stream.write(text.encode()))
+
+
+def _toml(value: str | list[str]) -> str:
+    """Set texts as TOML: as JSON, and what a terminal would obey spelt out, which TOML partly asks for."""
+    text = json.dumps(value, ensure_ascii=False)
+    return UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
 
 
 def intrinsics_of(path: str | os.PathLike[str], name: str) -> Intrinsics:

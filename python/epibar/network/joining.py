@@ -9,7 +9,7 @@ from typing import Any
 from .. import _core
 from ..arguments import camera_names, core_errors
 from ..calibration import Calibration
-from ..errors import EpibarError
+from ..errors import EpibarError, address_without_secrets, is_address
 from ..recording import Recording, as_recording
 from .core_result import network_of
 from .knowledge import KnownCamera, known_of
@@ -49,6 +49,9 @@ def named_recordings(recordings: Any) -> dict[str, Recording]:
             f"recordings is a {type(recordings).__name__}, expected recordings by the names of their cameras"
         )
     for name, one in found.items():
+        if is_address(name):
+            shown = address_without_secrets(name)
+            raise EpibarError(f"{shown}: an address, which may hold a password, is no name of a camera")
         as_recording(f"recordings[{name!r}]", one)
     if len(found) < 2:
         raise EpibarError(f"recordings: {len(found)} given, but a network has at least two cameras")

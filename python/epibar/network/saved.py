@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arguments import Array, as_camera_matrix, as_numbers, is_number
 from ..errors import EpibarError
+from ..files.checks import LONGEST_SIDE, check_format
 from .parts import (
     BASELINE,
     METRE,
@@ -33,6 +34,9 @@ CONVENTION = (
     "X_c = rotation X + translation, z up; pixels, pixel centres at integers; x_b^T F x_a = 0 in undistorted "
     "pixels; t seconds of the first camera are t + offset + 1e-6 drift t here"
 )
+
+SHOWN = 300
+"""Characters of what is wrong that an error shows."""
 
 ORTHOGONAL = 1e-6
 """By how much R^T R may differ from the identity."""
@@ -108,16 +112,13 @@ def network_from(kind: type[N], content: Mapping[str, Any], where: str) -> N:
     """
     if "epibar_network" not in content:
         raise EpibarError(f"{where}: not a network saved by epibar")
-    if content["epibar_network"] != FORMAT:
-        raise EpibarError(
-            f"{where}: format {content['epibar_network']!r}, but this epibar reads format {FORMAT}"
-        )
+    check_format(where, content["epibar_network"], FORMAT)
     try:
         return _network(kind, content)
     except KeyError as error:
-        raise EpibarError(f"{where}: damaged ({error} is missing)") from error
+        raise EpibarError(f"{where}: damaged ({str(error)[:SHOWN]} is missing)") from error
     except (EpibarError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        raise EpibarError(f"{where}: damaged ({error})") from error
+        raise EpibarError(f"{where}: damaged ({str(error)[:SHOWN]})") from error
 
 
 def _network(kind: type[N], content: Mapping[str, Any]) -> N:
@@ -173,7 +174,7 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
     if missing and (accepted or len(missing) < len(parts)):
         raise EpibarError(f"{name} has no {', '.join(missing)}")
     size = as_numbers(f"{name}: size", (one["width"], one["height"]), (2,))
-    if (size < 1).any() or (size != np.round(size)).any():
+    if (size < 1).any() or (size > LONGEST_SIDE).any() or (size != np.round(size)).any():
         raise EpibarError(f"{name}: size is {size.tolist()}")
     return NetworkCamera(
         name=name,
@@ -192,7 +193,8 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
 
 def _rotation(name: str, value: Any) -> Array:
     rotation = as_numbers(f"{name}: rotation", value, (3, 3))
-    if np.abs(rotation.T @ rotation - np.eye(3)).max() > ORTHOGONAL or np.linalg.det(rotation) < 0:
+    large = np.abs(rotation).max() > 1 + ORTHOGONAL  # products of such may overflow
+    if large or np.abs(rotation.T @ rotation - np.eye(3)).max() > ORTHOGONAL or np.linalg.det(rotation) < 0:
         raise EpibarError(f"{name}: rotation is {rotation.tolist()}, which is none")
     return rotation
 

@@ -8,6 +8,7 @@ from itertools import pairwise
 from pathlib import PurePath
 
 from .. import _core
+from ..errors import address_without_secrets, is_address
 from ..geometry.lines import clip_lines
 from .inputs import ReportCamera, ReportPair
 from .pictures import data_url
@@ -66,7 +67,8 @@ def _card(camera: ReportCamera, picture: bytes) -> str:
         f"{recording.informative:,} of {total:,} lines ({recording.informative / max(1, total):.0%})"
     )
     length = float(recording.times[-1]) if recording.frames else 0.0
-    source = "" if camera.source is None else PurePath(camera.source).name
+    source = "" if camera.source is None else address_without_secrets(camera.source)
+    source = source if is_address(source) else PurePath(source).name
     facts = [
         ("frames", f"{recording.frames:,} ({length:.0f} s)"),
         ("size", f"{width} × {height}" + (", undistorted" if recording.matrix is not None else "")),

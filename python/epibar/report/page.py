@@ -76,7 +76,7 @@ def write_report(
     data, pictures = _data(cameras, pairs)
     page = _render(cameras, pairs, errors, data, pictures)
     target = Path(path)
-    write_atomically(target, lambda stream: stream.write(page.encode("utf-8")))
+    write_atomically(target, lambda stream: stream.write(page.encode("utf-8", "backslashreplace")))
     return target
 
 

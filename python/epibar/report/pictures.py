@@ -9,7 +9,7 @@ from contextlib import closing
 import numpy as np
 
 from ..arguments import Image
-from ..errors import EpibarError
+from ..errors import EpibarError, is_address
 from ..lens.undistortion import Undistorter
 from ..recording import Recording
 from ..sources.colour_frames import ColourFrames
@@ -43,7 +43,7 @@ def read_frames(camera: ReportCamera, wanted: Collection[int], budget: int) -> d
         is the one that was recorded.
     """
     source = camera.source
-    if source is None or not wanted or "://" in source:
+    if source is None or not wanted or is_address(source):
         return {}
     recording = camera.recording
     first = recording.first_frame

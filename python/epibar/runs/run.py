@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments import Array, camera_names, check_pairs
+from ..arguments import Array, as_camera_matrix, camera_names, check_pairs
 from ..calibration import Calibration
 from ..clocks import nearest_frame, position_in_b
 from ..errors import EpibarError
@@ -22,6 +21,7 @@ from ..geometry.pose import RelativePose, relative_pose
 from ..lens.camera_file import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
+from .stored import LONGEST_SIDE, Stored, entries
 
 __all__ = ["Camera", "Pair", "Run"]
 
@@ -107,31 +107,25 @@ class Run:
         if not path.is_file():
             path /= "calibration.json"
         result = read_json(path)
-        files = [path]
-        pairs = []
-        try:
-            cameras = [
-                Camera(
-                    str(camera["name"]),
-                    _size(camera),
-                    _matrix("matrix", camera["matrix"]),
-                    int(camera["index"]),
-                )
-                for camera in result["cameras"]
-            ]
-            for pair in result["pairs"]:
-                points = _no_points()
-                if pair.get("frontier_points"):
-                    files.append(path.parent / pair["frontier_points"])
-                    points = read_frontier_points(files[-1])
-                pairs.append(_pair(pair, points))
-        except (KeyError, TypeError, ValueError) as error:
-            if isinstance(error, EpibarError):
-                raise
-            raise EpibarError(
-                f"{path}: damaged: {error} is missing or of the wrong kind; run 'epibar calibrate' again"
-            ) from error
-        run = cls(cameras, pairs, result.get("intrinsics"), files)
+        cameras = [_camera(entry) for entry in entries(path, result, "cameras")]
+        names = [camera.name for camera in cameras]
+        files, pairs, seen = [path], [], set()
+        for entry in entries(path, result, "pairs"):
+            points_file = entry.file("frontier_points")
+            points = _no_points() if points_file is None else read_frontier_points(points_file)
+            files += [] if points_file is None else [points_file]
+            pair = _pair(entry, points)
+            both = frozenset((pair.a, pair.b))
+            if len(both) < 2 or both in seen:
+                raise EpibarError(f"{path}: damaged: {pair.name} is no pair, or there twice")
+            seen.add(both)
+            pairs.append(pair)
+        if len(set(names)) < len(names):
+            raise EpibarError(f"{path}: damaged: two cameras have one name")
+        intrinsics = result.get("intrinsics")
+        if not isinstance(intrinsics, (str, type(None))):
+            raise EpibarError(f"{path}: damaged: intrinsics is no path")
+        run = cls(cameras, pairs, intrinsics, files)
         for name in {name for pair in pairs for name in (pair.a, pair.b)}:
             if name not in run.by_name:
                 raise EpibarError(f"{path}: damaged: there is a pair with {name!r}, but no such camera")
@@ -284,30 +278,27 @@ def _no_points() -> FrontierPoints:
     return FrontierPoints(np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
 
 
-def _size(camera: Mapping[str, Any]) -> tuple[int, int]:
-    return int(camera["width"]), int(camera["height"])
+def _camera(entry: Stored) -> Camera:
+    matrix = entry.matrix("matrix")
+    if matrix is not None:
+        matrix = as_camera_matrix(matrix, f"{entry.path}: {entry.place}.matrix")
+    size = (entry.whole("width", 2, LONGEST_SIDE), entry.whole("height", 2, LONGEST_SIDE))
+    return Camera(entry.text("name"), size, matrix, entry.whole("index", 0, 2**31))
 
 
-def _matrix(name: str, value: Iterable[Any] | None) -> Array | None:
-    if value is None:
-        return None
-    matrix = np.asarray(value, dtype=np.float64)
-    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
-        raise ValueError(name)
-    return matrix
-
-
-def _pair(pair: Mapping[str, Any], points: FrontierPoints) -> Pair:
-    error = pair["expected_error"]
+def _pair(entry: Stored, points: FrontierPoints) -> Pair:
+    F, accepted = entry.matrix("F"), entry.truth("accepted")
+    if accepted and F is None:
+        raise EpibarError(f"{entry.path}: damaged: {entry.place} is accepted, but has no F")
     return Pair(
-        str(pair["a"]),
-        str(pair["b"]),
-        _matrix("F", pair["F"]),
-        bool(pair["accepted"]),
-        str(pair["kind"]),
-        str(pair["reason"]),
-        None if error is None else float(error),
-        float(pair["time_offset"]),
+        entry.text("a"),
+        entry.text("b"),
+        F,
+        accepted,
+        entry.text("kind"),
+        entry.text("reason"),
+        entry.maybe_number("expected_error"),
+        entry.number("time_offset"),
         points,
-        float(pair.get("timing", {}).get("frames_per_frame", 1.0)),
+        entry.table("timing").number("frames_per_frame", 0.0, otherwise=1.0),
     )

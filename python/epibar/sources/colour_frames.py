@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterator
+import time as clock
+from collections.abc import Generator, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import EpibarError
+from ..errors import EpibarError, is_address
 from .frame_range import FrameRange
 from .images import IMAGE_SUFFIXES, as_bgr, natural_order, read_image
 from .mask_array_file import ARRAY_SUFFIXES
@@ -24,9 +26,14 @@ __all__ = ["ColourFrames"]
 TRUNCATION_FRAMES = 2
 TRUNCATION_SHARE = 0.02
 
+RECONNECT_AFTER = (1.0, 3.0, 10.0)
+"""Seconds before each new try to open a live stream that broke off."""
+LIVE_PRIMING = 10.0
+"""Seconds of a live stream from which the empty scene is learned, before those that are recorded."""
+
 
 def _is_stream_or_pattern(source: str) -> bool:
-    return "://" in source or re.search(r"%0?\d*d", source) is not None
+    return is_address(source) or re.search(r"%0?\d*d", source) is not None
 
 
 class ColourFrames(FrameSource[np.ndarray]):
@@ -53,6 +60,8 @@ class ColourFrames(FrameSource[np.ndarray]):
         Pixels, of the decoded frames.
     fps : float
         Frames per second; 25, with a warning, where nothing says otherwise.
+    live : bool
+        A stream that announces no end. It must be given one: ``frames`` with a last frame, or with seconds.
     frame_count : int or None
         What the container announces until the end was reached, then what was decoded; None if unknown.
     truncated : bool
@@ -63,7 +72,8 @@ class ColourFrames(FrameSource[np.ndarray]):
     Raises
     ------
     EpibarError
-        Missing, unreadable or empty source; while iterating, a frame of another size.
+        Missing, unreadable or empty source; a live stream without an end; while iterating, a frame of another
+        size.
 
     Examples
     --------
@@ -75,20 +85,22 @@ class ColourFrames(FrameSource[np.ndarray]):
         self, path: str | os.PathLike[str], *, fps: float | None = None, frames: FrameRange | None = None
     ) -> None:
         super().__init__(path, fps, frames)
+        self.live = False
         self._images: list[Path] | None = None
         self._started: tuple[Any, np.ndarray] | None = None
         file = Path(self.path)
         if file.is_dir():
-            self.name = file.resolve().name
             self._open_folder(file)
             return
         if not _is_stream_or_pattern(self.path):
             if not file.exists():
-                raise EpibarError(f"{self.path}: no such file or folder")
+                raise EpibarError(f"{self.shown}: no such file or folder")
             if file.stat().st_size == 0:
-                raise EpibarError(f"{self.path}: the file is empty; copy or record it again")
+                raise EpibarError(f"{self.shown}: the file is empty; copy or record it again")
             if file.suffix.lower() in ARRAY_SUFFIXES:
-                raise EpibarError(f"{self.path}: an array of masks, not a video; open it as ready-made masks")
+                raise EpibarError(
+                    f"{self.shown}: an array of masks, not a video; open it as ready-made masks"
+                )
             if (
                 file.suffix.lower() in IMAGE_SUFFIXES
             ):  # OpenCV would take scene1.png for the start of a sequence
@@ -98,17 +110,18 @@ class ColourFrames(FrameSource[np.ndarray]):
 
     def _open_folder(self, folder: Path) -> None:
         images = (f for f in folder.iterdir() if f.suffix.lower() in IMAGE_SUFFIXES)
-        files = sorted((f for f in images if not f.name.startswith(".")), key=natural_order)
+        found = (f for f in images if not f.name.startswith(".") and f.is_file())
+        files = sorted(found, key=natural_order)
         if not files:
-            raise EpibarError(f"{self.path}: no png, jpg, tif or bmp images in this folder")
+            raise EpibarError(f"{self.shown}: no png, jpg, tif or bmp images in this folder")
         self._open_images(files)
 
     def _open_images(self, files: list[Path]) -> None:
-        files = files[self.first : self.first + self._range.count(self.path, len(files))]
+        files = files[self.first : self.first + self._range.count(self.shown, len(files))]
         self._images = files
         self.height, self.width = read_image(files[0]).shape[:2]
-        self.frame_count = len(files)
         self._choose_fps(None)
+        self.frame_count = self._range.expected(len(files), self.fps)
 
     def _capture(self) -> Any:
         cv2 = opencv()
@@ -118,7 +131,7 @@ class ColourFrames(FrameSource[np.ndarray]):
             capture = None
         if capture is None or not capture.isOpened():
             reason = "it may be another kind of file, or a recording cut off before its index was written"
-            raise EpibarError(f"{self.path}: not a video that OpenCV can open; {reason}")
+            raise EpibarError(f"{self.shown}: not a video that OpenCV can open; {reason}")
         return capture
 
     def _open_video(self) -> None:
@@ -128,15 +141,26 @@ class ColourFrames(FrameSource[np.ndarray]):
         if not ok or first is None:
             capture.release()
             raise EpibarError(
-                f"{self.path}: not one frame can be decoded; convert it to H.264 mp4 and try again"
+                f"{self.shown}: not one frame can be decoded; convert it to H.264 mp4 and try again"
             )
         self.height, self.width = first.shape[:2]
         announced = capture.get(cv2.CAP_PROP_FRAME_COUNT)
-        if math.isfinite(announced) and 0 < announced < 1e12:
-            self.frame_count = self._range.count(self.path, int(announced))
-        self._announced = self.frame_count
-        self._choose_fps(capture.get(cv2.CAP_PROP_FPS))
         self._started = (capture, first)
+        if math.isfinite(announced) and 0 < announced < 1e12:
+            self.frame_count = self._range.count(self.shown, int(announced))
+        elif is_address(self.path):
+            self.live = True
+            if not self._range.has_end:
+                self.close()
+                raise EpibarError(
+                    f"{self.shown}: a live stream has no end; say how much of it to use, with --seconds 60 "
+                    "or --frames :1500 (seconds=60, frames=(0, 1500))"
+                )
+        self._choose_fps(capture.get(cv2.CAP_PROP_FPS))
+        self.frame_count = self._range.expected(self.frame_count, self.fps)
+        if self.live and self._range.last is not None and self.frame_count is None:
+            self.frame_count = self._range.last - self.first
+        self._announced = self.frame_count
 
     @property
     def of_images(self) -> bool:
@@ -144,9 +168,10 @@ class ColourFrames(FrameSource[np.ndarray]):
         return self._images is not None
 
     def __iter__(self) -> Iterator[tuple[int, float, np.ndarray]]:
-        return self._iterate_video() if self._images is None else self._iterate_folder(self._images)
+        moments = self._iterate_video() if self._images is None else self._iterate_folder(self._images)
+        return self._range.in_time(moments)
 
-    def _iterate_folder(self, images: list[Path]) -> Iterator[tuple[int, float, np.ndarray]]:
+    def _iterate_folder(self, images: list[Path]) -> Generator[tuple[int, float, np.ndarray], None, None]:
         for index, file in enumerate(images):
             image = read_image(file)
             self._check_size(image.shape, str(file))
@@ -163,24 +188,50 @@ class ColourFrames(FrameSource[np.ndarray]):
             return capture, capture.retrieve()[1]
         return capture, None if number else frame
 
-    def _iterate_video(self) -> Iterator[tuple[int, float, np.ndarray]]:
+    def _iterate_video(self) -> Generator[tuple[int, float, np.ndarray], None, None]:
         cv2 = opencv()
         capture, frame = self._at(self.first)
         try:
             if self.first and frame is None:
-                raise self._range.beyond(self.path)
+                raise self._range.beyond(self.shown)
             index, time, start, gaps = 0, 0.0, float(capture.get(cv2.CAP_PROP_POS_MSEC)), 0
             while frame is not None:
-                self._check_size(frame.shape, f"{self.path}: frame {self.first + index}")
+                self._check_size(frame.shape, f"{self.shown}: frame {self.first + index}")
                 if index:
                     previous, time = time, self._time(index, time, capture.get(cv2.CAP_PROP_POS_MSEC) - start)
                     gaps += time - previous > 1.5 / self.fps
                 yield index, time, as_bgr(frame)
                 index += 1
                 frame = capture.read()[1] if self._range.holds(self.first + index) else None
+                if frame is None and self.live and self._range.holds(self.first + index):
+                    lost = clock.monotonic()
+                    capture.release()
+                    capture, frame = self._reconnected()
+                    # Time goes on while nothing comes; the stamps of a new connection begin anew.
+                    time += clock.monotonic() - lost
+                    gaps += 1
+                    start = float(capture.get(cv2.CAP_PROP_POS_MSEC)) - 1000 * (time + 1 / self.fps)
+                    if frame is None:
+                        self._warn(f"{self.shown}: the stream ended after {index} frames, too early")
             self._finish(index, gaps)
         finally:
             capture.release()
+
+    def _reconnected(self) -> tuple[Any, np.ndarray | None]:
+        """A new connection to a live stream and its first frame; None where there is none to be had."""
+        capture = opencv().VideoCapture()
+        for pause in RECONNECT_AFTER:
+            clock.sleep(pause)
+            try:
+                capture = self._capture()
+            except EpibarError:
+                continue
+            frame = capture.read()[1]
+            if frame is not None:
+                self._warn(f"{self.shown}: the stream broke off and was taken up again; frames are missing")
+                return capture, frame
+            capture.release()
+        return capture, None
 
     def _time(self, index: int, previous: float, stamp_ms: float) -> float:
         """Seconds of a frame: its time stamp where that makes sense, else one frame after the last."""
@@ -197,10 +248,10 @@ class ColourFrames(FrameSource[np.ndarray]):
             self.truncated = missing > max(TRUNCATION_FRAMES, TRUNCATION_SHARE * self._announced)
             if self.truncated:
                 found = f"decoded {decoded} of {self._announced} frames"
-                self._warn(f"{self.path}: truncated, {found}; those are used")
+                self._warn(f"{self.shown}: truncated, {found}; those are used")
         if gaps:
             self._warn(
-                f"{self.path}: {gaps} gaps between frames are longer than 1.5 frame times; frames were "
+                f"{self.shown}: {gaps} gaps between frames are longer than 1.5 frame times; frames were "
                 "dropped or the rate varies, and frames of two cameras may not belong together"
             )
 
@@ -220,7 +271,7 @@ class ColourFrames(FrameSource[np.ndarray]):
             capture.release()
             if frame is not None:
                 return as_bgr(frame)
-        raise EpibarError(f"{self.path}: frame {index} asked for, but it has {self.frame_count} frames")
+        raise EpibarError(f"{self.shown}: frame {index} asked for, but it has {self.frame_count} frames")
 
     def sample(self, count: int) -> Iterator[np.ndarray]:
         """About ``count`` frames spread over the whole source, found by seeking, so good for statistics only.
@@ -233,8 +284,15 @@ class ColourFrames(FrameSource[np.ndarray]):
                 self._check_size(image.shape, str(self._images[number]))
                 yield image
             return
+        if self.live:
+            with closing(self._iterate_video()) as moments:
+                for _, time, frame in moments:
+                    if time > LIVE_PRIMING:
+                        break
+                    yield frame
+            return
         total = self.frame_count or 0
-        if total <= 4 * count or "://" in self.path:
+        if total <= 4 * count or is_address(self.path):
             keep = max(1, total // count)
             yield from (frame for index, _, frame in self if index % keep == 0)
             return

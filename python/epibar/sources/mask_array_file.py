@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import zipfile
-import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
@@ -13,11 +12,13 @@ from typing import IO
 import numpy as np
 
 from ..errors import EpibarError
+from ..files.archive import DAMAGED, read_array
 
 __all__ = ["ARRAY_SUFFIXES", "MaskArrayFile"]
 
 ARRAY_SUFFIXES = {".npz", ".npy"}
-DAMAGED = (OSError, ValueError, EOFError, TypeError, KeyError, zipfile.BadZipFile, zlib.error)
+LONGEST_SIDE = 16_384
+LONGEST_HEADER = 10_000
 
 
 class MaskArrayFile:
@@ -54,11 +55,10 @@ class MaskArrayFile:
 
     def _read_keys(self) -> None:
         try:
-            with zipfile.ZipFile(self.path) as archive:
+            with open(self.path, "rb") as stream, zipfile.ZipFile(stream) as archive:
                 keys = [name.removesuffix(".npy") for name in archive.namelist()]
             if "fps" in keys:
-                with np.load(self.path, allow_pickle=False) as arrays:
-                    fps = float(np.asarray(arrays["fps"]).reshape(-1)[0])
+                fps = float(read_array(self.path, "fps").reshape(-1)[0])
                 self.fps = fps if math.isfinite(fps) and fps > 0 else None
         except (*DAMAGED, IndexError) as error:
             raise EpibarError(f"{self.path}: not a numpy archive that can be read ({error})") from error
@@ -85,15 +85,17 @@ class MaskArrayFile:
             version = np.lib.format.read_magic(stream)
             formats = np.lib.format
             read = formats.read_array_header_1_0 if version == (1, 0) else formats.read_array_header_2_0
-            shape, fortran, dtype = read(stream)
+            shape, fortran, dtype = read(stream, max_header_size=LONGEST_HEADER)
         except DAMAGED as error:
             raise EpibarError(f"{where} is not a numpy array that can be read ({error})") from error
         if dtype not in (np.dtype(bool), np.dtype(np.uint8)):
             raise EpibarError(f"{where} has dtype {dtype}, expected bool or uint8, non-zero = moving")
         if len(shape) != 3:
             raise EpibarError(f"{where} has shape {shape}, expected (frames, height, width)")
-        if 0 in shape:
+        if min(shape) < 1:
             raise EpibarError(f"{where} has shape {shape}: no frames or no pixels")
+        if max(shape[1:]) > LONGEST_SIDE:
+            raise EpibarError(f"{where} has shape {shape}: no side of an image may be above {LONGEST_SIDE}")
         if fortran:
             raise EpibarError(f"{where} is in Fortran order; save np.ascontiguousarray(masks)")
         return shape

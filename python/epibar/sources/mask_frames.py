@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from itertools import islice
 from pathlib import Path
 
@@ -61,22 +61,23 @@ class MaskFrames(FrameSource[np.ndarray]):
     def _open_array(self) -> None:
         self._array = MaskArrayFile(self.path)
         total, self.height, self.width = self._array.shape
-        self.frame_count = self._range.count(self.path, total)
+        self.frame_count = self._range.count(self.shown, total)
         self._choose_fps(self._array.fps)
+        self.frame_count = self._range.expected(self.frame_count, self.fps)
 
     def __iter__(self) -> Iterator[tuple[int, float, np.ndarray]]:
         if self._frames is not None:
             return self._iterate_frames(self._frames)
-        return self._iterate_array(self._array)
+        return self._range.in_time(self._iterate_array(self._array))
 
-    def _iterate_array(self, array: MaskArrayFile) -> Iterator[tuple[int, float, np.ndarray]]:
-        expected = self._range.count(self.path, array.shape[0])
+    def _iterate_array(self, array: MaskArrayFile) -> Generator[tuple[int, float, np.ndarray], None, None]:
+        expected = self._range.count(self.shown, array.shape[0])
         found = 0
         for found, mask in enumerate(islice(array, self.first, self.first + expected), 1):
             yield found - 1, (found - 1) / self.fps, mask
         if found < expected:
             self.truncated = True
-            self._warn(f"{self.path}: truncated, read {found} of {expected} frames; those are used")
+            self._warn(f"{self.shown}: truncated, read {found} of {expected} frames; those are used")
         self.frame_count = found
 
     def _iterate_frames(self, frames: ColourFrames) -> Iterator[tuple[int, float, np.ndarray]]:
@@ -94,12 +95,12 @@ class MaskFrames(FrameSource[np.ndarray]):
         self.frame_count, self.truncated = frames.frame_count, frames.truncated
         if between and np.mean(between) > MOST_BETWEEN:
             self._warn(
-                f"{self.path}: not black and white, {100 * np.mean(between):.0f} % of its pixels are neither "
-                "dark nor bright; if it is a colour video, give it without --masks (masks=True)"
+                f"{self.shown}: not black and white, {100 * np.mean(between):.0f} % of its pixels are "
+                "neither dark nor bright; if it is a colour video, give it without --masks (masks=True)"
             )
         if brightest and not moving:
             found = f"no pixel is brighter than 127 (the brightest is {brightest})"
-            self._warn(f"{self.path}: {found}; save masks as 0 and 255")
+            self._warn(f"{self.shown}: {found}; save masks as 0 and 255")
 
     def close(self) -> None:
         """Release the file."""

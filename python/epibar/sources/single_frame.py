@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import EpibarError
+from ..errors import EpibarError, is_address
 from .colour_frames import ColourFrames
 from .mask_array_file import ARRAY_SUFFIXES
 from .mask_frames import MaskFrames
@@ -34,9 +34,11 @@ def read_frame(path: str | os.PathLike[str], index: int = 0) -> np.ndarray:
     Raises
     ------
     EpibarError
-        The source cannot be read, or has no such frame.
+        The source cannot be read, is an address, or has no such frame.
     """
     path = os.fspath(path)
+    if is_address(path):
+        raise EpibarError(f"{path}: what an address showed cannot be shown again")
     if index < 0:
         raise EpibarError(f"{path}: frame {index} asked for; frames count from 0")
     if Path(path).suffix.lower() in ARRAY_SUFFIXES:

@@ -4,18 +4,33 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
-from ..errors import EpibarError
+from ..errors import EpibarError, address_without_secrets, is_address
 from .frame_range import FrameRange
 
-__all__ = ["DEFAULT_FPS", "FrameSource"]
+__all__ = ["DEFAULT_FPS", "FrameSource", "source_name"]
 
 DEFAULT_FPS = 25.0
 
 T = TypeVar("T")
+
+
+def source_name(source: str) -> str:
+    """Name of a camera that was given none: the file's without its suffix, or the folder's.
+
+    Of an address it is the last part of the path, or else the host: never a user, a password or a key.
+    """
+    if not is_address(source):
+        path = Path(source)
+        return path.resolve().name if os.path.isdir(path) else path.stem
+    place = address_without_secrets(source).partition("://")[2].rpartition("@")[2].partition("?")[0]
+    host, _, rest = place.partition("/")
+    last = Path(rest).stem if "=" not in rest else ""
+    return re.sub(r"[^\w.-]+", "_", last or host.partition(":")[0]).strip("._") or "stream"
 
 
 class FrameSource(Generic[T]):
@@ -25,9 +40,11 @@ class FrameSource(Generic[T]):
         self, path: str | os.PathLike[str], fps: float | None, frames: FrameRange | None = None
     ) -> None:
         if fps is not None and not (math.isfinite(fps) and fps > 0):
-            raise EpibarError(f"{path}: fps is {fps}; give a positive number of frames per second")
+            shown = address_without_secrets(os.fspath(path))
+            raise EpibarError(f"{shown}: fps is {fps}; give a positive number of frames per second")
         self.path = os.fspath(path)
-        self.name = Path(self.path).stem
+        self.shown = address_without_secrets(self.path)
+        self.name = source_name(self.path)
         self.warnings: list[str] = []
         self.truncated = False
         self.width = 0
@@ -58,7 +75,7 @@ class FrameSource(Generic[T]):
             self.fps = float(announced)
         else:
             self.fps = DEFAULT_FPS
-            self._warn(f"{self.path}: no frame rate given, {DEFAULT_FPS:g} frames per second assumed")
+            self._warn(f"{self.shown}: no frame rate given, {DEFAULT_FPS:g} frames per second assumed")
 
     def _check_size(self, shape: tuple[int, ...], where: str) -> None:
         height, width = shape[:2]

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::clock::common_frames;
 use super::timing::RunnerUp;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::matching::mutual_matches;
 use crate::recording::{Barcodes, Informative, Recording};
 use crate::watch::{Stage, Watch, report};
@@ -41,6 +41,8 @@ const WEIGHED: usize = 48;
 /// The best of these that are looked at frame by frame, within so many steps.
 const REFINED: usize = 3;
 const REFINED_STEPS: i64 = 3;
+/// Steps either way: an hour of video has 45,000.
+const MOST_TRIED: i64 = 1_000_000;
 
 /// The offset, in frames of B, at which the best barcode correlations stand highest.
 ///
@@ -57,8 +59,16 @@ pub fn find_offset(
 ) -> Result<Option<FoundOffset>> {
     let rate = 1.0 / b.frame_interval();
     let reach = (seconds * rate).ceil() as i64;
+    let searched = reach.min(overlapping(a, b, rate));
     let step = ((STEP_SECONDS * rate) as i64).max(1);
-    let coarse: Vec<i64> = (-reach..=reach).filter(|s| s % step == 0).collect();
+    if searched / step > MOST_TRIED || step > MOST_TRIED {
+        return Err(Error::Argument {
+            name: "search_seconds",
+            value: seconds.to_string(),
+            expected: "fewer: with these frame times there are more than a million offsets within it",
+        });
+    }
+    let coarse: Vec<i64> = (-(searched / step)..=searched / step).map(|k| k * step).collect();
     let mut going = |done: f64| report(watch, Stage::TimeOffset, done);
     let few = Shifts::new(a, b, LINES[0]);
     let mut tried = Vec::with_capacity(coarse.len());
@@ -108,6 +118,12 @@ pub fn find_offset(
 /// None that input can cause.
 pub fn score_at_offset(a: &Recording, b: &Recording, offset: f64) -> Result<f64> {
     Shifts::new(a, b, LINES[1]).score_at(offset)
+}
+
+/// The largest shift either way at which the recordings overlap, frames of B.
+fn overlapping(a: &Recording, b: &Recording, rate: f64) -> i64 {
+    let duration = a.times[a.frames() - 1] - a.times[0];
+    ((duration * rate).ceil() as i64).saturating_add(1).max(b.frames() as i64)
 }
 
 /// The shifts with the highest finite scores, best first; of equals the smaller.

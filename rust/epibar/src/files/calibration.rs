@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::Matrix3;
 
-use super::archive::{self, Arrays, failed, get, put, put_texts, scalar, shaped};
+use super::archive::{self, Arrays, check_format, failed, finite, get, put, put_texts, scalar, shaped};
 use super::{header, json};
 use crate::calibration::{Calibration, CandidatePair, FrontierPoint, ShiftScore};
 use crate::error::{Error, Result};
@@ -76,17 +76,15 @@ impl Calibration {
     }
 
     fn from_arrays(a: &Arrays) -> Result<Self> {
-        let format: i64 = scalar(a, MARK)?;
-        if format != FORMAT {
-            return Err(Error::Damaged(format!("format {format}, but this epibar reads format {FORMAT}")));
-        }
+        check_format(scalar(a, MARK)?, FORMAT)?;
         let text: String = scalar(a, "header")?;
         let mut calibration = header::read(&text)?;
         calibration.fundamental = fundamental(a, "F")?;
         calibration.tested = fundamental(a, TESTED)?;
         calibration.floor = matrix(a, "floor")?;
 
-        let correlation: Vec<f64> = shaped(a, "candidates.correlation", &[None])?;
+        let numbers = |name, sides: &[_]| finite(name, shaped(a, name, sides)?);
+        let correlation = numbers("candidates.correlation", &[None])?;
         let pairs = Some(correlation.len());
         let lines_a = lines(a, "candidates.lines_a", pairs)?;
         let lines_b = lines(a, "candidates.lines_b", pairs)?;
@@ -98,9 +96,9 @@ impl Calibration {
 
         let frames: Vec<i64> = shaped(a, "frontier_points.frame", &[None])?;
         let points = Some(frames.len());
-        let in_a: Vec<f64> = shaped(a, "frontier_points.a", &[points, Some(2)])?;
-        let in_b: Vec<f64> = shaped(a, "frontier_points.b", &[points, Some(2)])?;
-        let residuals: Vec<f64> = shaped(a, "frontier_points.residual", &[points])?;
+        let in_a = numbers("frontier_points.a", &[points, Some(2)])?;
+        let in_b = numbers("frontier_points.b", &[points, Some(2)])?;
+        let residuals = numbers("frontier_points.residual", &[points])?;
         let places = in_a.as_chunks().0.iter().zip(in_b.as_chunks().0);
         calibration.frontier_points = (frames.into_iter().zip(places).zip(residuals))
             .map(|((frame, (&a, &b)), residual)| {
@@ -123,7 +121,7 @@ fn matrix(arrays: &Arrays, name: &str) -> Result<Option<Matrix3<f64>>> {
     if !arrays.contains_key(name) {
         return Ok(None);
     }
-    let entries: Vec<f64> = shaped(arrays, name, &[Some(3), Some(3)])?;
+    let entries = finite(name, shaped(arrays, name, &[Some(3), Some(3)])?)?;
     Ok(Some(Matrix3::from_row_slice(&entries)))
 }
 

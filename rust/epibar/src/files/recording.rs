@@ -4,8 +4,9 @@ use std::path::Path;
 
 use nalgebra::Matrix3;
 
-use super::archive::{self, Arrays, failed, put, put_texts, scalar, shaped};
+use super::archive::{self, Arrays, check_format, failed, finite, put, put_texts, scalar, shaped};
 use crate::error::{Error, Result};
+use crate::geometry::CameraMatrices;
 use crate::image::Segment;
 use crate::recording::{Recording, RecordingParts};
 
@@ -126,12 +127,7 @@ impl SavedRecording {
     }
 
     fn from_arrays(a: &Arrays) -> Result<Self> {
-        let format: i64 = scalar(a, MARK)?;
-        if format != FORMAT {
-            return Err(Error::Damaged(format!(
-                "format {format}, but this epibar reads format {FORMAT}; update epibar"
-            )));
-        }
+        check_format(scalar(a, MARK)?, FORMAT)?;
         let size: Vec<u64> = shaped(a, "core_size", &[Some(2)])?;
         let size = [size[0] as usize, size[1] as usize];
         let image = [Some(size[1]), Some(size[0])];
@@ -167,13 +163,13 @@ impl SavedRecording {
             seed: shaped::<u64>(a, "core_seed", &[Some(1)])?[0],
         };
         let matrix = if a.contains_key("matrix") {
-            Some(Matrix3::from_row_slice(&shaped::<f64>(a, "matrix", &[Some(3), Some(3)])?))
+            Some(camera_matrix(&shaped(a, "matrix", &[Some(3), Some(3)])?)?)
         } else {
             None
         };
         let health = if a.contains_key("health_names") {
             let names: Vec<String> = shaped(a, "health_names", &[None])?;
-            let values: Vec<f64> = shaped(a, "health_values", &[Some(names.len())])?;
+            let values = finite("health_values", shaped(a, "health_values", &[Some(names.len())])?)?;
             names.into_iter().zip(values).collect()
         } else {
             Vec::new()
@@ -184,7 +180,18 @@ impl SavedRecording {
             warnings: shaped(a, "warnings", &[None])?,
             matrix,
             health,
-            first_frame: if a.contains_key("first_frame") { scalar(a, "first_frame")? } else { 0 },
+            first_frame: first_frame(a)?,
         })
     }
+}
+
+fn first_frame(a: &Arrays) -> Result<i64> {
+    let first = if a.contains_key("first_frame") { scalar(a, "first_frame")? } else { 0 };
+    if first < 0 { Err(Error::Damaged(format!("first_frame is {first}"))) } else { Ok(first) }
+}
+
+fn camera_matrix(entries: &[f64]) -> Result<Matrix3<f64>> {
+    let matrix = Matrix3::from_row_slice(entries);
+    let usable = CameraMatrices::new(matrix, matrix);
+    usable.map(|cameras| *cameras.a()).map_err(|_| Error::Damaged("matrix is no camera matrix".into()))
 }
