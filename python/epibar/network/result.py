@@ -105,8 +105,8 @@ class Network(NetworkParts):
         ----------
         recordings : mapping of str to Recording, or sequence of Recording
             By the names of the cameras, over the same time; a minute or so. Recorded as when the network was
-            made: raw ones are taken to be through the stored matrix and distortions; one whose lens was taken
-            out must have the stored matrix.
+            made: raw ones are taken to be through the stored matrix and distortions, which are 0 where lenses
+            were taken out then; one whose lens was taken out must have the stored matrix.
         time_offset : "auto", float, or mapping of str to float
             Of the clocks of the new recordings, as :func:`epibar.calibrate_network` takes it. Those of the
             network say nothing of them.
