@@ -1,7 +1,8 @@
 """Real recordings as networks: errors of what is found with little or nothing known, beside those stated.
 
-The recordings are no part of the project; without them this prints a message and does nothing. Masks are taken
-raw, as the camera filmed. Pairs are calibrated once for each recording, and joined with each kind of knowledge.
+The recordings are no part of the project; without them this prints a message and does nothing. Masks are
+taken raw, as the camera filmed. Pairs are calibrated once for each recording, and joined with each kind of
+knowledge.
 """
 
 from __future__ import annotations
