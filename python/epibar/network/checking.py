@@ -43,9 +43,9 @@ class CameraCheck:
     shifted, shifted_error : float or None
         By how much it stands elsewhere, in the network's unit, and the error of that.
     focal : float or None
-        Relative change of the focal length: 0.01 is 1 % longer.
+        Relative change of the focal length; None, as it is not looked for yet.
     deviate : float or None
-        What speaks for a change, as a normal deviate.
+        What speaks for what it has in common with the others, as a normal deviate.
     since : float or None
         Seconds of the new recording, since its first frame, from which on it is so; None where it is so of
         all of it.
