@@ -49,7 +49,7 @@ pub fn symmetric_score_with(views: &Views, f: &Fundamental) -> (SymmetricScore, 
     (best, comparer)
 }
 
-/// Score of each frame at a radius, pixels; at that of [`symmetric_score`] it sums to its total.
+/// Evidence of each frame at a radius, pixels; at that of [`symmetric_score`] it sums to its total.
 pub fn score_by_frame(views: &Views, f: &Fundamental, radius: f64) -> Vec<f64> {
     let sign_radius = SIGN_RADIUS * views.pixel_scale();
     let of = |comparer: &mut Comparer| comparer.pair(0, sign_radius).weigh(radius).per_frame();
@@ -145,6 +145,11 @@ mod tests {
         assert!(tops > 0.5 * bottoms && bottoms > 0.5 * tops, "{tops} {bottoms}");
         let [tops, bottoms] = class_scores(&views, &wrong);
         assert!(bottoms > 100.0 && tops < 0.1 * bottoms, "{tops} {bottoms}");
-        assert!(symmetric_score(&views, &truth).total > symmetric_score(&views, &wrong).total);
+        // Its bottoms alone are worth hundreds. But no silhouette is whole, and what they miss counts.
+        let (right, floor) = (symmetric_score(&views, &truth).total, symmetric_score(&views, &wrong).total);
+        assert!(floor < 0.1 * right && floor < 0.3 * bottoms, "{floor} of {right}, bottoms {bottoms}");
+        let objects = |f| Comparer::new(&views, f).pair(0, 3.0).weigh(3.0).score().objects;
+        let (right, floor) = (objects(&truth), objects(&wrong));
+        assert!(right.whole > 500 && floor.whole < 20 && floor.torn > 200, "{right:?} {floor:?}");
     }
 }

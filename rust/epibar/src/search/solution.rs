@@ -11,9 +11,9 @@ use crate::hypotheses::floor::Floor;
 pub struct Solution {
     /// The matrix.
     pub fundamental: Fundamental,
-    /// Excess over chance of its tangents, at the radius that gives most, less `chance`.
+    /// Evidence of its silhouettes, at the radius that gives most, less `chance`.
     pub score: f64,
-    /// That excess with the clocks shifted: what the model of chance missed.
+    /// That evidence with the clocks shifted, where above nought: what the model of chance missed.
     pub chance: f64,
     /// The hypotheses it grew from.
     pub source: Source,
@@ -39,6 +39,11 @@ pub struct Found {
     pub floor: Option<Floor>,
 }
 
+/// What is worth a share of a score, which may be below nought: then it is below that.
+pub(super) fn share_of(score: f64, share: f64) -> f64 {
+    score - (1.0 - share) * score.abs()
+}
+
 impl Solution {
     /// `f` with its score on `views`; `None` where that is not finite.
     pub(super) fn new(views: &Views, f: Fundamental, source: Source) -> Option<Self> {
@@ -57,5 +62,15 @@ impl Solution {
         let chance = chance_level(comparer, views.frames(), found.radius);
         let score = found.total - chance;
         score.is_finite().then_some(Self { fundamental: f, score, chance, source })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_a_score_is_never_above_it() {
+        assert_eq!([8.0, 0.0, -8.0].map(|score| share_of(score, 0.75)), [6.0, 0.0, -10.0]);
     }
 }

@@ -10,6 +10,7 @@ use pulp::{Simd, WithSimd};
 use super::angles::PencilAngles;
 use super::arrays::{NONE, Sent, Targets, pixels_per_radian};
 use super::elementary::{decay, logarithm};
+use super::objects::Objects;
 use super::tangents::{EITHER, LANES, Tangents, fill};
 use crate::frontier::views::View;
 use crate::geometry::Fundamental;
@@ -48,6 +49,7 @@ pub(super) struct Buffers {
     pub(super) b: [Tangents; 2],
     pub(super) sent: [Sent; 2],
     pub(super) targets: [Targets; 2],
+    pub(super) objects: Objects,
     pub(super) sides: Vec<u8>,
     nearest: Nearest,
 }
@@ -290,6 +292,7 @@ impl Buffers {
                 excess[i] = (m - q * 2.0 / 3.0) * surprise[i];
             }
         }
+        self.objects.fill(&self.a, &self.b, &self.sent, sides, radius);
     }
 }
 
