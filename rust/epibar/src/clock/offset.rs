@@ -52,7 +52,9 @@ pub fn find_offset(
     watch: &mut dyn Watch,
 ) -> Result<Option<FoundOffset>> {
     let rate = 1.0 / b.frame_interval();
-    let reach = (seconds * rate).ceil() as i64;
+    // Further apart they have no moment in common.
+    let longest = [a, b].map(|r| r.frames() as f64 * r.frame_interval()).into_iter().fold(0.0, f64::max);
+    let reach = (seconds.min(longest) * rate).ceil() as i64;
     let step = ((STEP_SECONDS * rate) as i64).max(1);
     let coarse: Vec<i64> = (-reach..=reach).filter(|s| s % step == 0).collect();
     let mut going = |done: f64| report(watch, Stage::TimeOffset, done);
