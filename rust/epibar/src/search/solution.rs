@@ -1,7 +1,7 @@
 //! What a search finds.
 
-use crate::frontier::symmetric::{SymmetricScore, chance_level, symmetric_score_with};
-use crate::frontier::{Comparer, Views};
+use crate::frontier::Views;
+use crate::frontier::symmetric::{SymmetricScore, chance_level, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::hypotheses::Source;
 use crate::hypotheses::floor::Floor;
@@ -47,19 +47,17 @@ pub(super) fn share_of(score: f64, share: f64) -> f64 {
 impl Solution {
     /// `f` with its score on `views`; `None` where that is not finite.
     pub(super) fn new(views: &Views, f: Fundamental, source: Source) -> Option<Self> {
-        let (score, mut comparer) = symmetric_score_with(views, &f);
-        Self::scored(&mut comparer, views, score, f, source)
+        Self::scored(views, symmetric_score(views, &f), f, source)
     }
 
-    /// `f` with a score that is known; the comparison is from A to B.
+    /// `f` with a score that is known.
     pub(super) fn scored(
-        comparer: &mut Comparer,
         views: &Views,
         found: SymmetricScore,
         f: Fundamental,
         source: Source,
     ) -> Option<Self> {
-        let chance = chance_level(comparer, views.frames(), found.radius);
+        let chance = chance_level(views, &f, found.radius);
         let score = found.total - chance;
         score.is_finite().then_some(Self { fundamental: f, score, chance, source })
     }
