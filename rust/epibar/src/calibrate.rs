@@ -139,7 +139,7 @@ impl<'a> Pair<'a> {
     fn by_lines(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
         let fitted = self.candidates_of(&self.split.fitted)?;
         let CalibrateOptions { draws, seed, .. } = *self.options;
-        lines::search(candidates, &fitted, seen.all.sizes(), draws, seed, watch)
+        lines::search(candidates, &fitted, &seen.all, draws, seed, watch)
     }
 
     fn calibration(
