@@ -4,6 +4,7 @@
 #   make test      every test, Rust and Python
 #   make docs      the documentation site, into build/docs; warnings are errors
 #   make check     formatting, lints, types, type stubs, documentation
+#   make semver    does the crate break programs written for the release before? SINCE=revision says otherwise
 #   make coverage  which lines the tests of either language reach
 #   make bench     speed of every stage, beside its limit and its peers; writes bench.json
 #   make paper     accuracy, in the settings of the paper
@@ -30,7 +31,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test docs check coverage bench paper dist clean
+.PHONY: help build demo test docs check semver coverage bench paper dist clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -61,21 +62,31 @@ test: build
 check: build
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --locked
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest epibar._core
 
+$(VENV)/.semver: $(VENV)/.created
+	cargo install --quiet --locked --root $(VENV) 'cargo-semver-checks@^0.51'
+	touch $@
+
+SINCE ?= $(shell git describe --tags --abbrev=0 --match 'v*' HEAD^ 2>/dev/null)
+
+semver: $(VENV)/.semver
+	@test -n "$(SINCE)" || echo "there is no release before this one, so there is nothing to compare with; give SINCE=revision"
+	test -z "$(SINCE)" || $(BIN)/cargo-semver-checks semver-checks --package epibar --baseline-rev "$(SINCE)"
+
 # tarpaulin reads what rustc's instrumentation writes by itself, so no LLVM tools of the compiler's version are needed.
 # One thread: several wait for each other at the counters.
 $(VENV)/.tarpaulin: $(VENV)/.created
-	cargo install --quiet --locked --root $(VENV) cargo-tarpaulin@0.37
+	cargo install --quiet --locked --root $(VENV) 'cargo-tarpaulin@^0.37'
 	touch $@
 
 coverage: build $(VENV)/.tarpaulin
 	$(BIN)/python -m pytest -q --cov=epibar --cov-branch --cov-report=term
-	env -u PYO3_BUILD_EXTENSION_MODULE RAYON_NUM_THREADS=1 $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --skip-clean \
+	env -u PYO3_BUILD_EXTENSION_MODULE RAYON_NUM_THREADS=1 $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --lib --tests --skip-clean \
 		--exclude-files 'rust/epibar-py/*' --out Stdout --target-dir target/coverage --timeout 3600
 
 $(VENV)/.docs: pyproject.toml $(VENV)/.tools
@@ -99,16 +110,18 @@ paper: build
 	$(BIN)/python benchmarks/paper.py
 
 # The wheel is built from the source distribution, so that one that lacks a file fails here. The demo then runs
-# outside the repository, where nothing but the wheel can be imported.
+# outside the repository, where nothing but the wheel can be imported, and without Rust on the path.
 DIST := $(abspath target/dist)
 
 dist: $(VENV)/.tools
 	rm -rf $(DIST)
 	$(BIN)/maturin build --sdist --release --locked --out $(DIST)
 	$(BIN)/python -m venv $(DIST)/venv
-	$(DIST)/venv/bin/python -m pip install $(DIST)/*.whl
-	cd $(DIST) && venv/bin/epibar demo --out demo
-	cd $(DIST) && venv/bin/epibar inspect demo/videos/cam1.*
+	PATH=/usr/bin:/bin $(DIST)/venv/bin/python -m pip install $(DIST)/*.whl
+	$(DIST)/venv/bin/python -m pip check
+	cd $(DIST) && PATH=/usr/bin:/bin venv/bin/epibar demo --out demo
+	cd $(DIST) && PATH=/usr/bin:/bin venv/bin/epibar inspect demo/videos/cam1.*
+	$(DIST)/venv/bin/python benchmarks/startup.py --rounds 5
 	rm -rf $(DIST)/venv $(DIST)/demo
 	ls $(DIST)
 

@@ -1,6 +1,10 @@
 """Fresh situations, family by family: what is right, what is accepted, and whether what is stated holds.
 
 The seeds of a reported table come from the commit's own hash, so that nobody can have looked at them.
+
+What is judged is F, in the pixels that were given. So an accepted F of a mirrored film is right where it is
+right for the mirrored pixels, over the volume and over the room; ``mirrored`` still is a family without an
+answer, as nothing says that it must be accepted.
 """
 
 from __future__ import annotations
@@ -120,7 +124,7 @@ def judged(
         "method": method,
         "answer": answer.exists,
         "why_not": answer.reason,
-        "truth": situation.groups[a] == situation.groups[b],
+        "truth": situation.has_fundamental(a, b),
         "accepted": cal.accepted,
         "kind": cal.kind,
         "source": cal.source,
@@ -143,8 +147,6 @@ def judged(
             found["image_error"] = None
         if offset == "search":
             found["offset_error"] = cal.time_offset - situation.time_offset(a, b)
-    if cal.F is not None and any(situation.films[camera].mirrored for camera in pair):
-        found["mirrored_error"] = situation.error(cal.F, a, b)
     if job.swap:
         found["swapped"] = calibrated(b, a, job.seed % 2**32).accepted
     if job.search_seeds > 1:
@@ -263,7 +265,7 @@ def main() -> None:
                 for outcome in kept[job.key]["outcomes"]:
                     print(json.dumps({"family": job.family, "seed": job.seed, **outcome}), file=sys.stderr)
     present = [(job, kept[job.key]) for job in jobs if job.key in kept]
-    told = [
+    outcomes = [
         {"family": job.family, "seed": job.seed, **outcome}
         for job, found in present
         for outcome in found["outcomes"]
@@ -272,7 +274,7 @@ def main() -> None:
     for job, found in present:
         left_out.setdefault(job.family, Counter()).update(found["left_out"])
     seeds = f"commit {origin}" if origin else f"development seeds {args.seeds[0]}–{args.seeds[-1]}"
-    print(report(told, left_out, seeds, args.lines))
+    print(report(outcomes, left_out, seeds, args.lines))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ def _below(value: float | None, limit: float) -> bool:
 
 
 def right(o: Outcome) -> bool:
-    """F within 3 px over the volume; where the motion leaves it open, over the room too."""
+    """F within 3 px over the volume; of a pair without an answer, over the room too."""
     if not o["truth"]:
         return False
     good = _below(o.get("error"), GOOD_PAIR_PX)
@@ -154,7 +154,7 @@ def report(outcomes: list[Outcome], left_out: dict[str, Counter[str]], seeds: st
         wrong = [o for o in own if o["accepted"] and not right(o)]
         if wrong:
             named = (
-                f"- {o['family']} {o['seed']} {o['pair']}: {told(o)}, stated {px(o['stated'] or math.nan)}"
+                f"- {o['family']} {o['seed']} {o['pair']}: {errors(o)}, stated {px(o['stated'] or math.nan)}"
                 for o in wrong
             )
             parts.append("Accepted and wrong:\n" + "\n".join(named))
@@ -164,12 +164,10 @@ def report(outcomes: list[Outcome], left_out: dict[str, Counter[str]], seeds: st
     return "\n" + "\n\n".join(parts)
 
 
-def told(o: Outcome) -> str:
+def errors(o: Outcome) -> str:
     """Return the errors of an outcome in words."""
-    if o.get("mirrored_error") is not None:
-        return f"mirrored, {px(o['mirrored_error'])} px over the volume as the mirrored pixels have it"
     if not o["truth"]:
         return str(o["why_not"])
-    errors = [o.get(name) for name in ("error", "room_error", "image_error")]
-    volume, room, image = (px(math.nan if error is None else error) for error in errors)
+    found = [o.get(name) for name in ("error", "room_error", "image_error")]
+    volume, room, image = (px(math.nan if error is None else error) for error in found)
     return f"{volume} px over the volume, {room} over the room, {image} over the image"

@@ -4,7 +4,7 @@ import numpy as np
 
 from epibar import synthetic
 
-FAST = {"masks": True, "lines": 2000, "method": "lines", "report": False}
+FAST = {"masks": True, "lines": 2000, "method": "lines", "time_offset": 0.0, "report": False}
 WORDS = ["--masks", "--lines", "2000", "--method", "lines", "--no-report"]
 
 

@@ -1,9 +1,13 @@
 """What the command line takes: options with a value for each camera, short ones, completion, exit codes."""
 
+import argparse
+import ast
 import json
+import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -212,3 +216,35 @@ def test_completion_without_its_library(capsys, monkeypatch):
     monkeypatch.setitem(sys.modules, "shtab", None)
     assert main(["completion", "bash"]) == 2
     assert "epibar[completion]" in capsys.readouterr().err
+
+
+# --- what advice names ---
+
+PACKAGE = Path(epibar.__file__).parent
+
+
+def known_options():
+    """The options of all commands."""
+    commands = next(a for a in build_parser()._actions if isinstance(a, argparse._SubParsersAction))
+    parsers = [build_parser(), *commands.choices.values()]
+    return {option for one in parsers for action in one._actions for option in action.option_strings}
+
+
+def named_options():
+    """Yield where which option is named: in any string of the package."""
+    for path in sorted(PACKAGE.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str):
+                for option in re.findall(r"(?<![\w-])--[a-z][a-z-]*", node.value):
+                    yield path.relative_to(PACKAGE).as_posix(), option
+
+
+def test_every_option_that_is_advised_exists():
+    """What a warning, an error, or the report's advice tells to do can be done."""
+    known = known_options()
+    named = list(named_options())
+    assert [one for one in named if one[1] not in known] == []
+    # It looks where advice stands.
+    advised = {option for path, option in named if path == "report/words.py"}
+    assert advised >= {"--background", "--time-offset", "--ignore", "--intrinsics", "--max-expected-error"}
+    assert ("health/camera_findings.py", "--frames") in named

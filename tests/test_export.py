@@ -12,8 +12,8 @@ from known_poses import DEGREES, angle, between, true_pose, world_error
 import epibar
 from epibar import export, synthetic
 from epibar.cli import main
-from epibar.files.calibration_json import write_json
 from epibar.files.frontier_csv import write_frontier_points
+from epibar.files.json_file import write_json
 from epibar.lens.camera_file import load_cameras, write_cameras
 from epibar.lens.intrinsics import Intrinsics
 from epibar.runs.entries import camera_entry

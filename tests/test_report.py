@@ -161,7 +161,7 @@ def test_refused_pairs_say_what_to_do_next(page):
     assert accepted["advice"] == []
     assert ambiguous["accepted"] is nothing["accepted"] is False
     assert any("motion" in text for text in ambiguous["advice"])
-    assert any("--time-offset search" in text for text in nothing["advice"])
+    assert any("--time-offset 0" in text for text in nothing["advice"])
 
 
 def test_too_little_evidence_is_told_from_none(report_input):

@@ -248,8 +248,12 @@ def test_mirrored():
     made = synthetic.situation(4, "mirrored")
     plain = replace(made.films[1], mirrored=False)
     np.testing.assert_array_equal(made.masks(1, 0, 3), [m[:, ::-1] for m in plain.iter_masks(0, 3)])
-    assert made.error(made.fundamental(0, 1), 0, 1) < 1e-6
+    for points in (None, made.room_points):
+        assert made.error(made.fundamental(0, 1), 0, 1, points) < 1e-6
     assert not made.answer(0, 1).exists
+    assert made.has_fundamental(0, 1)
+    assert not synthetic.situation(4, "unrelated").has_fundamental(0, 1)
+    assert not synthetic.situation(4, "reversed").has_fundamental(0, 1)
 
 
 def test_rooms_with_one_timetable():

@@ -9,8 +9,8 @@ import epibar
 PACKAGE = Path(epibar.__file__).parent
 
 ROOMS = (
-    *("errors", "_core", "arguments", "geometry", "files", "sources", "lens", "foreground"),
-    *("recording", "clocks", "health", "from_video", "motion_barcodes", "calibration"),
+    *("errors", "_core", "arguments", "geometry", "files", "sources", "lens", "camera_files", "foreground"),
+    *("recording", "clocks", "health", "from_video", "motion_barcodes", "calibration", "network"),
     *("runs", "show", "evaluation", "plot", "report", "live", "export"),
     *("jobs", "synthetic", "cli", "__main__"),
 )

@@ -102,6 +102,14 @@ def test_a_range_that_is_none(late_a, search_seconds):
         epibar.calibrate(late_a, late_a, time_offset="search", search_seconds=search_seconds)
 
 
+def test_an_offset_that_is_right_to_a_frame_is_sharpened(scene, late_a):
+    b = film(scene, 1, START["b"], FPS, length=12.0)
+    rough = OFFSET_SECONDS * FPS + 1.3
+    cal = epibar.calibrate(late_a, b, time_offset=rough, sharpen_offset=True, draws=3000)
+    assert cal.accepted
+    assert cal.time_offset == pytest.approx(OFFSET_SECONDS * FPS, abs=0.05)
+
+
 @pytest.mark.parametrize("time_offset", [250.0, -251.5, 1e6])
 def test_an_offset_beyond_both_recordings(late_a, time_offset):
     with pytest.raises(epibar.EpibarError, match="none in common"):

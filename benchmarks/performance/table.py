@@ -68,7 +68,7 @@ def print_tables(stages: Sequence[Stage]) -> None:
             print(f"\n{stage.name}: {what}: {value}")
     missing = sorted({peer for stage in stages for peer in stage.missing})
     if missing:
-        print(f"\nNot installed, so not compared: {', '.join(missing)} (pip install 'epibar[bench]')")
+        print(f"\nNot installed, so not compared: {', '.join(missing)} (make bench installs them)")
 
 
 def to_json(stages: Sequence[Stage]) -> list[dict[str, Any]]:

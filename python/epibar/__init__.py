@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from .lens.camera_file import load_cameras
     from .lens.intrinsics import Intrinsics
     from .motion_barcodes import barcodes, match_barcodes
+    from .network import KnownCamera, Network, calibrate_network
     from .recording import Recording
 
 __all__ = [
@@ -47,12 +48,15 @@ __all__ = [
     "ForegroundOptions",
     "FrontierPoints",
     "Intrinsics",
+    "KnownCamera",
+    "Network",
     "Recording",
     "RelativePose",
     "__version__",
     "barcodes",
     "calibrate",
     "calibrate_all",
+    "calibrate_network",
     "evaluate",
     "export",
     "inspect",
@@ -75,11 +79,14 @@ _HOME = {
     "ForegroundOptions": "foreground.options",
     "FrontierPoints": "geometry",
     "Intrinsics": "lens",
+    "KnownCamera": "network",
+    "Network": "network",
     "Recording": "recording",
     "RelativePose": "geometry",
     "barcodes": "motion_barcodes",
     "calibrate": "calibration",
     "calibrate_all": "jobs",
+    "calibrate_network": "network",
     "evaluate": "evaluation",
     "inspect": "health",
     "load_cameras": "lens",

@@ -1,4 +1,4 @@
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -10,12 +10,15 @@ __all__ = [
     "Recording",
     "barcodes",
     "calibrate",
+    "clock_offsets",
     "clock_rate",
     "common_frames",
     "examine",
     "frame_interval",
+    "join_network",
     "match_barcodes",
     "motion_lines",
+    "pairs_to_search",
     "positions",
     "remove_small",
     "score_lines",
@@ -118,6 +121,7 @@ def calibrate(
     method: str,
     seed: int,
     time_offset: float | None,
+    sharpen_offset: bool,
     search_seconds: float,
     upright: bool,
     cameras: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
@@ -130,11 +134,25 @@ def barcodes(masks: NDArray[np.uint8], segments: NDArray[np.float64]) -> NDArray
 def match_barcodes(
     bits_a: NDArray[np.uint64], bits_b: NDArray[np.uint64], frames: int, mutual: int, limit: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]: ...
+def clock_offsets(
+    recordings: Sequence[Recording], seconds: float, progress: Callable[[str, float], None] | None
+) -> tuple[list[float], bool, bool]: ...
 def clock_rate(a: Recording, b: Recording, frames_per_frame: float) -> float: ...
 def common_frames(
     a: Recording, b: Recording, time_offset: float, frames_per_frame: float
 ) -> NDArray[np.int64]: ...
 def frame_interval(recording: Recording) -> float: ...
+def join_network(
+    recordings: Sequence[Recording],
+    names: Sequence[str],
+    known: Sequence[Mapping[str, Any]],
+    pairs: Sequence[Mapping[str, Any]],
+    clocks: tuple[list[float], bool, bool],
+    progress: Callable[[str, float], None] | None,
+) -> dict[str, Any]: ...
+def pairs_to_search(
+    recordings: Sequence[Recording], clocks: tuple[list[float], bool, bool]
+) -> list[tuple[int, int]]: ...
 def positions(
     a: Recording, b: Recording, time_offset: float, frames_per_frame: float
 ) -> NDArray[np.float64]: ...

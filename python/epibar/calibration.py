@@ -181,6 +181,7 @@ def calibrate(
     draws: int = 10_000,
     max_expected_error: float = MAX_EXPECTED_ERROR,
     search_seconds: float = SEARCH_SECONDS,
+    sharpen_offset: bool = False,
     progress: Callable[[str, float], None] | None = None,
 ) -> Calibration:
     """Find the fundamental matrix of two cameras from what moved before both.
@@ -215,6 +216,8 @@ def calibrate(
         Accept only below this, pixels.
     search_seconds : float
         How far either way ``time_offset="search"`` looks. A wider search asks for more evidence.
+    sharpen_offset : bool
+        A given ``time_offset`` is right to a frame or two only, and is measured with the geometry.
     progress : callable, optional
         Called with the name of the stage and the share of it that is done, 0 to 1.
 
@@ -255,6 +258,7 @@ def calibrate(
             method,
             seed,
             _checked_offset(time_offset, rec_a, rec_b),
+            bool(sharpen_offset),
             reach,
             bool(upright),
             _matrices(rec_a, rec_b) if essential else None,

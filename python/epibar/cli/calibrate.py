@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 from .exit_codes import exit_code
 from .options import (
     CommandParser,
+    add_length_options,
     add_output_options,
+    lengths,
     offset,
     positive_pixels,
     scheduler_address,
@@ -17,16 +19,19 @@ from .options import (
 from .recording_options import add_recording_options, record_options
 
 if TYPE_CHECKING:
+    from ..jobs.all_pairs import AllPairs
     from ..jobs.inputs import Job
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
 NAME = "calibrate"
-HELP = "videos in, a fundamental matrix and a verdict for every pair out"
+HELP = "videos in; every camera calibrated, with a verdict, and a fundamental matrix for every pair out"
 DESCRIPTION = (
-    "Find the fundamental matrix of every pair of cameras. Writes calibration.json, report.html to look at, "
-    "and for each pair a picture with matched epipolar lines and the frontier points as CSV. Recordings and "
-    "pairs are kept in DIR: the same command again, or with one more camera, does only what is missing."
+    "Find focal length, lens, rotation, position and clock of each of three or more cameras, or of two with "
+    "known intrinsics; and the fundamental matrix of every pair. Writes cameras.toml and network.json, "
+    "calibration.json, report.html to look at, and for each pair a picture with matched epipolar lines and "
+    "the frontier points as CSV. Recordings and pairs are kept in DIR: the same command again, or with one "
+    "more camera, does only what is missing."
 )
 
 
@@ -36,6 +41,7 @@ def add_options(command: CommandParser) -> None:
     command.add_argument(
         "-o", "--out", required=True, metavar="DIR", help="folder for the results; made if it is missing"
     )
+    add_length_options(command)
     _add_pair_options(command)
     add_recording_options(command, several=True)
     group = command.add_argument_group("how the work is done")
@@ -50,6 +56,12 @@ def add_options(command: CommandParser) -> None:
         "--fresh",
         action="store_true",
         help="do everything again, whatever is kept in DIR; after a change of epibar's own sources",
+    )
+    group.add_argument(
+        "--every-pair",
+        action="store_true",
+        help="search every pair by itself, also of more than six cameras, where otherwise as many are as the "
+        "network needs",
     )
     group.add_argument(
         "--no-report",
@@ -71,17 +83,18 @@ def _add_pair_options(command: CommandParser) -> None:
     group.add_argument(
         "--time-offset",
         type=offset,
-        default=0.0,
-        metavar="N|search",
-        help="frame i of the first camera is frame i + N of the second: give it when they were not started "
-        "together; 'search' finds it (default: 0)",
+        default="auto",
+        metavar="N|auto|search",
+        help="'auto' finds when each camera was started, and whether all were together; 'search' looks for "
+        "every pair by itself; N: frame i of the first of two cameras is frame i + N of the second, 0: all "
+        "are synchronised (default: auto)",
     )
     group.add_argument(
         "--search-seconds",
         type=seconds,
         default=21.0,
         metavar="S",
-        help="how far either way '--time-offset search' looks: raise it for cameras started further apart; a "
+        help="how far either way a time offset is looked for: raise it for cameras started further apart; a "
         "wider search asks for more evidence (default: %(default)g)",
     )
     group.add_argument(
@@ -112,7 +125,7 @@ def run(args: Namespace) -> int:
     from contextlib import nullcontext
 
     from ..errors import EpibarError
-    from ..files.calibration_json import json_text
+    from ..files.json_file import json_text
     from ..jobs.all_pairs import run_job
     from ..jobs.dask import dask_executor
     from .console import Console
@@ -121,12 +134,17 @@ def run(args: Namespace) -> int:
     job = _job(args)
     if job.out.exists() and not job.out.is_dir():
         raise EpibarError(f"--out {job.out}: this is a file; give a folder")
+    if job.intrinsics is None and len(job.cameras) > 2 and job.pair.method == "frontier":
+        console.note(
+            "without --intrinsics each pair is searched as it was filmed, and may be refused for its lenses; "
+            "what counts is the network in the end"
+        )
     with console, nullcontext() if args.scheduler is None else dask_executor(args.scheduler) as executor:
         found = run_job(job, executor, console)
-    files = "calibration.json" + (" and report.html" if job.report else "")
-    accepted = sum(calibration.accepted for calibration in found.calibrations.values())
-    failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
-    console.note(f"accepted: {accepted} of {len(job.pairs)} pairs{failed}; written: {files} in {job.out}")
+    lenses = _about_lenses(found)
+    if lenses is not None and found.calibrations:
+        console.note(lenses)
+    console.note(_summary(job, found))
     if not job.report and (job.out / "report.html").exists():
         console.warning(f"{job.out / 'report.html'} is still that of an earlier run")
     if args.json:
@@ -134,11 +152,46 @@ def run(args: Namespace) -> int:
     return exit_code(len(found.calibrations), len(found.errors))
 
 
+def _summary(job: Job, found: AllPairs) -> str:
+    """What came out, and where it is."""
+    from ..jobs.network_files import replaceable
+
+    accepted = sum(calibration.accepted for calibration in found.calibrations.values())
+    said = f"accepted: {accepted} of {len(found.searched)} pairs"
+    files = ["calibration.json"]
+    if found.network is not None:
+        cameras = len(found.network.cameras) - len(found.network.left_out)
+        alone = f"{accepted} of {len(found.searched)} pairs also by themselves"
+        said = f"accepted: {cameras} of {len(job.cameras)} cameras ({alone})"
+        files += ["network.json"] + ["cameras.toml"] * replaceable(job.out, job.intrinsics)
+    files += ["report.html"] * job.report
+    failed = f"; errors: {len(found.errors)}, see above" if found.errors else ""
+    written = " and ".join(filter(None, [", ".join(files[:-1]), files[-1]]))
+    return f"{said}{failed}; written: {written} in {job.out}"
+
+
+def _about_lenses(found: AllPairs) -> str | None:
+    """What silence would mislead about: whose lens is in which result."""
+    if all(recording.matrix is not None for recording in found.recordings.values()):
+        return None
+    network = found.network
+    if network is not None and len(network.left_out) < len(network.cameras):
+        return (
+            "focal lengths and lenses were not given: they were found with the network, whose F are in "
+            "undistorted pixels. A pair alone has no lens, and may be refused where the lens bends lines"
+        )
+    return (
+        "pairs were calibrated without a lens model: what a lens bends is part of their error; give "
+        "--intrinsics, or a third camera"
+    )
+
+
 def _job(args: Namespace) -> Job:
     from pathlib import Path
 
     from ..jobs.inputs import Job, PairOptions, camera_inputs
 
+    known_lengths = lengths(args)
     return Job(
         cameras=camera_inputs(
             args.videos,
@@ -146,6 +199,7 @@ def _job(args: Namespace) -> Job:
             ignore=args.ignore,
             intrinsics=args.intrinsics,
             time_offset=args.time_offset,
+            lengths=known_lengths,
             spelt=_option,
         ),
         out=Path(args.out),
@@ -162,6 +216,8 @@ def _job(args: Namespace) -> Job:
         intrinsics=args.intrinsics,
         fresh=args.fresh,
         report=args.report,
+        lengths=known_lengths,
+        every_pair=args.every_pair,
     )
 
 

@@ -10,6 +10,8 @@ from typing import IO, Any
 
 from ..calibration import Calibration
 from ..jobs.watch import Watch
+from ..network.result import Network
+from ..network.words import network_notes, network_table
 
 __all__ = ["Console"]
 
@@ -65,6 +67,20 @@ class Console(Watch):
         super().calibrated(a, b, calibration, seconds)
         self.numbers("counts", calibration.counts)
         self.numbers("evidence", calibration.evidence)
+
+    def joined(self, network: Network | None, reason: str | None) -> None:
+        """Print the cameras of the network, and what is wrong with which."""
+        if network is None:
+            self.note(f"no network of cameras: {reason}")
+            return
+        self.result()
+        for line in network_table(network):
+            self.result(line)
+        self.result(f"network: {network.reason}")
+        for text in network_notes(network):
+            self.note(text)
+        for name, camera in network.cameras.items():
+            self.numbers(f"evidence of {name}", camera.evidence)
 
     def numbers(self, of_what: str, found: Mapping[str, float]) -> None:
         """Print numbers by their name, where the user asked for much."""

@@ -82,7 +82,7 @@ def run(args: Namespace) -> int:
                 sources.append(render_video(scene, index, path, seed=args.seed, empty_frames=EMPTY))
     except OSError as error:
         raise EpibarError(str(error)) from error
-    known = out / "cameras.toml"
+    known = out / "known_cameras.toml"
     write_cameras(known, [_known(camera, index) for index, camera in enumerate(scene.cameras)])
     console.note(f"rendered ({time.perf_counter() - started:.1f} s)")
 

@@ -11,8 +11,10 @@ from .exit_codes import EXPLANATION
 
 __all__ = [
     "CommandParser",
+    "add_length_options",
     "add_output_options",
     "frame_numbers",
+    "lengths",
     "offset",
     "positive",
     "positive_pixels",
@@ -128,6 +130,56 @@ def seconds(text: str) -> float:
     return _positive_number(text, "seconds")
 
 
+def metres(text: str) -> float:
+    """Read a positive number of metres."""
+    return _positive_number(text, "metres")
+
+
+def add_length_options(command: argparse.ArgumentParser) -> None:
+    """Add the lengths that give a network its scale."""
+    group = command.add_argument_group("metres: what is known of the scale, any number of them")
+    group.add_argument(
+        "--person-height",
+        type=metres,
+        metavar="M",
+        help="how tall those who walk are in the median; good to some 3 %%",
+    )
+    group.add_argument(
+        "--distance",
+        nargs=3,
+        action="append",
+        default=[],
+        metavar=("A", "B", "M"),
+        help="between two cameras, by their names: measured to 1 %% or 1 cm; may be given again for others",
+    )
+    group.add_argument(
+        "--camera-height",
+        nargs=2,
+        action="append",
+        default=[],
+        metavar=("A", "M"),
+        help="of a camera above the floor; may be given again for others",
+    )
+
+
+def lengths(args: argparse.Namespace) -> dict[str, Any]:
+    """Take the lengths that were given."""
+    return {
+        "distance": [(a, b, _metres("--distance", given)) for a, b, given in args.distance],
+        "person_height": args.person_height,
+        "camera_height": [(a, _metres("--camera-height", given)) for a, given in args.camera_height],
+    }
+
+
+def _metres(option: str, text: str) -> float:
+    number = _number(text)
+    if not (math.isfinite(number) and number > 0):
+        from ..errors import EpibarError
+
+        raise EpibarError(f"{option}: {text!r} is not a positive number of metres")
+    return number
+
+
 def positive_pixels(text: str) -> float:
     """Read a positive number of pixels."""
     return _positive_number(text, "pixels")
@@ -135,11 +187,11 @@ def positive_pixels(text: str) -> float:
 
 def offset(text: str) -> float | str:
     """Read a time offset."""
-    if text == "search":
+    if text in ("auto", "search"):
         return text
     number = _number(text)
     if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"{text!r} is neither a number of frames nor 'search'")
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number of frames nor 'auto' or 'search'")
     return number
 
 

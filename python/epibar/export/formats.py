@@ -57,7 +57,8 @@ FORMATS = {
         Format("npz", "npz", "write_npz", "NumPy arrays"),
         Format("colmap", "colmap", "write_colmap", "a database with the frontier points as verified matches"),
         Format("csv", "csv", "write_csv", "the frontier points", poses=False),
-        Format("toml", "anipose", "write_toml", "camera file of aniposelib, with poses", lenses=True),
+        Format("anipose", "anipose", "write_toml", "camera file of aniposelib, with poses", lenses=True),
+        Format("toml", "anipose", "write_toml", "the same, as it was called before", lenses=True),
         Format(
             "caliscope", "caliscope", "write_caliscope", "camera file of Caliscope, with poses", lenses=True
         ),

@@ -1,7 +1,4 @@
-"""calibration.json: written, and read back.
-
-The JSON holds no numpy type, no NaN and no infinity: a number that is not known is null.
-"""
+"""calibration.json: its version, its schema, and reading it."""
 
 from __future__ import annotations
 
@@ -11,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import EpibarError
-from .atomic import write_atomically
-from .json_values import plain
+from .json_file import read_json_object
 
-__all__ = ["FORMAT", "SCHEMA", "json_text", "read_json", "schema", "write_json"]
+__all__ = ["FORMAT", "SCHEMA", "read_json", "schema"]
 
 FORMAT = 1
 """Version of calibration.json; a file of another one is refused."""
@@ -33,17 +29,6 @@ def schema() -> dict[str, Any]:
     return found
 
 
-def json_text(result: dict[str, Any]) -> str:
-    """Set the result as JSON."""
-    return json.dumps(plain(result), indent=2, allow_nan=False, ensure_ascii=False)
-
-
-def write_json(path: Path, result: dict[str, Any]) -> None:
-    """Write the result, whole or not at all."""
-    text = json_text(result)
-    write_atomically(path, lambda stream: stream.write(text.encode() + b"\n"))
-
-
 def read_json(path: Path) -> dict[str, Any]:
     """Read a calibration.json.
 
@@ -52,14 +37,10 @@ def read_json(path: Path) -> dict[str, Any]:
     EpibarError
         Missing, not JSON, or not what this program writes.
     """
-    try:
-        result = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise EpibarError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except ValueError as error:
-        raise EpibarError(f"{path}: not JSON ({error})") from error
-    if not isinstance(result, dict) or not isinstance(result.get("pairs"), list) or "cameras" not in result:
-        raise EpibarError(f"{path}: not a calibration written by 'epibar calibrate'")
+    kind = "a calibration written by 'epibar calibrate'"
+    result = read_json_object(path, kind)
+    if not isinstance(result.get("pairs"), list) or "cameras" not in result:
+        raise EpibarError(f"{path}: not {kind}")
     if result.get("format") != FORMAT:
         raise EpibarError(f"{path}: format {result.get('format')!r}, but this epibar reads format {FORMAT}")
     return result

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from ..calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS, Calibration
 from ..errors import EpibarError
+from ..network.result import Network
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
@@ -39,17 +40,27 @@ class AllPairs:
         What could not be done: ``message``, and ``camera`` and ``file``, or ``a`` and ``b``.
     content : dict
         What was written to calibration.json.
+    network : Network or None
+        Of all cameras; where there is none ``content["network_reason"]`` says why.
+    searched : sequence of (str, str)
+        Pairs that were to be done: all, or of more than six cameras those that a network needs.
     """
 
     recordings: dict[str, Recording]
     calibrations: dict[tuple[str, str], Calibration]
     errors: list[dict[str, str]]
     content: dict[str, Any]
+    network: Network | None = None
+    searched: Sequence[tuple[str, str]] = ()
 
     def __repr__(self) -> str:
         accepted = sum(calibration.accepted for calibration in self.calibrations.values())
         pairs = f"{accepted} of {len(self.calibrations)} pairs accepted"
-        return f"<AllPairs {len(self.recordings)} cameras, {pairs}, {len(self.errors)} errors>"
+        network = "no network"
+        if self.network is not None:
+            left_out = len(self.network.left_out)
+            network = f"{len(self.network.cameras) - left_out} in the network"
+        return f"<AllPairs {len(self.recordings)} cameras, {network}, {pairs}, {len(self.errors)} errors>"
 
 
 def calibrate_all(
@@ -58,7 +69,7 @@ def calibrate_all(
     *,
     method: Literal["frontier", "lines"] = "frontier",
     seed: int = 0,
-    time_offset: float | Literal["search"] = 0.0,
+    time_offset: float | Literal["auto", "search"] = "auto",
     upright: bool = True,
     essential: bool = True,
     search_seconds: float = SEARCH_SECONDS,
@@ -70,12 +81,15 @@ def calibrate_all(
     ignore: Sequence[PathLike] | None = None,
     intrinsics: PathLike | None = None,
     frames: Sequence[int | None] | None = None,
+    person_height: Any = None,
+    distances: Any = (),
+    every_pair: bool = False,
     executor: Executor | None = None,
     fresh: bool = False,
     report: bool = True,
     watch: Watch | None = None,
 ) -> AllPairs:
-    """Record every camera once, calibrate every pair, write what was found to a folder.
+    """Record every camera once, calibrate pairs, join all to a network, write it to a folder.
 
     Recordings and pairs are kept under ``out/recordings`` and ``out/pairs``, each with a key of what it was
     made of: the path, size and time of change of its files, the options, the versions of epibar and OpenCV. A
@@ -88,14 +102,22 @@ def calibrate_all(
         are called like their files.
     out : path
         Folder for calibration.json, frontier points, pictures, the report and what is kept. Made if missing.
-    method, seed, time_offset, upright, essential, search_seconds, max_expected_error
+    method, seed, upright, essential, search_seconds, max_expected_error
         Of every pair, see :func:`epibar.calibrate`.
+    time_offset : "auto", float or "search"
+        "auto" finds an offset for the clock of each camera, and whether all started together; with "search"
+        every pair searches by itself; a number, in frames of B, is for two cameras, or 0 for all.
     lines, seed, masks, foreground, frames
         Of every camera, see :func:`epibar.record`.
     background, ignore : sequence of path, optional
         One per camera, see :func:`epibar.record`.
     intrinsics : path, optional
         Camera file in which each is found by its name, or else by its place.
+    person_height, distances : optional
+        Metres, as ``person_height`` and ``distance`` of :meth:`epibar.Network.scaled`.
+    every_pair : bool
+        Search every pair by itself. Else of more than six cameras only those are that are likeliest to see
+        the same, as many as a network needs; it has all.
     executor : concurrent.futures.Executor, optional
         Where the tasks run: one per camera records its video, one per pair matches two recordings. Threads of
         this process by default. The result does not depend on it. It stays open. For Dask see
@@ -124,16 +146,32 @@ def calibrate_all(
     >>> sorted(done.calibrations)
     [('cam1', 'cam2'), ('cam1', 'cam3'), ('cam2', 'cam3')]
     """
+    lengths = {"distance": distances, "person_height": person_height}
     job = Job(
         cameras=camera_inputs(
-            cameras, background=background, ignore=ignore, intrinsics=intrinsics, time_offset=time_offset
+            cameras,
+            background=background,
+            ignore=ignore,
+            intrinsics=intrinsics,
+            time_offset=time_offset,
+            lengths=lengths,
         ),
         out=Path(out),
         record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames)),
-        pair=PairOptions(method, seed, time_offset, upright, essential, search_seconds, max_expected_error),
+        pair=PairOptions(
+            method=method,
+            seed=seed,
+            time_offset=time_offset,
+            upright=upright,
+            essential=essential,
+            search_seconds=search_seconds,
+            max_expected_error=max_expected_error,
+        ),
         intrinsics=None if intrinsics is None else os.fspath(intrinsics),
         fresh=fresh,
         report=report,
+        lengths=lengths,
+        every_pair=every_pair,
     )
     return run_job(job, executor, watch or Watch())
 
@@ -171,6 +209,8 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
         },
         list(results.errors.values()),
         results.content(),
+        results.network,
+        runner.searched,
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from ..arguments import MAX_SEED, as_positive, as_whole_number
 from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
@@ -16,6 +16,7 @@ from ..errors import EpibarError
 from ..foreground.options import METHODS as FOREGROUNDS
 from ..lens.camera_file import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
+from ..network.scaling import check_lengths
 from ..recording import DEFAULT_LINES, MAX_LINES
 from ..sources.frame_range import FrameRange
 
@@ -32,6 +33,9 @@ __all__ = [
 ]
 
 PathLike = str | os.PathLike[str]
+
+FEW = 6
+"""Of so many cameras every pair is searched; of more those that are likeliest to see the same."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +61,8 @@ class PairOptions:
 
     method: Literal["frontier", "lines"] = "frontier"
     seed: int = 0
-    time_offset: float | Literal["search"] = 0.0
+    time_offset: float | Literal["auto", "search"] = "auto"
+    sharpen_offset: bool = False
     upright: bool = True
     essential: bool = True
     search_seconds: float = SEARCH_SECONDS
@@ -125,6 +130,11 @@ class Job:
         Do everything again, though results of an earlier run are there.
     report : bool
         Write ``report.html``.
+    lengths : dict
+        What is known in metres: ``distance``, ``person_height``, ``camera_height``, see
+        :meth:`epibar.Network.scaled`.
+    every_pair : bool
+        Search every pair, however many cameras there are.
     """
 
     cameras: list[CameraInput]
@@ -134,6 +144,13 @@ class Job:
     intrinsics: str | None = None
     fresh: bool = False
     report: bool = True
+    lengths: dict[str, Any] = field(default_factory=dict)
+    every_pair: bool = False
+
+    @property
+    def chooses_pairs(self) -> bool:
+        """Whether only as many pairs are searched as a network needs."""
+        return len(self.cameras) > FEW and self.pair.method == "frontier" and not self.every_pair
 
     @property
     def pairs(self) -> list[Pair]:
@@ -151,7 +168,8 @@ def camera_inputs(
     background: Sequence[PathLike] | None = None,
     ignore: Sequence[PathLike] | None = None,
     intrinsics: PathLike | None = None,
-    time_offset: float | str = 0.0,
+    time_offset: float | str = "auto",
+    lengths: Mapping[str, Any] | None = None,
     spelt: Callable[[str], str] = str,
 ) -> list[CameraInput]:
     """Turn arguments into cameras.
@@ -164,8 +182,10 @@ def camera_inputs(
         One per camera.
     intrinsics : path, optional
         Camera file in which each is found by name, or else by its place.
-    time_offset : float or "search"
+    time_offset : float, "auto" or "search"
         Of all pairs.
+    lengths : mapping, optional
+        What is known in metres, of which the names are checked.
     spelt : callable
         How the caller writes an argument's name, for the messages.
 
@@ -187,11 +207,12 @@ def camera_inputs(
     for source, path in zip(sources, resolved, strict=True):
         if resolved.count(path) > 1:
             raise EpibarError(f"{source}: given twice; a camera has no epipolar geometry with itself")
-    if len(sources) > 2 and time_offset not in (0, "search"):
+    if len(sources) > 2 and time_offset not in (0, "auto", "search"):
         raise EpibarError(
             f"{spelt('time_offset')} = {time_offset} with {len(sources)} cameras does not say which pair it "
-            "is for; use 'search', or calibrate the pairs one by one"
+            "is for; use 'auto', or calibrate the pairs one by one"
         )
+    check_lengths(names, **(lengths or {}))
     known = load_cameras(intrinsics) if intrinsics is not None else None
     backgrounds = one_each(spelt("background"), background, len(sources))
     ignored = one_each(spelt("ignore"), ignore, len(sources))

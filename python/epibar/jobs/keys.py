@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -21,7 +21,7 @@ from ..sources.images import IMAGE_SUFFIXES
 from .inputs import CameraInput, PairOptions, RecordOptions
 from .saved_recordings import is_saved
 
-__all__ = ["fingerprint", "pair_key", "recording_key"]
+__all__ = ["clocks_key", "fingerprint", "network_key", "pair_key", "recording_key"]
 
 
 def fingerprint(path: str) -> str | None:
@@ -82,6 +82,23 @@ def pair_key(a: str | None, b: str | None, options: PairOptions) -> str | None:
     if a is None or b is None:
         return None
     return _digest({"a": a, "b": b, "options": asdict(options), "epibar": _version("epibar")})
+
+
+def clocks_key(recordings: Sequence[str | None], search_seconds: float) -> str | None:
+    """Key of the clocks of all cameras, given those of their recordings; None where one of them has none."""
+    if None in recordings:
+        return None
+    return _digest({"clocks": recordings, "seconds": search_seconds, "epibar": _version("epibar")})
+
+
+def network_key(
+    pairs: Sequence[str | None], names: Sequence[str], offsets: Sequence[float], lengths: Mapping[str, Any]
+) -> str | None:
+    """Key of a network, given those of its pairs; None where one of them has none."""
+    if None in pairs:
+        return None
+    content = {"pairs": pairs, "names": names, "offsets": list(map(repr, offsets)), "lengths": lengths}
+    return _digest({**content, "epibar": _version("epibar")})
 
 
 def _version(package: str) -> str | None:

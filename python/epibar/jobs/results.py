@@ -8,12 +8,14 @@ from typing import Any
 
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..files.calibration_json import write_json
 from ..files.frontier_csv import write_frontier_points
+from ..files.json_file import write_json
+from ..network.result import Network
 from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
 from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
 from .inputs import CameraInput, Job, Pair
+from .network_files import write_network
 from .saved_recordings import is_saved
 
 __all__ = ["Results"]
@@ -31,6 +33,9 @@ class Results:
     calibrations : dict of (CameraInput, CameraInput) to Calibration
     seconds : dict of (CameraInput, CameraInput) to float
         What each calibration took, whenever it was made.
+    network : Network or None
+    no_network : str or None
+        Why there is none.
     errors : dict of CameraInput or (CameraInput, CameraInput) to dict
         Why some could not be done.
     """
@@ -40,6 +45,8 @@ class Results:
         self.calibrations: dict[Pair, Calibration] = {}
         self.seconds: dict[Pair, float] = {}
         self.errors: dict[CameraInput | Pair, dict[str, str]] = {}
+        self.network: Network | None = None
+        self.no_network: str | None = "the run was not finished"
         self._job = job
         self._files: dict[Pair, dict[str, str]] = {}
         self._written = time.monotonic()
@@ -109,6 +116,8 @@ class Results:
             {**self._pair_entry(a, b), **self._files[a, b]} for a, b in job.pairs if (a, b) in self._files
         ]
         tasks: list[CameraInput | Pair] = [*job.cameras, *job.pairs]
+        result["network"] = None if self.network is None else self.network.as_dict()
+        result["network_reason"] = None if self.network is not None else self.no_network
         result["errors"] = [self.errors[task] for task in tasks if task in self.errors]
         return result
 
@@ -116,6 +125,13 @@ class Results:
         calibration = self.calibrations[a, b]
         pose = pose_entry(calibration, self.recordings[a].matrix, self.recordings[b].matrix)
         return {**pair_entry(a.name, b.name, calibration), "pose": pose}
+
+    def write_network(self, key: str | None) -> list[str]:
+        """Write the network's own files, or remove those of an earlier one; returns warnings."""
+        lenses = {
+            camera.name: camera.intrinsics for camera in self._job.cameras if camera.intrinsics is not None
+        }
+        return write_network(self._job.out, self.network, key, lenses, self._job.intrinsics)
 
     def write_report(self) -> None:
         """Write report.html."""

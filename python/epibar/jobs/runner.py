@@ -7,18 +7,31 @@ What fails is noted and does not stop the rest.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
-from dataclasses import dataclass
+from itertools import combinations
 from typing import Any
 
 from ..calibration import Calibration
 from ..errors import EpibarError
+from ..network.offsets import ClockOffsets, pairs_to_search
+from ..network.result import Network
 from ..recording import Recording
-from .inputs import CameraInput, Job, Pair, pair_stems
-from .keys import fingerprint, pair_key, recording_key
+from .inputs import CameraInput, Job, Pair, PairOptions, pair_stems
+from .keys import clocks_key, fingerprint, network_key, pair_key, recording_key
+from .network_files import kept_network
+from .network_stage import (
+    JoinRequest,
+    final_clocks,
+    find_clocks,
+    given_clocks,
+    join_cameras,
+    pair_options,
+    why_no_network,
+)
 from .results import Results
 from .saved_recordings import is_saved
+from .stages import CLOCKS, MATCHING, NETWORK, RECORDING, STAGES, Task
 from .store import Store
 from .tasks import calibrate_pair, record_camera
 from .watch import Watch
@@ -33,22 +46,6 @@ Progress = Callable[[str, float], None]
 
 class _Stopped(EpibarError):
     """No task runs any more."""
-
-
-@dataclass(eq=False)
-class _Task:
-    """What one future stands for."""
-
-    of: CameraInput | Pair
-    share: float = 0.0
-
-    @property
-    def stage(self) -> str:
-        return "recording" if isinstance(self.of, CameraInput) else "matching"
-
-    def progress(self, _: str, share: float) -> None:
-        """Note how far the task is; called in the thread that runs it."""
-        self.share = share
 
 
 class Runner:
@@ -88,11 +85,21 @@ class Runner:
         self._keys = {camera: recording_key(camera.located(), job.record, seen) for camera in job.cameras}
         self._queue: deque[CameraInput] = deque()
         self._kept: dict[Pair, tuple[Calibration, float]] = {}
-        self._running: dict[Future[Any], _Task] = {}
-        self._done = {"recording": 0, "matching": 0}
-        self._total = {"recording": 0, "matching": 0}
+        self._running: dict[Future[Any], Task] = {}
+        self._done = dict.fromkeys(STAGES, 0)
+        self._total = dict.fromkeys(STAGES, 0)
+        self._pairs = job.pairs
+        self._offsets: ClockOffsets | None = None
+        self._clocks_asked = self._network_asked = False
         self._reused = False
+        self._network_key: str | None = None
+        self._no_clocks: str | None = None
         self._bug: Exception | None = None
+
+    @property
+    def searched(self) -> list[tuple[str, str]]:
+        """Names of the pairs that are to be done: all, or those that a network of many cameras needs."""
+        return [(a.name, b.name) for a, b in (self._pairs if self._job.chooses_pairs else self._job.pairs)]
 
     def run(self) -> None:
         """Do what is missing and write everything.
@@ -105,7 +112,7 @@ class Runner:
         try:
             self._reuse()
             self._hand_over()
-            while self._running:
+            while self._running or self._next_stage():
                 done, _ = wait(self._running, timeout=TICK, return_when=FIRST_COMPLETED)
                 for future in done:
                     self._take(self._running.pop(future), future)
@@ -124,43 +131,160 @@ class Runner:
 
     def _reuse(self) -> None:
         """Take what an earlier run kept; queue the other cameras."""
-        cameras, pairs = self._job.cameras, self._job.pairs
+        cameras = self._job.cameras
         recordings = {}
         if not self._job.fresh:
             recordings = {c: self._store.recording(c.name, self._keys[c]) for c in cameras}
+        self._tell_damaged()
+        self._queue.extend(camera for camera in cameras if recordings.get(camera) is None)
+        self._total[RECORDING] = len(self._queue)
+        if not self._waits_for_clocks:
+            self._reuse_pairs()
+        for camera, recording in recordings.items():
+            if recording is not None:
+                self._recorded(camera, recording, None)
+        self._reused = not self._waits_for_clocks
+
+    def _reuse_pairs(self) -> None:
+        """Take the pairs that an earlier run kept, whose options are known now."""
+        cameras, pairs = self._job.cameras, self._pairs
+        if not self._job.fresh:
             for pair in pairs:
                 kept = self._store.pair(self._stem(pair), self._pair_key(pair))
                 if kept is not None:
                     self._kept[pair] = kept
-        for text in self._store.damaged:
-            self._watch.warning(f"{text}; it is made again")
-        self._queue.extend(camera for camera in cameras if recordings.get(camera) is None)
-        self._total = {"recording": len(self._queue), "matching": len(pairs) - len(self._kept)}
-        reused = len(cameras) - len(self._queue)
+            self._tell_damaged()
+        self._total[MATCHING] = len(pairs) - len(self._kept)
+        reused = len(cameras) - self._total[RECORDING]
         if reused or self._kept:
             self._watch.note(
                 f"kept from an earlier run in {self._job.out}: {reused} of {len(cameras)} recordings, "
                 f"{len(self._kept)} of {len(pairs)} pairs"
             )
-        for camera, recording in recordings.items():
-            if recording is not None:
-                self._recorded(camera, recording, None)
-        self._reused = True
+
+    def _tell_damaged(self) -> None:
+        for text in self._store.damaged:
+            self._watch.warning(f"{text}; it is made again")
+        self._store.damaged.clear()
+
+    @property
+    def _waits_for_clocks(self) -> bool:
+        """Whether no pair can start before the clocks of all cameras are known."""
+        asked = self._job.pair.time_offset == "auto" or self._job.chooses_pairs
+        return asked and self._offsets is None
 
     def _stem(self, pair: Pair) -> str:
         return self._stems[pair[0].name, pair[1].name]
 
     def _pair_key(self, pair: Pair) -> str | None:
-        return pair_key(self._keys[pair[0]], self._keys[pair[1]], self._job.pair)
+        return pair_key(self._keys[pair[0]], self._keys[pair[1]], self._options(pair))
+
+    def _options(self, pair: Pair) -> PairOptions:
+        """Options of one pair, with its offset where the clocks of all cameras were found."""
+        recorded = self._recorded_cameras
+        if not all(camera in recorded for camera in pair):
+            return self._job.pair
+        films = [self.results.recordings[camera] for camera in recorded]
+        return pair_options(self._job.pair, self._offsets, films, *map(recorded.index, pair))
+
+    @property
+    def _recorded_cameras(self) -> list[CameraInput]:
+        return [camera for camera in self._job.cameras if camera in self.results.recordings]
+
+    def _next_stage(self) -> bool:
+        """Start what waits for all that ran, and say whether there was something."""
+        cameras = self._recorded_cameras
+        films = [self.results.recordings[camera] for camera in cameras]
+        no_network = why_no_network(self._job, self.results.recordings)
+        if not self._clocks_asked:
+            self._clocks_asked = True
+            given = given_clocks(self._job, films)
+            if given is not None:
+                self._clocks_found(given)
+                return True
+            wanted = self._job.pair.time_offset == "auto" or no_network is None
+            if wanted and len(films) > 1:
+                key = self._clocks_key(cameras)
+                kept = None if self._job.fresh else self._store.clocks(key)
+                if kept is None:
+                    self._total[CLOCKS] = 1
+                    self._submit(Task(CLOCKS), find_clocks, self._job.pair.search_seconds, *films)
+                else:
+                    self._clocks_found(kept)
+                return True
+        if not self._network_asked:
+            self._network_asked = True
+            if no_network is None and self._offsets is not None:
+                return self._start_network(cameras, films, self._offsets)
+            self._joined(None, no_network or self._no_clocks)
+        return bool(self._running)
+
+    def _clocks_key(self, cameras: Sequence[CameraInput]) -> str | None:
+        return clocks_key([self._keys[camera] for camera in cameras], self._job.pair.search_seconds)
+
+    def _clocks_found(self, offsets: ClockOffsets) -> None:
+        """Take the offsets of all clocks, and start the pairs that waited for them."""
+        waited = self._waits_for_clocks
+        self._offsets = offsets
+        if not waited:
+            return
+        recorded = self._recorded_cameras
+        self._pairs = list(combinations(recorded, 2))
+        if self._job.chooses_pairs:
+            films = [self.results.recordings[camera] for camera in recorded]
+            self._pairs = [(recorded[a], recorded[b]) for a, b in pairs_to_search(films, offsets)]
+            every = len(recorded) * (len(recorded) - 1) // 2
+            self._watch.note(
+                f"{len(self._pairs)} of {every} pairs are searched, those that are likeliest to see the "
+                "same; the network has all"
+            )
+        self._reuse_pairs()
+        for pair in self._pairs:
+            self._start_pair(pair)
+        self._reused = True
+
+    def _start_network(
+        self, cameras: Sequence[CameraInput], films: Sequence[Recording], offsets: ClockOffsets
+    ) -> bool:
+        """Join all pairs, unless a network of the same was kept."""
+        self.results.write()  # what is finished is safe, whatever comes of the network
+        names = [camera.name for camera in cameras]
+        found = self.results.calibrations
+        pairs = [pair for pair in self._job.pairs if pair in found]
+        if not pairs:
+            self._joined(None, "no pair could be calibrated")
+            return False
+        offsets = final_clocks(offsets, films, found[pairs[0]])
+        keys = [self._pair_key(pair) for pair in pairs]
+        self._network_key = network_key(keys, names, offsets.seconds, self._job.lengths)
+        kept = None if self._job.fresh else kept_network(self._job.out, self._network_key)
+        if kept is not None:
+            self._joined(kept, None)
+            return False
+        self._total[NETWORK] = 1
+        calibrations = {(a.name, b.name): found[a, b] for a, b in pairs}
+        request = JoinRequest(names, calibrations, offsets, self._job.lengths)
+        self._submit(Task(NETWORK), join_cameras, request, *films)
+        return True
+
+    def _joined(self, network: Network | None, why: str | None) -> None:
+        """Take the network, or why there is none."""
+        self.results.network, self.results.no_network = network, why
+        try:
+            for text in self.results.write_network(self._network_key):
+                self._watch.warning(text)
+        except EpibarError as error:
+            self._watch.error(str(error))
+        self._watch.joined(network, why)
 
     def _hand_over(self) -> None:
         """Submit cameras, as many as may be recorded at once."""
         busy = sum(isinstance(task.of, CameraInput) for task in self._running.values())
         for _ in range(min(self._at_once - busy, len(self._queue))):
             camera = self._queue.popleft()
-            self._submit(_Task(camera), record_camera, camera.located(), self._job.record)
+            self._submit(Task(camera), record_camera, camera.located(), self._job.record)
 
-    def _submit(self, task: _Task, function: Callable[..., Any], *arguments: Any) -> None:
+    def _submit(self, task: Task, function: Callable[..., Any], *arguments: Any) -> None:
         if self._reporting is not None:
             arguments = (*arguments, self._reporting(task.progress))
         try:
@@ -168,16 +292,24 @@ class Runner:
         except RuntimeError as error:  # it is broken, or was shut down
             raise self._stopped(error) from error
 
-    def _take(self, task: _Task, future: Future[Any]) -> None:
+    def _take(self, task: Task, future: Future[Any]) -> None:
         """Take what a task returned or raised."""
         self._done[task.stage] += 1
         try:
-            value, seconds = future.result()
+            outcome = future.result()
+            if task.of == CLOCKS:
+                self._keep(self._store.keep_clocks, self._clocks_key(self._recorded_cameras), outcome)
+                self._clocks_found(outcome)
+                return
+            if task.of == NETWORK:
+                self._joined(outcome, None)
+                return
+            value, seconds = outcome
             if isinstance(task.of, CameraInput):
                 if not is_saved(task.of, self._job.record):
                     self._keep(self._store.keep_recording, task.of.name, self._keys[task.of], value, seconds)
                 self._recorded(task.of, value, seconds)
-            else:
+            elif isinstance(task.of, tuple):
                 self._calibrated(task.of, value, seconds, kept=False)
         except _Stopped:
             raise
@@ -201,16 +333,20 @@ class Runner:
         recordings = self.results.recordings
         recordings[camera] = recording
         for pair in self._job.pairs:
-            if camera not in pair or not all(one in recordings for one in pair):
-                continue
-            if pair in self._kept:
-                try:
-                    self._calibrated(pair, *self._kept[pair], kept=True)
-                except EpibarError as error:
-                    self._failed(pair, str(error))
-            else:
-                a, b = pair
-                self._submit(_Task(pair), calibrate_pair, recordings[a], recordings[b], self._job.pair)
+            both = camera in pair and all(one in recordings for one in pair)
+            if both and not self._waits_for_clocks:
+                self._start_pair(pair)
+
+    def _start_pair(self, pair: Pair) -> None:
+        """Take a pair that was kept, or hand it over."""
+        if pair in self._kept:
+            try:
+                self._calibrated(pair, *self._kept[pair], kept=True)
+            except EpibarError as error:
+                self._failed(pair, str(error))
+        else:
+            a, b = (self.results.recordings[camera] for camera in pair)
+            self._submit(Task(pair), calibrate_pair, a, b, self._options(pair))
 
     def _calibrated(self, pair: Pair, calibration: Calibration, seconds: float, kept: bool) -> None:
         stem = self._stem(pair)
@@ -228,7 +364,10 @@ class Runner:
         except EpibarError as error:
             self._watch.warning(f"{error}; the next run has to do it again")
 
-    def _failed(self, of: CameraInput | Pair, message: str) -> None:
+    def _failed(self, of: CameraInput | Pair | str, message: str) -> None:
+        if isinstance(of, str):
+            self._stage_failed(of, message)
+            return
         if isinstance(of, CameraInput):
             self.results.errors[of] = {"camera": of.name, "file": of.source, "message": message}
         else:
@@ -236,6 +375,17 @@ class Runner:
             message = f"{a.name} - {b.name}: {message}"
             self.results.errors[of] = {"a": a.name, "b": b.name, "message": message}
         self._watch.error(message)
+
+    def _stage_failed(self, stage: str, message: str) -> None:
+        """Go on with what does not need a stage that failed."""
+        self._watch.error(f"{stage}: {message}")
+        if stage == NETWORK:
+            self._joined(None, f"it could not be made: {message}")
+            return
+        self._no_clocks = f"the clocks could not be compared: {message}"
+        for pair in self._job.pairs if self._waits_for_clocks else ():
+            if all(camera in self.results.recordings for camera in pair):
+                self._failed(pair, self._no_clocks)
 
     def _tell(self) -> None:
         for text in self._news():

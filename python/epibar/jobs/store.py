@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,15 @@ from ..calibration import Calibration
 from ..errors import EpibarError
 from ..files import calibration_npz as calibration_file
 from ..files.archive import read_archive, write_archive
+from ..files.json_file import read_json_object, write_json
+from ..network.offsets import ClockOffsets
 from ..recording import Recording
 
 __all__ = ["Store"]
 
 KEY = "epibar_key"
 SECONDS = "epibar_seconds"
+CLOCKS = "recordings/clocks.json"
 
 
 class Store:
@@ -72,6 +76,27 @@ class Store:
     def keep_pair(self, stem: str, key: str | None, kept: Calibration, seconds: float) -> None:
         """Write a calibration, unless it has no key to be found by."""
         self._write(self._pair(stem), key, calibration_file.to_arrays(kept), seconds)
+
+    def clocks(self, key: str | None) -> ClockOffsets | None:
+        """Return the kept offsets of all clocks, if there are some with this key."""
+        path = self.out / CLOCKS
+        if key is None or not path.exists():
+            return None
+        try:
+            kept = read_json_object(path, "clocks kept by epibar")
+            if kept.get(KEY) != key:
+                return None
+            seconds = [math.nan if value is None else float(value) for value in kept["seconds"]]
+            return ClockOffsets(tuple(seconds), bool(kept["together"]))
+        except (KeyError, TypeError, ValueError, EpibarError) as error:
+            self.damaged.append(str(error) if isinstance(error, EpibarError) else f"{path}: damaged")
+            return None
+
+    def keep_clocks(self, key: str | None, kept: ClockOffsets) -> None:
+        """Write the offsets of all clocks, unless they have no key to be found by."""
+        if key is not None:
+            content = {KEY: key, "seconds": list(kept.seconds), "together": kept.together}
+            write_json(self.out / CLOCKS, content)
 
     def _recording(self, name: str) -> Path:
         return self.out / "recordings" / f"{name}.npz"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 
 from ..calibration import Calibration
+from ..network.result import Network
 from ..recording import Recording
 
 __all__ = ["Watch", "summary"]
@@ -35,6 +36,10 @@ class Watch:
         """Take a calibration and the seconds it took, None where it was kept from an earlier run."""
         time = "kept" if seconds is None else f"{seconds:.1f} s"
         self.verdict(f"{a} - {b}: {summary(calibration)} ({time})")
+
+    def joined(self, network: Network | None, reason: str | None) -> None:
+        """Take the network of all cameras; or None, and why there is none."""
+        self.verdict(f"network: {reason if network is None else network.reason}")
 
     def progress(self, stage: str, done: float, total: int) -> None:
         """Take how many of a stage's tasks are done, fractions included; called several times a second."""

@@ -140,8 +140,12 @@ def write_cameras(
         The file cannot be written.
     """
     tables = []
+    cameras = list(cameras)
+    # aniposelib sorts its tables by their names: numbers are as long as the last one.
+    digits = len(str(len(cameras) - 1))
     for index, camera in enumerate(cameras):
-        rows = [f"[cameras.{index}]", f"cam_id = {index}"] if caliscope else [f"[cam_{index}]"]
+        number = f"{index:0{digits}d}"
+        rows = [f"[cameras.{index}]", f"cam_id = {index}"] if caliscope else [f"[cam_{number}]"]
         rows += [f"name = {json.dumps(camera.name, ensure_ascii=False)}"]
         rows += [f"size = {list(camera.size)}", f"matrix = {camera.matrix.tolist()}"]
         rows += [f"distortions = {camera.distortions.tolist()}"]

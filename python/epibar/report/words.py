@@ -25,7 +25,8 @@ ADVICE = {
         "empty scene (`--background`), or your own masks (`--masks`).",
     ],
     "no_common_scene": [
-        "If the cameras were not started together, search for the offset: `--time-offset search`.",
+        "If the cameras were started further apart, look further for the offset: `--search-seconds`; were "
+        "they triggered together, say so: `--time-offset 0`.",
         "Check that both cameras see the same people at the same time; views without overlap have no answer.",
         "Look at the heat maps: trees, screens and reflections drown what matters. Mask them with "
         "`--ignore`.",

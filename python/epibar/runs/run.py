@@ -19,7 +19,7 @@ from ..files.calibration_json import read_json
 from ..files.frontier_csv import read_frontier_points
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
-from ..lens.camera_file import find_camera
+from ..lens.camera_file import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 
@@ -239,6 +239,30 @@ class Run:
                 )
             found.append(given)
         return found
+
+    def lenses(self, where: str | None = None) -> dict[str, Intrinsics]:
+        """Lenses that were taken out of the recordings, by camera; none of a run without intrinsics.
+
+        Parameters
+        ----------
+        where : str, optional
+            Camera file; by default that of the run.
+
+        Raises
+        ------
+        EpibarError
+            The file is not there any more, or does not fit.
+        """
+        where = where or self.intrinsics
+        if where is None or all(camera.matrix is None for camera in self.cameras):
+            return {}
+        if not Path(where).is_file():
+            raise EpibarError(
+                f"{where}: the camera file of this run is not there any more, but its lenses are needed here"
+            )
+        known = load_cameras(where)
+        found = self.with_intrinsics(known, where).found_in(known, where)
+        return {camera.name: lens for camera, lens in zip(self.cameras, found, strict=True)}
 
     def poses(self) -> tuple[dict[tuple[str, str], RelativePose], list[str]]:
         """Relative pose of each pair whose camera matrices are known, and why others have none."""

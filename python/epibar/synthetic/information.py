@@ -106,11 +106,11 @@ def error_bound(situation: Filmed, a: int, b: int, where: Array | None = None, n
     values, vectors = np.linalg.eigh(information)
     if values[0] <= 1e-12 * values[-1]:
         return float("inf")
-    spread = vectors / np.sqrt(values)
+    root = vectors / np.sqrt(values)
     one, other = (_homogeneous(p) for p in situation.correspondences(a, b, where))
     if not len(one):
         return float("inf")
-    deviation = np.linalg.norm(np.einsum("ni,kij,nj->nk", other, steps, one) @ spread, axis=1)
+    deviation = np.linalg.norm(np.einsum("ni,kij,nj->nk", other, steps, one) @ root, axis=1)
     lengths = np.linalg.norm((one @ F.T)[:, :2], axis=1), np.linalg.norm((other @ F)[:, :2], axis=1)
     distance = 0.5 * deviation * (1 / lengths[0] + 1 / lengths[1])
     return float(np.sqrt(2 / np.pi) * distance.mean())

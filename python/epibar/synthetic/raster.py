@@ -116,9 +116,9 @@ def ellipsoid_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Arr
         False where the ellipsoid is not all in front of the camera.
     """
     local = centres @ camera.R.T + camera.t
-    spread = camera.R @ axes
-    visible = local[:, 2] - np.linalg.norm(spread[:, 2], axis=1) > NEAR
-    p, B = local @ camera.K.T, camera.K @ spread
+    turned = camera.R @ axes
+    visible = local[:, 2] - np.linalg.norm(turned[:, 2], axis=1) > NEAR
+    p, B = local @ camera.K.T, camera.K @ turned
     conic = B @ B.transpose(0, 2, 1) - p[:, :, None] * p[:, None, :]
     scale = np.where(visible, -conic[:, 2, 2], 1.0)
     conic = conic / scale[:, None, None]

@@ -120,6 +120,15 @@ class Situation:
             return Answer(False, "barely determined")
         return Answer(True)
 
+    def has_fundamental(self, a: int, b: int) -> bool:
+        """Whether an F holds between the pixels of two films, be it determined or not.
+
+        It does where both show one thing at one time, and also where one of them is mirrored: that F has a
+        rank of 2 and maps points to lines as any other, though poses from it are of another scene.
+        """
+        faults = {fault.kind for fault in self.faults if a in fault.cameras or b in fault.cameras}
+        return self.groups[a] == self.groups[b] or faults == {"mirrored"}
+
     def fundamental(self, a: int, b: int) -> Array:
         """Return the true F of a pair in undistorted pixels of the true matrices, as its films show them.
 

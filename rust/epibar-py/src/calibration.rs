@@ -28,6 +28,7 @@ pub fn calibrate(
     method: &str,
     seed: u64,
     time_offset: Option<f64>,
+    sharpen_offset: bool,
     search_seconds: f64,
     upright: bool,
     cameras: Option<PythonMatrices<'_>>,
@@ -49,7 +50,11 @@ pub fn calibrate(
     let mut options = CalibrateOptions::new()
         .method(method)
         .seed(seed)
-        .time_offset(time_offset.map_or(TimeOffset::Search { seconds: search_seconds }, TimeOffset::Known))
+        .time_offset(match time_offset {
+            None => TimeOffset::Search { seconds: search_seconds },
+            Some(offset) if sharpen_offset => TimeOffset::About(offset),
+            Some(offset) => TimeOffset::Known(offset),
+        })
         .upright(upright)
         .candidates(candidates)
         .draws(draws)

@@ -7,6 +7,7 @@ mod clocks;
 mod convert;
 mod examine;
 mod lines;
+mod network;
 mod recording;
 mod scores;
 mod watch;
@@ -27,6 +28,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::motion_lines, module)?)?;
+    module.add_function(wrap_pyfunction!(network::check_network, module)?)?;
+    module.add_function(wrap_pyfunction!(network::clock_offsets, module)?)?;
+    module.add_function(wrap_pyfunction!(network::join_network, module)?)?;
+    module.add_function(wrap_pyfunction!(network::pairs_to_search, module)?)?;
     module.add_function(wrap_pyfunction!(recording::remove_small, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;

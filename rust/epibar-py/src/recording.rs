@@ -189,6 +189,8 @@ impl Recording {
         arrays.set_item("hull_points", rows(py, parts.hull_points.iter().copied())?)?;
         arrays.set_item("hull_area", parts.hull_area.into_pyarray(py))?;
         arrays.set_item("hull_border", parts.hull_border.into_pyarray(py))?;
+        arrays.set_item("outline_start", parts.outline_start.into_pyarray(py))?;
+        arrays.set_item("outline_points", rows(py, parts.outline_points.iter().copied())?)?;
         Ok(arrays)
     }
 
@@ -208,6 +210,8 @@ impl Recording {
             .collect();
         let visible =
             if arrays.contains("visible")? { Some(flat::<u8>(arrays, "visible", 2)?) } else { None };
+        // Files of older versions have no outlines.
+        let outlined = arrays.contains("outline_start")?;
         let parts = RecordingParts {
             size: [*width as usize, *height as usize],
             times,
@@ -215,12 +219,11 @@ impl Recording {
             barcodes: barcodes.words().to_vec(),
             frame_start: flat(arrays, "frame_start", 1)?,
             hull_start: flat(arrays, "hull_start", 1)?,
-            hull_points: flat::<u16>(arrays, "hull_points", 2)?
-                .chunks_exact(2)
-                .map(|p| [p[0], p[1]])
-                .collect(),
+            hull_points: points(arrays, "hull_points")?,
             hull_area: flat(arrays, "hull_area", 1)?,
             hull_border: flat(arrays, "hull_border", 1)?,
+            outline_start: if outlined { flat(arrays, "outline_start", 1)? } else { vec![0] },
+            outline_points: if outlined { points(arrays, "outline_points")? } else { Vec::new() },
             heat: flat(arrays, "heat", 2)?,
             moving_pixels: flat(arrays, "moving_pixels", 1)?,
             visible,
@@ -228,6 +231,10 @@ impl Recording {
         };
         Ok(Self { inner: enter(py, || epibar::Recording::try_from(parts))? })
     }
+}
+
+fn points(arrays: &Bound<'_, PyDict>, name: &str) -> PyResult<Vec<[u16; 2]>> {
+    Ok(flat::<u16>(arrays, name, 2)?.chunks_exact(2).map(|p| [p[0], p[1]]).collect())
 }
 
 fn array<'py, T: numpy::Element>(

@@ -8,6 +8,7 @@ pub use crate::frontier::{
     Class, CommonFrame, FrontierScore, Scorer, TangentMatch, View, Views, busy_frames, compare,
     frontier_score,
 };
+pub use crate::geometry::lens::Lens;
 pub use crate::geometry::seven_parameters::Step;
 pub use crate::geometry::{LinePair, PencilHomography, SevenParameters, area_between, epipolar_tangents};
 pub use crate::hypotheses::floor::find_floors;
@@ -21,9 +22,9 @@ pub use crate::matching::{
 pub use crate::random::generator;
 pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;
-pub use crate::recording::block::{BLOCK_FRAMES, PixelBlock};
 pub use crate::recording::components::Components;
 pub use crate::recording::hull::convex_hull;
+pub use crate::recording::pixel_words::{BLOCK_FRAMES, PixelBlock};
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
 pub use crate::refine::refine;

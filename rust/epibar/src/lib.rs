@@ -3,15 +3,20 @@
 //! Two stationary cameras that look at one scene from very different sides share no texture, but both see the same
 //! things move. This crate takes masks of what moves and gives the fundamental matrix, by the method of
 //! *Fundamental Matrices from Moving Objects Using Line Motion Barcodes* (Kasten, Ben-Artzi, Peleg and Werman,
-//! ECCV 2016; "the paper") and by frontier points, which go further.
+//! ECCV 2016; "the paper") and by frontier points, which are more exact.
+//!
+//! The words: the *motion barcode* of a line is one bit for each frame, whether something moves on the line; epipolar
+//! lines of one plane have nearly the same. A *silhouette* is what moves in one mask, as its convex hull. An *epipolar tangent* is
+//! an epipolar line that touches a silhouette, and where it does is a *frontier point*: a point in space that both cameras show.
 //!
 //! A [`Recorder`] takes the masks of one camera, frame by frame; its [`Recording`] holds lines with their motion
 //! barcodes, silhouettes and a heat map, and no image. [`calibrate()`] takes two recordings, and its [`Calibration`] has
-//! the matrix, a [`Verdict`] whether it can be relied on, and the numbers behind it. [`examine()`] asks what speaks for a
-//! matrix that you already have.
+//! the matrix, a [`Verdict`] whether it can be relied on, and the numbers behind it: look at [`Calibration::accepted`]
+//! before the matrix, as a refused one is there too. [`examine()`] asks what speaks for a matrix that you already have. The
+//! feature `files` adds `save` and `load` to recordings and calibrations, in the files of the Python package.
 //!
-//! Conventions: points are `(x, y)` in pixels with pixel centres at integers, `x_bᵀ F x_a = 0`. Results
-//! depend on the recordings, the options and their seed, and not on the number of threads.
+//! Conventions: a mask is row-major and non-zero where something moves; points are `(x, y)` in pixels with pixel centres at
+//! integers; `x_bᵀ F x_a = 0`. Results depend on the recordings, the options and their seed, and not on the number of threads.
 //!
 //! Balls that fly before two cameras far away and at a right angle to one another: a ball is a disc at the same height
 //! in both, and the epipolar lines are horizontal.
@@ -65,6 +70,7 @@ mod image;
 pub mod internals;
 mod lines;
 mod matching;
+pub mod network;
 mod options;
 mod random;
 mod recording;

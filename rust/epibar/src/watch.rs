@@ -32,6 +32,10 @@ pub enum Stage {
     Settle,
     /// Line pairs alone, as in the paper.
     Lines,
+    /// Pairs of a network are calibrated by themselves.
+    Pairs,
+    /// All cameras together.
+    Network,
 }
 
 impl Stage {
@@ -51,6 +55,8 @@ impl Stage {
             Self::Explore => "explore",
             Self::Settle => "settle",
             Self::Lines => "lines",
+            Self::Pairs => "pairs",
+            Self::Network => "network",
         }
     }
 }

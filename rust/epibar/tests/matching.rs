@@ -188,6 +188,8 @@ fn recording(
     let total: u64 = heat.iter().map(|&h| u64::from(h)).sum();
     let share = |k: u64| (total * (k + 1) / frames as u64 - total * k / frames as u64) as u32;
     let parts = RecordingParts {
+        outline_start: Vec::new(),
+        outline_points: Vec::new(),
         size: [size.width(), size.height()],
         times: (0..frames).map(|k| k as f64).collect(),
         segments,

@@ -3,7 +3,7 @@
 use super::aligned::Aligned;
 use super::clock::Clock;
 use super::offset::{FoundOffset, find_offset};
-use super::sharpen::{Measured, sharpen};
+use super::offset_and_drift::{Measured, sharpen};
 use super::timing::{TimeOffset, Timing};
 use crate::error::Result;
 use crate::frontier::{busy_frames, symmetric_score};
@@ -62,6 +62,7 @@ impl<'a> Clocks<'a> {
     ) -> Result<Self> {
         let (clock, found, next) = match offset {
             TimeOffset::Known(offset) => (Clock::at(offset), None, Next::Drift),
+            TimeOffset::About(offset) => (Clock::at(offset), None, Next::First),
             TimeOffset::Search { seconds } => {
                 let found = find_offset(a, b, seconds, watch)?;
                 (Clock::at(found.map_or(0.0, |s| s.offset)), found, Next::First)

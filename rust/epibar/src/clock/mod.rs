@@ -3,8 +3,8 @@
 //! A [`Clock`] is a line: where A's first frame falls in B, and how fast B's time runs against A's. From it each frame
 //! of A gets a *position* in B, a frame number that need not be whole: [`between`] draws the silhouettes of B as they were
 //! at such a position, and [`aligned`] puts both recordings on one time line. [`offset`] finds the offset before any `F`
-//! is known, [`sharpen`] measures it, and the rate, once there is one ([`equations`] are what it solves), and [`alternate`]
-//! goes from one to the other, as neither can be had without the other.
+//! is known, [`offset_and_drift`] measures both to a fraction of a frame once there is one ([`equations`] are what it
+//! solves), and [`alternate`] goes from one to the other, as neither can be had without the other.
 
 pub mod aligned;
 pub mod alternate;
@@ -13,11 +13,11 @@ pub mod between;
 pub mod clock;
 mod equations;
 pub mod offset;
-pub mod sharpen;
+pub mod offset_and_drift;
 pub mod timing;
 
 pub use aligned::Aligned;
 pub use alternate::Clocks;
 pub use clock::{Clock, common_frames};
-pub use offset::find_offset;
+pub use offset::{find_offset, score_at_offset};
 pub use timing::{RunnerUp, TimeOffset, Timing};

@@ -18,6 +18,10 @@ pub struct FoundOffset {
     pub runner_up: Option<RunnerUp>,
     /// How many shifts were tried.
     pub trials: usize,
+    /// How well the best pairs of lines agree there: the mean of Fisher's z.
+    pub score: f64,
+    /// The same without a shift; −∞ where too few frames are common then.
+    pub unshifted: f64,
 }
 
 /// Lines of each camera with which every shift is tried, and with which the best of those are weighed.
@@ -90,7 +94,22 @@ pub fn find_offset(
     let runner_up = best(&others, 1)
         .first()
         .map(|&s| RunnerUp { offset: s as f64, share: score_of(s) / score_of(offset) });
-    Ok(Some(FoundOffset { offset: offset as f64, runner_up, trials: 2 * reach as usize + 1 }))
+    Ok(Some(FoundOffset {
+        offset: offset as f64,
+        runner_up,
+        trials: 2 * reach as usize + 1,
+        score: score_of(offset),
+        unshifted: many.score(0)?,
+    }))
+}
+
+/// How well the best pairs of lines agree at an offset, frames of B, as [`FoundOffset::score`]; −∞ where too few frames are
+/// common.
+///
+/// # Errors
+/// None that input can cause.
+pub fn score_at_offset(a: &Recording, b: &Recording, offset: f64) -> Result<f64> {
+    Shifts::new(a, b, LINES[1]).score_at(offset)
 }
 
 /// The shifts with the highest finite scores, best first; of equals the smaller.
@@ -128,7 +147,11 @@ impl<'a> Shifts<'a> {
     /// The mean of Fisher's z. What a line sees between two changes is one observation, however many frames it lasts:
     /// a pair of lines that change but seldom, or a short overlap, correlates by chance.
     fn score(&self, shift: i64) -> Result<f64> {
-        let mut pairs = common_frames(self.a, self.b, shift as f64);
+        self.score_at(shift as f64)
+    }
+
+    fn score_at(&self, offset: f64) -> Result<f64> {
+        let mut pairs = common_frames(self.a, self.b, offset);
         pairs.retain(|p| self.stretch.contains(&p.a));
         let least = (self.stretch.len().min(self.b.frames()) / 3).max(16);
         if pairs.len() < least {

@@ -1,7 +1,7 @@
 //! What is given and what is found out of the clocks.
 
 use super::clock::Clock;
-use super::sharpen::{MEASURABLE_PPM, Measured};
+use super::offset_and_drift::{MEASURABLE_PPM, Measured};
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 
@@ -11,6 +11,8 @@ use crate::recording::Recording;
 pub enum TimeOffset {
     /// Frame 0 of A falls this many frames of B after frame 0 of B.
     Known(f64),
+    /// As [`TimeOffset::Known`], but to a frame or two: it is sharpened with the geometry.
+    About(f64),
     /// Found from the barcodes, within this many seconds either way.
     Search {
         /// Largest offset considered, seconds.
@@ -21,7 +23,9 @@ pub enum TimeOffset {
 impl TimeOffset {
     pub(crate) fn check(self) -> Result<()> {
         let (value, ok, expected) = match self {
-            Self::Known(offset) => (offset, offset.is_finite(), "a finite number of frames"),
+            Self::Known(offset) | Self::About(offset) => {
+                (offset, offset.is_finite(), "a finite number of frames")
+            }
             Self::Search { seconds } => {
                 (seconds, seconds.is_finite() && seconds > 0.0, "a positive number of seconds to search")
             }

@@ -119,6 +119,9 @@ impl SavedRecording {
         put(a, "core_hull_points", &[points.len(), 2], points.iter().flatten().copied())?;
         put(a, "core_hull_area", &[parts.hull_area.len()], parts.hull_area)?;
         put(a, "core_hull_border", &[parts.hull_border.len()], parts.hull_border)?;
+        put(a, "core_outline_start", &[parts.outline_start.len()], parts.outline_start)?;
+        let points = &parts.outline_points;
+        put(a, "core_outline_points", &[points.len(), 2], points.iter().flatten().copied())?;
         Ok(arrays)
     }
 
@@ -138,6 +141,13 @@ impl SavedRecording {
             segments.as_chunks().0.iter().map(|&[x0, y0, x1, y1]| Segment { x0, y0, x1, y1 }).collect();
         let words = [Some(segments.len()), Some(times.len().div_ceil(64))];
         let points: Vec<u16> = shaped(a, "core_hull_points", &[None, Some(2)])?;
+        // Files of older versions have no outlines.
+        let (outline_start, outline_points) = if a.contains_key("core_outline_start") {
+            let points: Vec<u16> = shaped(a, "core_outline_points", &[None, Some(2)])?;
+            (shaped(a, "core_outline_start", &[None])?, points.as_chunks().0.to_vec())
+        } else {
+            (vec![0], Vec::new())
+        };
         let visible = a.contains_key("core_visible");
         let parts = RecordingParts {
             size,
@@ -149,6 +159,8 @@ impl SavedRecording {
             hull_points: points.as_chunks().0.to_vec(),
             hull_area: shaped(a, "core_hull_area", &[None])?,
             hull_border: shaped(a, "core_hull_border", &[None])?,
+            outline_start,
+            outline_points,
             heat: shaped(a, "core_heat", &image)?,
             moving_pixels: shaped(a, "core_moving_pixels", &[None])?,
             visible: if visible { Some(shaped(a, "core_visible", &image)?) } else { None },

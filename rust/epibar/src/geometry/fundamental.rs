@@ -124,12 +124,12 @@ impl Fundamental {
         &self.epipole_b
     }
 
-    /// Epipolar line in B of a point of A.
+    /// Epipolar line `F a` in B of a homogeneous point of A: `(a, b, c)` of any length.
     pub fn line_in_b(&self, a: &Homogeneous) -> Homogeneous {
         self.matrix * a
     }
 
-    /// Epipolar line in A of a point of B.
+    /// Epipolar line `Fᵀ b` in A of a homogeneous point of B: `(a, b, c)` of any length.
     pub fn line_in_a(&self, b: &Homogeneous) -> Homogeneous {
         self.matrix.tr_mul(b)
     }

@@ -11,6 +11,7 @@ pub mod fundamental;
 pub mod homography;
 pub mod hull;
 pub mod least_matrix;
+pub mod lens;
 pub mod pencil;
 pub mod seven_parameters;
 pub mod tangent;

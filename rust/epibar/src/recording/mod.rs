@@ -4,8 +4,8 @@
 //!
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
-//!    [`silhouettes`] keeps the hulls.
-//! 3. [`bit_planes`] turns masks into words of time, [`block`] packs 512 frames into one cache line per pixel, and
+//!    [`silhouettes`] keeps the hulls; [`outline`] adds what a lens needs beyond them.
+//! 3. [`bit_planes`] turns masks into words of time, [`pixel_words`] packs 512 frames into one cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
 //! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends.
@@ -14,10 +14,11 @@
 
 pub mod barcode;
 pub mod bit_planes;
-pub mod block;
 pub mod components;
 pub mod hull;
+pub mod outline;
 pub mod parts;
+pub mod pixel_words;
 pub mod recorder;
 #[allow(clippy::module_inception, reason = "the recording itself, beside what makes one")]
 pub mod recording;

@@ -28,6 +28,11 @@ pub struct RecordingParts {
     pub hull_area: Vec<u32>,
     /// Whether each hull is cut where the view ends.
     pub hull_border: Vec<bool>,
+    /// For each hull its first further point, and the number of those as the last entry; 0 alone where the recording
+    /// has none.
+    pub outline_start: Vec<u32>,
+    /// Further points `[x, y]` of silhouettes: corners of the hull only through a lens, pixels.
+    pub outline_points: Vec<[u16; 2]>,
     /// For each pixel, row-major, the number of frames in which it moves.
     pub heat: Vec<u32>,
     /// For each frame the number of moving pixels.
@@ -40,7 +45,8 @@ pub struct RecordingParts {
 
 impl From<Recording> for RecordingParts {
     fn from(recording: Recording) -> Self {
-        let Silhouettes { frame_start, hull_start, points, area, border } = recording.silhouettes;
+        let Silhouettes { frame_start, hull_start, points, area, border, outline_start, outline_points } =
+            recording.silhouettes;
         Self {
             size: [recording.size.width, recording.size.height],
             times: recording.times,
@@ -51,6 +57,8 @@ impl From<Recording> for RecordingParts {
             hull_points: points,
             hull_area: area,
             hull_border: border,
+            outline_start,
+            outline_points,
             heat: recording.heat,
             moving_pixels: recording.moving_pixels,
             visible: recording.visible.map(|visible| visible.to_vec()),
@@ -81,6 +89,9 @@ impl TryFrom<RecordingParts> for Recording {
                 points: parts.hull_points,
                 area: parts.hull_area,
                 border: parts.hull_border,
+                // One made without them may say so by an empty array.
+                outline_start: if parts.outline_start.is_empty() { vec![0] } else { parts.outline_start },
+                outline_points: parts.outline_points,
             },
             heat: parts.heat,
             moving_pixels: parts.moving_pixels,
@@ -164,6 +175,13 @@ impl Silhouettes {
         let areas = self.area.iter().all(|&area| (1..=size.pixels()).contains(&(area as usize)));
         ensure(areas, || "a silhouette has an impossible area".into())?;
         let inside = |&[x, y]: &[u16; 2]| usize::from(x) < size.width && usize::from(y) < size.height;
-        ensure(self.points.iter().all(inside), || "a hull leaves the image".into())
+        ensure(self.points.iter().all(inside), || "a hull leaves the image".into())?;
+        if self.outline_start.len() == 1 && hulls > 0 {
+            return ensure_length("points of outlines", self.outline_points.len(), 0);
+        }
+        ensure_length("ends of outlines", self.outline_start.len(), hulls + 1)?;
+        let outlines = offsets(&self.outline_start, self.outline_points.len());
+        ensure(outlines, || "hulls and outlines do not fit together".into())?;
+        ensure(self.outline_points.iter().all(inside), || "an outline leaves the image".into())
     }
 }

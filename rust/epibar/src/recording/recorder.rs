@@ -6,8 +6,9 @@
 
 use super::barcode::Barcodes;
 use super::bit_planes::BitPlanes;
-use super::block::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
+use super::outline::OutlineFinder;
+use super::pixel_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;
@@ -96,6 +97,7 @@ pub struct Recorder {
     segments: Vec<Segment>,
     times: Vec<f64>,
     found: Components,
+    outlines: OutlineFinder,
     /// Nearly all of the memory, which is first taken when there is a frame: whoever learns a background before that
     /// needs as much.
     pixels: Option<Pixels>,
@@ -142,6 +144,7 @@ impl Recorder {
             segments: border_segments(size, options.lines, options.seed),
             times: Vec::new(),
             found: Components::new(),
+            outlines: OutlineFinder::default(),
             pixels: None,
             blocks: Vec::new(),
             silhouettes: Silhouettes::default(),
@@ -199,7 +202,7 @@ impl Recorder {
         }
         self.found.find(mask, self.size);
         let least = self.options.min_component_area;
-        self.silhouettes.push(&self.found, self.size, self.visible.as_deref(), least)?;
+        self.silhouettes.push(&self.found, &mut self.outlines, self.size, self.visible.as_deref(), least)?;
         let bit = frame % BLOCK_FRAMES;
         let pixels = self.pixels.get_or_insert_with(|| Pixels::new(self.size));
         let mut moving = 0;

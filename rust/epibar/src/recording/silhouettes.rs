@@ -5,6 +5,7 @@
 
 use super::components::Components;
 use super::hull::convex_hull;
+use super::outline::OutlineFinder;
 use super::visible::on_border;
 use crate::error::{Error, Result};
 use crate::image::ImageSize;
@@ -24,6 +25,11 @@ pub struct Silhouettes {
     /// Whether a vertex of each hull is where the view ends: its tangents there are the view's, not the
     /// object's.
     pub(crate) border: Vec<bool>,
+    /// For each hull its first further point, and the number of those as the last entry; 0 alone where a recording was made
+    /// without them.
+    pub(crate) outline_start: Vec<u32>,
+    /// Further points `[x, y]`: corners of the hull only when the silhouette is seen through a lens ([`super::outline`]).
+    pub(crate) outline_points: Vec<[u16; 2]>,
 }
 
 impl Default for Silhouettes {
@@ -34,6 +40,8 @@ impl Default for Silhouettes {
             points: Vec::new(),
             area: Vec::new(),
             border: Vec::new(),
+            outline_start: vec![0],
+            outline_points: Vec::new(),
         }
     }
 }
@@ -70,6 +78,18 @@ impl Silhouettes {
         &self.points[self.hull_start[i] as usize..self.hull_start[i + 1] as usize]
     }
 
+    /// Points of a silhouette that are corners of its hull through some lens but not without one; none where the
+    /// recording was made without them.
+    ///
+    /// # Panics
+    /// If there is no such hull.
+    pub fn outline(&self, i: usize) -> &[[u16; 2]] {
+        if self.outline_start.len() <= 1 {
+            return &[];
+        }
+        &self.outline_points[self.outline_start[i] as usize..self.outline_start[i + 1] as usize]
+    }
+
     /// Pixels of the connected component of a hull.
     ///
     /// # Panics
@@ -90,6 +110,7 @@ impl Silhouettes {
     pub(super) fn push(
         &mut self,
         found: &Components,
+        outlines: &mut OutlineFinder,
         size: ImageSize,
         visible: Option<&[u8]>,
         min_area: usize,
@@ -97,7 +118,10 @@ impl Silhouettes {
         for component in found.components() {
             if component.area as usize >= min_area {
                 let first = self.points.len();
-                convex_hull(found.runs_of(component), &mut self.points);
+                let runs = found.runs_of(component);
+                convex_hull(runs, &mut self.points);
+                outlines.find(runs, &self.points[first..], size, &mut self.outline_points);
+                self.outline_start.push(offset(self.outline_points.len())?);
                 let cut = |p: &[u16; 2]| on_border(size, visible, p.map(f64::from));
                 self.border.push(self.points[first..].iter().any(cut));
                 self.hull_start.push(offset(self.points.len())?);
@@ -133,7 +157,7 @@ mod tests {
         square[0] = 1;
         for mask in [&square[..], &[0; 200], &square] {
             found.find(mask, size);
-            silhouettes.push(&found, size, None, 2).unwrap();
+            silhouettes.push(&found, &mut OutlineFinder::default(), size, None, 2).unwrap();
         }
         assert_eq!((silhouettes.frames(), silhouettes.len()), (3, 2));
         assert_eq!(silhouettes.hulls(1), 1..1);

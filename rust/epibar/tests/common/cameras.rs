@@ -32,6 +32,29 @@ impl Camera {
         Self { size, k: Matrix3::new(focal, 0.0, cx, 0.0, focal, cy, 0.0, 0.0, 1.0), r, t: -(r * position) }
     }
 
+    /// The same with the principal point in the middle of the image, as a network takes it to be unless told otherwise.
+    pub fn centred(self) -> Self {
+        let mut k = self.k;
+        (k[(0, 2)], k[(1, 2)]) = (0.5 * self.size.x_max(), 0.5 * self.size.y_max());
+        Self { k, ..self }
+    }
+
+    /// The same, knocked: turned about its centre.
+    pub fn turned(self, turn: &nalgebra::Rotation3<f64>) -> Self {
+        let (r, centre) = (turn * self.r, self.centre());
+        Self { t: -(r * centre), r, ..self }
+    }
+
+    /// The camera matrix.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        self.k
+    }
+
+    /// World to camera.
+    pub fn rotation(&self) -> Matrix3<f64> {
+        self.r
+    }
+
     /// The centre of projection.
     pub fn centre(&self) -> Vector3<f64> {
         -self.r.tr_mul(&self.t)

@@ -75,7 +75,11 @@ impl Scene {
 
     /// What moves at a moment, which may lie between frames.
     pub fn mask_at(&self, camera: usize, frame: f64) -> Mask {
-        let camera = &self.cameras[camera];
+        self.seen_by(&self.cameras[camera], frame)
+    }
+
+    /// What any camera would see move at a moment.
+    pub fn seen_by(&self, camera: &Camera, frame: f64) -> Mask {
         let mut mask = vec![0; camera.size.pixels()];
         for body in &self.bodies {
             let corners: Option<Vec<[f64; 2]>> =

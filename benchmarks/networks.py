@@ -1,0 +1,175 @@
+"""Fresh networks of unknown cameras: what is accepted, how wrong it is, and whether what is stated holds.
+
+Nothing is known of the cameras, not even when they started. The seeds of a reported table come from
+the commit's own hash, as those of ``fresh.py``.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from argparse import ArgumentParser, Namespace
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fresh_seeds import commit, commit_seed
+from options import natural, numbers
+from tables import progress
+
+FAMILIES = (
+    *("network", "network_plain", "network_off_centre", "network_large"),
+    *("network_stranger", "network_reversed", "network_shifted", "network_knocked", "network_split"),
+    "network_false_pair",
+)
+WRONG = (3.0, 1.0)
+"""An accepted camera is wrong beyond so many times its stated rotation error, and so many degrees."""
+
+
+def start_worker() -> None:
+    """One thread for each worker: there are as many workers as cores."""
+    os.environ["RAYON_NUM_THREADS"] = "1"
+    os.nice(10)
+
+
+def run(family: str, seed: int, lines: int) -> dict[str, Any]:
+    """Draw a situation, record its cameras as they film, calibrate the network, hold it against the truth."""
+    import epibar
+    from epibar import synthetic
+
+    situation = synthetic.situation(seed, family)
+    started = time.perf_counter()
+    recordings = {c.name: situation.recording(i, lines) for i, c in enumerate(situation.cameras)}
+    recorded = time.perf_counter()
+    stages: dict[str, float] = {}
+
+    def stage(name: str, _: float) -> None:
+        stages.setdefault(name, time.perf_counter())
+
+    network = epibar.calibrate_network(recordings, seed=seed % 2**32, progress=stage)
+    ended = time.perf_counter()
+    blamed = sorted({situation.cameras[c].name for fault in situation.faults for c in fault.cameras})
+    clocks = {
+        c.name: abs(network.clocks[c.name].offset - situation.clock_between(0, i)[0])
+        * situation.clocks[i].fps
+        for i, c in enumerate(situation.cameras)
+        if network.cameras[c.name].accepted
+    }
+    return {
+        "family": family,
+        "seed": seed,
+        "cameras": len(recordings),
+        "blamed": blamed,
+        "left_out": network.left_out,
+        "status": {name: camera.status for name, camera in network.cameras.items()},
+        "errors": errors(situation, network),
+        "clocks": list(clocks.values()) if situation.cameras[0].name in clocks else [],
+        "seconds": [
+            recorded - started,
+            stages.get("network", ended) - recorded,
+            ended - stages.get("network", ended),
+        ],
+    }
+
+
+def errors(situation: Any, network: Any) -> dict[str, list[float]]:
+    """Errors of focal length, rotation (degrees), position (share of the rig), and those stated."""
+    from epibar import synthetic
+    from epibar.synthetic.camera import Camera
+
+    found = {
+        name: Camera(c.matrix, c.rotation, c.translation, (1, 1), name)
+        for name, c in network.cameras.items()
+        if c.accepted
+    }
+    if len(found) < 2:
+        return {}
+    wrong = synthetic.network_errors(situation, found)
+    places = np.array([camera.centre for camera in found.values()])
+    rig = max(np.linalg.norm(p - q) for p in places for q in places)
+    stated = {name: network.cameras[name].expected for name in found}
+    return {
+        name: [
+            *(abs(wrong[name].focal), wrong[name].rotation, wrong[name].position),
+            *(stated[name]["focal"], stated[name]["rotation"], stated[name]["position"] / rig),
+        ]
+        for name in found
+    }
+
+
+def row(outcomes: list[dict[str, Any]]) -> str:
+    """One family in a row of the table."""
+    cameras = [e for o in outcomes for e in o["errors"].values()]
+    sound = sum(o["cameras"] - len(o["blamed"]) for o in outcomes)
+    accepted = sum(len(o["errors"]) for o in outcomes)
+    named = sum(set(o["blamed"]) <= set(o["left_out"]) for o in outcomes if o["blamed"])
+    faulty = sum(bool(o["blamed"]) for o in outcomes)
+    cells = [
+        outcomes[0]["family"],
+        str(len(outcomes)),
+        f"{accepted} of {sound}",
+        f"{named} of {faulty}" if faulty else "",
+    ]
+    if cameras:
+        e = np.array(cameras)
+        wrong = (e[:, 1] > WRONG[0] * e[:, 4]) & (e[:, 1] > WRONG[1])
+        for k, unit in ((0, 100), (1, 1), (2, 100)):
+            cells.append(f"{unit * np.median(e[:, k]):.2f}, {unit * np.quantile(e[:, k], 0.95):.2f}")
+        cells.append(" ".join(f"{100 * share:.0f}" for share in (e[:, :3] <= e[:, 3:]).mean(axis=0)))
+        cells.append(str(int(wrong.sum())))
+        clocks = [c for o in outcomes for c in o["clocks"]]
+        cells.append(f"{np.median(clocks):.3f}, {np.quantile(clocks, 0.95):.3f}" if clocks else "")
+    else:
+        cells += [""] * 6
+    seconds = np.sum([o["seconds"] for o in outcomes], axis=0)
+    cells.append(f"{seconds[2] / max(seconds[1], 1e-9):.2f}")
+    return "| " + " | ".join(cells) + " |"
+
+
+HEAD = (
+    "| family | networks | cameras accepted, of sound ones | faults named | focal length %, median, 95 % "
+    "| rotation ° | position, % of the rig | stated errors hold, % (f R C) | wrong | clocks, frames "
+    "| network : pairs |\n"
+    "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+)
+
+
+def main(arguments: Namespace) -> None:
+    origin = None if arguments.seeds else commit()
+    jobs = [
+        (family, seed, arguments.lines)
+        for family in arguments.families.split(",")
+        for seed in (
+            arguments.seeds or [commit_seed(origin or "", family, k) for k in range(arguments.networks)]
+        )
+    ]
+    outcomes = []
+    workers = ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker)
+    with workers as pool:
+        pending = [pool.submit(run, *job) for job in jobs]
+        for done in as_completed(pending):
+            outcome = done.result()
+            outcomes.append(outcome)
+            progress(f"{len(outcomes)} of {len(jobs)}: {outcome['family']}, left out {outcome['left_out']}")
+            if arguments.json:
+                arguments.json.write_text(json.dumps({"commit": origin, "outcomes": outcomes}, indent=1))
+    print(f"commit {origin}" if origin else "seeds by hand: no table to report")
+    print(HEAD)
+    for family in arguments.families.split(","):
+        of_family = sorted((o for o in outcomes if o["family"] == family), key=lambda o: o["seed"])
+        if of_family:
+            print(row(of_family))
+
+
+if __name__ == "__main__":
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("--families", default="network", help="some of: " + ",".join(FAMILIES))
+    parser.add_argument("--networks", type=natural, default=10, help="of each family (default %(default)s)")
+    parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
+    parser.add_argument("--lines", type=natural, default=20_000, help="per camera (default %(default)s)")
+    parser.add_argument("--workers", type=natural, default=os.cpu_count() or 1)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write every outcome there too")
+    main(parser.parse_args())

@@ -1,0 +1,49 @@
+"""``epibar scale``: metres for a network that is calibrated already."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+
+from .exit_codes import DONE
+from .options import CommandParser, add_length_options, add_output_options, lengths
+
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "scale"
+HELP = "give a calibrated network its metres, after the fact"
+DESCRIPTION = (
+    "Bring the network in DIR to metres, by all lengths that are given, weighted by their accuracy. Rewrites "
+    "network.json, cameras.toml and the network in calibration.json; pairs stay as they are."
+)
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
+    add_length_options(command)
+    add_output_options(command)
+
+
+def run(args: Namespace) -> int:
+    """Run the command."""
+    from ..errors import EpibarError
+    from ..files.calibration_json import read_json
+    from ..files.json_file import write_json
+    from ..jobs.network_files import NETWORK, write_network
+    from ..network import Network
+    from ..runs.run import Run
+    from .console import Console
+
+    console = Console(args.quiet, verbose=args.verbose)
+    given = lengths(args)
+    found = Run.load(args.folder)
+    folder = found.files[0].parent
+    if not (folder / NETWORK).exists():
+        raise EpibarError(f"{folder / NETWORK}: there is no network in this run to scale")
+    network = Network.load(folder / NETWORK).scaled(**given)
+    result = read_json(found.files[0])
+    for text in write_network(folder, network, None, found.lenses(), found.intrinsics):
+        console.warning(text)
+    write_json(found.files[0], {**result, "network": network.as_dict()})
+    console.joined(network, None)
+    return DONE

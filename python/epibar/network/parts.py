@@ -1,0 +1,230 @@
+"""What a network is made of: cameras, clocks, pairs, ground and scale."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..arguments import Array
+from ..errors import EpibarError
+from ..lens.intrinsics import Intrinsics
+from ..sources.opencv import opencv
+
+__all__ = [
+    "BASELINE",
+    "METRE",
+    "Ground",
+    "NetworkCamera",
+    "NetworkClock",
+    "NetworkPair",
+    "NetworkPairs",
+    "NetworkParts",
+    "Scale",
+]
+
+BASELINE = "baseline"
+"""Unit of length where the scale is not known: the distance between the first two cameras that stand."""
+
+METRE = "metre"
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkCamera:
+    """A camera of a network.
+
+    Attributes
+    ----------
+    name : str
+    size : (int, int)
+        Width and height of its images, pixels.
+    accepted : bool
+        Whether it can be relied on.
+    status : str
+        The verdict as one machine-readable word.
+    reason : str
+        The verdict in plain English.
+    matrix : ndarray, shape (3, 3), or None
+        Camera matrix, pixels, pixel centres at integers. None, as all that follows, where it has no place in
+        the network; there may be one though the camera is not accepted.
+    distortions : ndarray, shape (5,), or None
+        OpenCV's k1 k2 p1 p2 k3; 0 where the lens was taken out of the recording.
+    rotation : ndarray, shape (3, 3), or None
+        World to camera, ``X_c = R X + t``; world z is up.
+    translation : ndarray, shape (3,), or None
+        In the network's unit.
+    expected : dict of str to float, or None
+        Errors to expect, which the true ones are below nine times in ten: ``focal`` relative, ``rotation`` in
+        degrees, ``position`` in the network's unit, after the similarity that lays the network best over the
+        truth. Infinite where the data does not tell.
+    evidence : dict of str to float
+        What speaks for it on moments kept aside, as normal deviates: of ``tangents``, and of whole
+        ``silhouettes``.
+    """
+
+    name: str
+    size: tuple[int, int]
+    accepted: bool
+    status: str
+    reason: str
+    matrix: Array | None = None
+    distortions: Array | None = None
+    rotation: Array | None = None
+    translation: Array | None = None
+    expected: dict[str, float] | None = None
+    evidence: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def position(self) -> Array | None:
+        """Where it stands, (3,), in the network's unit."""
+        if self.rotation is None or self.translation is None:
+            return None
+        return -self.rotation.T @ self.translation
+
+    def intrinsics(self, lens: Intrinsics | None = None) -> Intrinsics:
+        """Return it as camera files describe it; ``lens`` is one that was taken out of the recording.
+
+        Raises
+        ------
+        EpibarError
+            It has no place in the network.
+        """
+        if self.matrix is None or self.rotation is None or self.translation is None:
+            raise EpibarError(f"{self.name} has no place in the network: {self.reason}")
+        rotation = np.asarray(opencv().Rodrigues(self.rotation)[0], dtype=np.float64).ravel()
+        distortions = np.zeros(5) if self.distortions is None else self.distortions
+        found = Intrinsics(self.name, self.size, self.matrix, distortions, False, rotation, self.translation)
+        if lens is None or not lens.distorted:
+            return found
+        return replace(found, distortions=lens.distortions, fisheye=lens.fisheye)
+
+
+@dataclass(frozen=True)
+class NetworkClock:
+    """The clock of a camera against that of the first: t there is ``t + offset + 1e-6 drift t`` here.
+
+    Attributes
+    ----------
+    offset : float or None
+        Seconds, both counted from the camera's own first frame. None where the camera has no place.
+    drift : float or None
+        Parts per million.
+    offset_error : float or None
+        Standard error of the offset, seconds.
+    """
+
+    offset: float | None = None
+    drift: float | None = None
+    offset_error: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkPair:
+    """A pair of cameras of a network.
+
+    Attributes
+    ----------
+    a, b : str
+        The cameras.
+    accepted : bool
+        Whether both are accepted, and nothing contradicts.
+    status : str
+        ``confirmed`` by what moves in both; ``predicted`` where too little does; ``contradicts`` where the
+        pair by itself was accepted with another geometry; ``outside`` where a camera has no place.
+    F : ndarray, shape (3, 3), or None
+        ``x_b^T F x_a = 0`` in undistorted pixels of the two camera matrices, Frobenius norm 1.
+    evidence : dict of str to float
+        As that of a camera.
+    """
+
+    a: str
+    b: str
+    accepted: bool
+    status: str
+    F: Array | None = None
+    evidence: dict[str, float] = field(default_factory=dict)
+
+    def swapped(self) -> NetworkPair:
+        """Return the same pair seen from B: F transposed."""
+        return replace(self, a=self.b, b=self.a, F=None if self.F is None else self.F.T)
+
+
+class NetworkPairs(Mapping[tuple[str, str], NetworkPair]):
+    """Pairs by the names of their cameras, in either order; iteration is in the order of the cameras."""
+
+    def __init__(self, pairs: Sequence[NetworkPair]) -> None:
+        self._pairs = {(pair.a, pair.b): pair for pair in pairs}
+
+    def __getitem__(self, key: tuple[str, str]) -> NetworkPair:
+        if key in self._pairs:
+            return self._pairs[key]
+        if isinstance(key, tuple) and key[::-1] in self._pairs:
+            return self._pairs[key[::-1]].swapped()
+        raise KeyError(key)
+
+    def __iter__(self) -> Iterator[tuple[str, str]]:
+        return iter(self._pairs)
+
+    def __len__(self) -> int:
+        return len(self._pairs)
+
+    def __repr__(self) -> str:
+        return f"<NetworkPairs {', '.join(map(' - '.join, self._pairs))}>"
+
+
+@dataclass(frozen=True)
+class Ground:
+    """Where a network's vertical comes from, and its floor.
+
+    Attributes
+    ----------
+    source : str
+        ``"floor"``: z is the normal of the floor that figures stand on, and z = 0 is that floor.
+        ``"cameras"``: z is the mean of the cameras' own up, and z = 0 the mean of their heights.
+    height : float or None
+        Median height of the figures, in the network's unit.
+    vertical_error : float or None
+        Standard error of the vertical, degrees.
+    figures : int or None
+        How many it rests on.
+    diversity : float or None
+        Robust standard deviation of their heights over the median.
+    """
+
+    source: str
+    height: float | None = None
+    vertical_error: float | None = None
+    figures: int | None = None
+    diversity: float | None = None
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What metres rest on.
+
+    Attributes
+    ----------
+    error : float
+        Relative error of all lengths, which the true one is below nine times in ten.
+    sources : tuple of str
+        What was measured, in words.
+    """
+
+    error: float
+    sources: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NetworkParts:
+    """All that a network holds; :class:`~epibar.Network` says what each is, and adds what is done with it."""
+
+    cameras: dict[str, NetworkCamera]
+    pairs: NetworkPairs
+    clocks: dict[str, NetworkClock]
+    accepted: bool
+    reason: str
+    unit: str
+    ground: Ground
+    radius: float | None = None
+    scale: Scale | None = None

@@ -1,0 +1,163 @@
+"""A network of cameras: a value, whose steps return another one."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..camera_files.formats import FORMATS
+from ..errors import EpibarError
+from ..files.json_file import read_json_object, write_json
+from ..lens.intrinsics import Intrinsics
+from .parts import BASELINE, METRE, NetworkParts
+from .saved import as_dict, network_from
+from .scaling import rescaled
+
+__all__ = ["Network"]
+
+logger = logging.getLogger("epibar")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Network(NetworkParts):
+    """Many cameras, calibrated together.
+
+    Attributes
+    ----------
+    cameras : dict of str to NetworkCamera
+        In the order given. A network may be partial: look at ``accepted`` of each.
+    pairs : mapping of (str, str) to NetworkPair
+        Of all cameras; ``pairs["b", "a"]`` is ``pairs["a", "b"]`` with F transposed.
+    clocks : dict of str to NetworkClock
+    accepted : bool
+        Whether every camera is accepted.
+    reason : str
+        What was found, or what is wrong, in plain English.
+    unit : str
+        "metre", or "baseline": the distance between the first two cameras that stand.
+    ground : Ground
+    radius : float or None
+        Pixels of a 640×480 image within which tangents met in the end.
+    scale : Scale or None
+        What metres rest on; None for the unit "baseline".
+    """
+
+    def __repr__(self) -> str:
+        accepted = sum(camera.accepted for camera in self.cameras.values())
+        return (
+            f"<Network {accepted} of {len(self.cameras)} cameras accepted, unit {self.unit}: {self.reason}>"
+        )
+
+    @property
+    def left_out(self) -> list[str]:
+        """Names of the cameras that are not accepted, which no export holds."""
+        return [name for name, camera in self.cameras.items() if not camera.accepted]
+
+    def scaled(self, *, distance: Any = (), person_height: Any = None, camera_height: Any = ()) -> Network:
+        """Return the same network in metres.
+
+        All that is given is combined by its accuracy. It replaces what an earlier scale rested on.
+
+        Parameters
+        ----------
+        distance : tuple (str, str, float) or list of such
+            Metres between two cameras. Good to 1 %, or 1 cm where that is more; a fourth value is another
+            standard error, metres.
+        person_height : float or tuple (float, float), optional
+            Metres that those who walk measure in the median; good to 3 %, or to the second value, metres.
+        camera_height : tuple (str, float) or list of such
+            Metres of a camera above the floor; as good as a distance.
+
+        Returns
+        -------
+        Network
+            With unit "metre".
+
+        Raises
+        ------
+        EpibarError
+            Nothing is given; a camera is unknown or not accepted; there is no floor that people stand on; or
+            two of the lengths contradict each other.
+        """
+        cameras, ground, scale = rescaled(self, distance, person_height, camera_height)
+        return replace(self, cameras=cameras, ground=ground, unit=METRE, scale=scale)
+
+    def export(
+        self,
+        path: str | os.PathLike[str],
+        format: str = "anipose",  # noqa: A002
+        lenses: Mapping[str, Intrinsics] | None = None,
+    ) -> list[Path]:
+        """Write the accepted cameras for another program; :attr:`left_out` are the others, which it names.
+
+        Parameters
+        ----------
+        path : str or path
+            A file; for "colmap" a folder.
+        format : str
+            "anipose", "caliscope", "opencv", "colmap" or "npz".
+        lenses : mapping of str to Intrinsics, optional
+            Lenses that were taken out of recordings, to be written with the cameras of their names.
+
+        Returns
+        -------
+        list of Path
+            What was written.
+
+        Raises
+        ------
+        EpibarError
+            No camera is accepted, the format is unknown, or a file cannot be written.
+        """
+        if format not in FORMATS:
+            raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
+        accepted = [camera for camera in self.cameras.values() if camera.accepted]
+        if not accepted:
+            raise EpibarError(f"no camera is accepted, so there is nothing to export: {self.reason}")
+        for name in self.left_out:
+            logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].reason)
+        lenses = lenses or {}
+        cameras = [camera.intrinsics(lenses.get(camera.name)) for camera in accepted]
+        return FORMATS[format].write(cameras, Path(path), self._metadata())
+
+    def _metadata(self) -> dict[str, str | list[str]]:
+        """What a camera file says of itself, beside its cameras."""
+        unit = self.unit
+        if self.unit == BASELINE:
+            first, second = [name for name, camera in self.cameras.items() if camera.rotation is not None][:2]
+            unit = f"the distance between {first} and {second}, not metres"
+        up = "z is up; z = 0 is " + (
+            "the floor" if self.ground.source == "floor" else "the mean height of the cameras"
+        )
+        notes = [self.reason, *(self.scale.sources if self.scale else ())]
+        notes += [f"left out: {name}: {self.cameras[name].reason}" for name in self.left_out]
+        return {"software": "epibar", "unit": unit, "world": up, "notes": notes}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as it stands in ``network.json`` and under ``network`` in ``calibration.json``."""
+        return as_dict(self)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything to a JSON file, whole or not at all.
+
+        Raises
+        ------
+        EpibarError
+            The file cannot be written.
+        """
+        write_json(path, self.as_dict())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Network:
+        """Read what :meth:`save` wrote.
+
+        Raises
+        ------
+        EpibarError
+            The file is missing, damaged, something else, or of another format.
+        """
+        return network_from(cls, read_json_object(path, "a network saved by epibar"), os.fspath(path))

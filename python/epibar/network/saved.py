@@ -1,0 +1,242 @@
+"""A network as plain JSON, and back: every shape is looked at, no number is infinite, nothing is run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ..arguments import Array, as_camera_matrix, as_numbers, is_number
+from ..errors import EpibarError
+from .parts import (
+    BASELINE,
+    METRE,
+    Ground,
+    NetworkCamera,
+    NetworkClock,
+    NetworkPair,
+    NetworkPairs,
+    NetworkParts,
+    Scale,
+)
+
+__all__ = ["FORMAT", "as_dict", "network_from"]
+
+FORMAT = 1
+"""Version of the file; a file of another one is refused."""
+
+N = TypeVar("N", bound=NetworkParts)
+
+CONVENTION = (
+    "X_c = rotation X + translation, z up; pixels, pixel centres at integers; x_b^T F x_a = 0 in undistorted "
+    "pixels; t seconds of the first camera are t + offset + 1e-6 drift t here"
+)
+
+ORTHOGONAL = 1e-6
+"""By how much R^T R may differ from the identity."""
+
+
+def as_dict(network: NetworkParts) -> dict[str, Any]:
+    """Return what is written of a network; a number that is not known is None."""
+    return {
+        "epibar_network": FORMAT,
+        "convention": CONVENTION,
+        "accepted": network.accepted,
+        "reason": network.reason,
+        "unit": network.unit,
+        "radius": network.radius,
+        "scale": None
+        if network.scale is None
+        else {"error": network.scale.error, "sources": list(network.scale.sources)},
+        "ground": {
+            "source": network.ground.source,
+            "height": network.ground.height,
+            "vertical_error": network.ground.vertical_error,
+            "figures": network.ground.figures,
+            "diversity": network.ground.diversity,
+        },
+        "cameras": [_camera_dict(camera, network.clocks[name]) for name, camera in network.cameras.items()],
+        "pairs": [
+            {
+                "a": pair.a,
+                "b": pair.b,
+                "accepted": pair.accepted,
+                "status": pair.status,
+                "F": pair.F,
+                "evidence": pair.evidence,
+            }
+            for pair in network.pairs.values()
+        ],
+    }
+
+
+def _camera_dict(camera: NetworkCamera, clock: NetworkClock) -> dict[str, Any]:
+    return {
+        "name": camera.name,
+        "width": camera.size[0],
+        "height": camera.size[1],
+        "accepted": camera.accepted,
+        "status": camera.status,
+        "reason": camera.reason,
+        "matrix": camera.matrix,
+        "distortions": camera.distortions,
+        "rotation": camera.rotation,
+        "translation": camera.translation,
+        "expected": camera.expected,
+        "clock": {"offset": clock.offset, "drift": clock.drift, "offset_error": clock.offset_error},
+        "evidence": camera.evidence,
+    }
+
+
+def network_from(kind: type[N], content: Mapping[str, Any], where: str) -> N:
+    """Make a network of what :func:`as_dict` returned.
+
+    Parameters
+    ----------
+    kind : type
+        Takes the parts.
+    content : mapping
+    where : str
+        What to call it in errors.
+
+    Raises
+    ------
+    EpibarError
+        It is something else, damaged, or of another format.
+    """
+    if "epibar_network" not in content:
+        raise EpibarError(f"{where}: not a network saved by epibar")
+    if content["epibar_network"] != FORMAT:
+        raise EpibarError(
+            f"{where}: format {content['epibar_network']!r}, but this epibar reads format {FORMAT}"
+        )
+    try:
+        return _network(kind, content)
+    except KeyError as error:
+        raise EpibarError(f"{where}: damaged ({error} is missing)") from error
+    except (EpibarError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        raise EpibarError(f"{where}: damaged ({error})") from error
+
+
+def _network(kind: type[N], content: Mapping[str, Any]) -> N:
+    cameras = [_camera(one) for one in _list(content, "cameras")]
+    names = [camera.name for camera in cameras]
+    if len(names) < 2 or len(set(names)) < len(names):
+        raise EpibarError(f"cameras are called {', '.join(names)}")
+    clocks = {
+        str(one["name"]): NetworkClock(
+            *(_number(one["clock"], key) for key in ("offset", "drift", "offset_error"))
+        )
+        for one in content["cameras"]
+    }
+    pairs = [_pair(one, names) for one in _list(content, "pairs")]
+    if _truth(content) != all(camera.accepted for camera in cameras):
+        raise EpibarError("whether the whole is accepted does not fit its cameras")
+    unit = _word(content, "unit")
+    if unit not in (BASELINE, METRE):
+        raise EpibarError(f"unit is {unit!r}")
+    ground, scale = content["ground"], content["scale"]
+    figures = _number(ground, "figures")
+    return kind(
+        cameras=dict(zip(names, cameras, strict=True)),
+        pairs=NetworkPairs(pairs),
+        clocks=clocks,
+        accepted=_truth(content),
+        reason=_word(content, "reason"),
+        unit=unit,
+        ground=Ground(
+            _word(ground, "source"),
+            _number(ground, "height"),
+            _number(ground, "vertical_error"),
+            None if figures is None else int(figures),
+            _number(ground, "diversity"),
+        ),
+        radius=_number(content, "radius"),
+        scale=None if scale is None else _scale(scale),
+    )
+
+
+def _scale(scale: Mapping[str, Any]) -> Scale:
+    error = _number(scale, "error")
+    if error is None:
+        raise EpibarError("scale has no error")
+    return Scale(error, tuple(str(source) for source in _list(scale, "sources")))
+
+
+def _camera(one: Mapping[str, Any]) -> NetworkCamera:
+    name = _word(one, "name")
+    parts = {key: one[key] for key in ("matrix", "distortions", "rotation", "translation", "expected")}
+    missing = [key for key, value in parts.items() if value is None]
+    accepted = _truth(one)
+    if missing and (accepted or len(missing) < len(parts)):
+        raise EpibarError(f"{name} has no {', '.join(missing)}")
+    size = as_numbers(f"{name}: size", (one["width"], one["height"]), (2,))
+    if (size < 1).any() or (size != np.round(size)).any():
+        raise EpibarError(f"{name}: size is {size.tolist()}")
+    return NetworkCamera(
+        name=name,
+        size=(int(size[0]), int(size[1])),
+        accepted=accepted,
+        status=_word(one, "status"),
+        reason=_word(one, "reason"),
+        matrix=None if missing else as_camera_matrix(parts["matrix"], f"{name}: matrix"),
+        distortions=None if missing else as_numbers(f"{name}: distortions", parts["distortions"], (5,)),
+        rotation=None if missing else _rotation(name, parts["rotation"]),
+        translation=None if missing else as_numbers(f"{name}: translation", parts["translation"], (3,)),
+        expected=None if missing else _expected(parts["expected"]),
+        evidence=_evidence(one),
+    )
+
+
+def _rotation(name: str, value: Any) -> Array:
+    rotation = as_numbers(f"{name}: rotation", value, (3, 3))
+    if np.abs(rotation.T @ rotation - np.eye(3)).max() > ORTHOGONAL or np.linalg.det(rotation) < 0:
+        raise EpibarError(f"{name}: rotation is {rotation.tolist()}, which is none")
+    return rotation
+
+
+def _expected(value: Mapping[str, Any]) -> dict[str, float]:
+    found = {key: _number(value, key) for key in ("focal", "rotation", "position")}
+    return {key: math.inf if number is None else number for key, number in found.items()}
+
+
+def _pair(one: Mapping[str, Any], names: Sequence[str]) -> NetworkPair:
+    a, b = _word(one, "a"), _word(one, "b")
+    if a not in names or b not in names or a == b:
+        raise EpibarError(f"there is a pair {a} - {b}, but no such cameras")
+    F = None if one["F"] is None else as_numbers(f"{a} - {b}: F", one["F"], (3, 3))
+    return NetworkPair(a, b, _truth(one), _word(one, "status"), F, _evidence(one))
+
+
+def _evidence(one: Mapping[str, Any]) -> dict[str, float]:
+    found = {str(key): _number(one["evidence"], key) for key in one["evidence"]}
+    return {key: value for key, value in found.items() if value is not None}
+
+
+def _list(content: Mapping[str, Any], key: str) -> list[Any]:
+    if not isinstance(content[key], list):
+        raise EpibarError(f"{key} is no list")
+    return list(content[key])
+
+
+def _word(content: Mapping[str, Any], key: str) -> str:
+    if not isinstance(content[key], str) or not content[key]:
+        raise EpibarError(f"{key} is {content[key]!r}, expected a text")
+    return str(content[key])
+
+
+def _truth(content: Mapping[str, Any]) -> bool:
+    if not isinstance(content["accepted"], bool):
+        raise EpibarError(f"accepted is {content['accepted']!r}")
+    return bool(content["accepted"])
+
+
+def _number(content: Mapping[str, Any], key: str) -> float | None:
+    value = content[key]
+    if value is None:
+        return None
+    if not is_number(value):
+        raise EpibarError(f"{key} is {value!r}, expected a finite number")
+    return float(value)

@@ -1,0 +1,201 @@
+"""Metres: what one unit of a network measures, by every length that is known, weighted by how well it is.
+
+A length L metres that is l units long says that a unit is L / l metres. The logarithms of what all say are
+averaged with the inverses of their variances as weights.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from ..arguments import is_number
+from ..errors import EpibarError
+from .parts import Ground, NetworkCamera, NetworkParts, Scale
+
+__all__ = ["check_lengths", "rescaled"]
+
+MEASURED = 0.01
+"""Standard error of a measured length: this share of it, or so many metres where that is more."""
+
+STATURE = 0.03
+"""Relative standard error of the height of those who walk: a median of few, with shoes and a bent back."""
+
+NINE_IN_TEN = 1.645
+"""Nine in ten normal errors are below so many standard deviations; of lengths in space :data:`IN_SPACE`."""
+
+IN_SPACE = 2.5
+
+CONTRADICTION = 3.0
+"""Standard deviations of the difference by which two lengths may disagree."""
+
+
+@dataclass(frozen=True)
+class Length:
+    """A length in metres and in units of the network, with the relative error of what it says of the unit."""
+
+    what: str
+    metres: float
+    units: float
+    error: float
+
+    @property
+    def unit(self) -> float:
+        """Metres that a unit measures."""
+        return self.metres / self.units
+
+
+def rescaled(
+    network: NetworkParts, distance: Any, person_height: Any, camera_height: Any
+) -> tuple[dict[str, NetworkCamera], Ground, Scale]:
+    """Return cameras and ground in metres, and what these rest on; see :meth:`epibar.Network.scaled`."""
+    lengths = [_distance(network, one) for one in _several(distance)]
+    lengths += [_camera_height(network, one) for one in _several(camera_height)]
+    if person_height is not None:
+        lengths.append(_person_height(network, person_height))
+    if not lengths:
+        raise EpibarError("scaled: give a distance, a person_height or a camera_height")
+    for one, other in combinations(lengths, 2):
+        off = abs(math.log(one.unit / other.unit)) / math.hypot(one.error, other.error)
+        if off > CONTRADICTION:
+            raise EpibarError(
+                f"{one.what} and {other.what} contradict each other: they differ by "
+                f"{100 * abs(one.unit / other.unit - 1):.1f} %, {off:.1f} standard deviations; check both"
+            )
+    weights = np.array([one.error**-2 for one in lengths])
+    factor = math.exp(float(np.average([math.log(one.unit) for one in lengths], weights=weights)))
+    error = float(1 / np.sqrt(weights.sum()))
+    scale = Scale(NINE_IN_TEN * error, tuple(one.what for one in lengths))
+    ground = network.ground
+    if ground.height is not None:
+        ground = replace(ground, height=factor * ground.height)
+    cameras = {name: _scaled_camera(camera, factor) for name, camera in network.cameras.items()}
+    return cameras, ground, scale
+
+
+def _scaled_camera(camera: NetworkCamera, factor: float) -> NetworkCamera:
+    if camera.translation is None or camera.expected is None:
+        return camera
+    expected = {**camera.expected, "position": factor * camera.expected["position"]}
+    return replace(camera, translation=factor * camera.translation, expected=expected)
+
+
+def _several(given: Any) -> list[Any]:
+    """Take one, or a list of such."""
+    if given is None:
+        return []
+    if isinstance(given, (tuple, list)):
+        return [given] if given and isinstance(given[0], str) else list(given)
+    return [given]
+
+
+def check_lengths(
+    names: list[str], distance: Any = (), person_height: Any = None, camera_height: Any = ()
+) -> None:
+    """Refuse lengths that no network of these cameras could use, before there is one.
+
+    Raises
+    ------
+    EpibarError
+        A camera is unknown, or a number is not one.
+    """
+    for one in _several(distance):
+        _parsed(one, 2, "distance", names)
+    for one in _several(camera_height):
+        _parsed(one, 1, "camera_height", names)
+    if person_height is not None:
+        _metres("person_height", person_height, STATURE, 0.0)
+
+
+def _parsed(given: Any, count: int, what: str, names: list[str]) -> tuple[list[str], float, float]:
+    """Names, metres and their standard error."""
+    form = "('cam1', 'cam2', metres)" if count == 2 else "('cam1', metres)"
+    if not isinstance(given, (tuple, list)) or len(given) not in (count + 1, count + 2):
+        raise EpibarError(f"{what} = {given!r}: expected {form}")
+    cameras = [str(name) for name in given[:count]]
+    for name in cameras:
+        if name not in names:
+            raise EpibarError(
+                f"{what} = {given!r}: there is no camera {name!r}; there are {', '.join(names)}"
+            )
+    if len(set(cameras)) < count:
+        raise EpibarError(f"{what} = {given!r}: the two cameras are one")
+    value = given[count] if len(given) == count + 1 else tuple(given[count:])
+    return cameras, *_metres(what, value, MEASURED, MEASURED)
+
+
+def _metres(what: str, given: Any, share: float, least: float) -> tuple[float, float]:
+    """Metres, and their standard error: given, or a share of them but at least so many metres."""
+    pair = isinstance(given, (tuple, list)) and len(given) == 2
+    metres, error = given if pair else (given, None)
+    if not (is_number(metres) and metres > 0):
+        raise EpibarError(f"{what} = {given!r}: expected a positive number of metres")
+    if error is None:
+        return float(metres), max(share * float(metres), least)
+    if not (is_number(error) and error > 0):
+        raise EpibarError(f"{what} = {given!r}: its standard error must be a positive number of metres")
+    return float(metres), float(error)
+
+
+def _accepted(network: NetworkParts, name: str, what: str) -> NetworkCamera:
+    camera = network.cameras[name]
+    if not camera.accepted:
+        raise EpibarError(f"{what}: {name} is not accepted, so nothing is measured from it: {camera.reason}")
+    return camera
+
+
+def _deviation(camera: NetworkCamera) -> float:
+    """Standard deviation of the position along one direction, units."""
+    assert camera.expected is not None
+    return camera.expected["position"] / IN_SPACE
+
+
+def _distance(network: NetworkParts, given: Any) -> Length:
+    (first, second), metres, error = _parsed(given, 2, "distance", list(network.cameras))
+    what = f"the distance of {metres:g} m between {first} and {second}"
+    one, other = (_accepted(network, name, what) for name in (first, second))
+    assert one.position is not None
+    assert other.position is not None
+    units = float(np.linalg.norm(one.position - other.position))
+    placed = math.hypot(_deviation(one), _deviation(other)) / max(units, 1e-12)
+    return Length(what, metres, units, math.hypot(error / metres, placed))
+
+
+def _camera_height(network: NetworkParts, given: Any) -> Length:
+    (name,), metres, error = _parsed(given, 1, "camera_height", list(network.cameras))
+    what = f"the height of {metres:g} m of {name}"
+    camera = _accepted(network, name, what)
+    _check_floor(network, what)
+    position = camera.position
+    assert position is not None
+    units = float(position[2])
+    if units <= 0:
+        raise EpibarError(f"{what}: {name} stands below the floor that was found")
+    # A vertical that leans lifts or lowers what is far from where people walked: amid the cameras.
+    standing = [one.position for one in network.cameras.values() if one.position is not None]
+    reach = float(np.linalg.norm((position - np.mean(standing, axis=0))[:2]))
+    lean = math.radians(network.ground.vertical_error or 0.0) * reach
+    placed = math.hypot(_deviation(camera), lean) / units
+    return Length(what, metres, units, math.hypot(error / metres, placed))
+
+
+def _person_height(network: NetworkParts, given: Any) -> Length:
+    metres, error = _metres("person_height", given, STATURE, 0.0)
+    what = f"the height of {metres:g} m of people"
+    _check_floor(network, what)
+    assert network.ground.height is not None
+    if not any(camera.accepted for camera in network.cameras.values()):
+        raise EpibarError(f"{what}: no camera is accepted: {network.reason}")
+    return Length(what, metres, network.ground.height, error / metres)
+
+
+def _check_floor(network: NetworkParts, what: str) -> None:
+    if network.ground.source != "floor" or not network.ground.height:
+        raise EpibarError(
+            f"{what} says nothing: no floor was found on which people stand upright. Give the distance "
+            "between two cameras instead"
+        )

@@ -1,0 +1,75 @@
+"""A network in words: a table of its cameras, and what to know of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from .parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
+
+__all__ = ["network_notes", "network_table"]
+
+HEADER = ("camera", "verdict", "focal length", "position", "errors: focal, rotation, position", "clock")
+
+
+def network_table(network: NetworkParts) -> list[str]:
+    """Lines of a table, a row for each camera; true errors are below those stated nine times in ten."""
+    unit = " m" if network.unit != BASELINE else ""
+    rows: list[tuple[str, ...]] = [HEADER]
+    rows += [_row(camera, network.clocks[name], unit) for name, camera in network.cameras.items()]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
+    return [
+        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]
+
+
+def _row(camera: NetworkCamera, clock: NetworkClock, unit: str) -> tuple[str, ...]:
+    verdict = "accepted" if camera.accepted else f"refused ({camera.status})"
+    if camera.matrix is None or camera.position is None or camera.expected is None:
+        return camera.name, verdict, "-", "-", "-", "-"
+    place = ", ".join(f"{round(value, 2) + 0.0:.2f}" for value in camera.position)
+    expected = camera.expected
+    errors = (
+        _number(100 * expected["focal"], lambda v: f"{v:.2g} %"),
+        _number(expected["rotation"], lambda v: f"{v:.2g}°"),
+        _number(expected["position"], lambda v: f"{v:.2g}{unit}"),
+    )
+    focal = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
+    return camera.name, verdict, f"{focal:.0f} px", f"({place}){unit}", ", ".join(errors), _clock(clock)
+
+
+def _number(value: float, text: Callable[[float], str]) -> str:
+    return text(value) if math.isfinite(value) else "unknown"
+
+
+def _clock(clock: NetworkClock) -> str:
+    if clock.offset is None:
+        return "-"
+    return f"{clock.offset:+.3f} s" + (f", {clock.drift:+.0f} ppm" if abs(clock.drift or 0.0) >= 0.5 else "")
+
+
+def network_notes(network: NetworkParts) -> list[str]:
+    """Say what the table leaves open: why cameras are refused, what up and the unit are."""
+    notes = [f"{name}: {camera.reason}" for name, camera in network.cameras.items() if not camera.accepted]
+    standing = [name for name, camera in network.cameras.items() if camera.matrix is not None]
+    if len(standing) < 2:
+        return notes
+    ground = network.ground
+    if ground.source == "floor" and ground.vertical_error is not None:
+        notes.append(
+            f"z is up, from the floor that {ground.figures} figures stand on (standard error "
+            f"{ground.vertical_error:.2g}°), and z = 0 is that floor"
+        )
+    if network.unit == BASELINE:
+        notes.append(
+            f"the unit of length is the distance between {standing[0]} and {standing[1]}; for metres give "
+            "--person-height or --distance"
+        )
+    elif network.scale is not None:
+        notes.append(
+            f"metres to {100 * network.scale.error:.2g} % nine times in ten, by "
+            + " and ".join(network.scale.sources)
+        )
+    return notes

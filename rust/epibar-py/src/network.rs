@@ -1,0 +1,271 @@
+//! Networks of cameras: their clocks, which pairs to search, and all pairs joined.
+
+use epibar::nalgebra::{Matrix3, Vector3};
+use epibar::network::{
+    Aspect, CameraInput, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime, Offsets,
+    PairFound, StoredCamera,
+};
+use numpy::IntoPyArray;
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::convert::{enter, matrix, to_python_error};
+use crate::recording::Recording;
+use crate::watch::PythonWatch;
+
+/// What is known of a camera before.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PythonKnowledge {
+    matrix: Option<[[f64; 3]; 3]>,
+    distortions: Option<[f64; 5]>,
+    focal: Option<(f64, f64)>,
+    principal: Option<[f64; 2]>,
+    /// `None` where pixels are square, NaN where it is not known.
+    aspect: Option<f64>,
+}
+
+impl PythonKnowledge {
+    fn knowledge(&self) -> Knowledge {
+        let aspect = match self.aspect {
+            None => Aspect::Square,
+            Some(ratio) if ratio.is_nan() => Aspect::Unknown,
+            Some(ratio) => Aspect::Known(ratio),
+        };
+        Knowledge {
+            matrix: self.matrix.map(|rows| Matrix3::from_fn(|i, j| rows[i][j])),
+            distortions: self.distortions,
+            focal: self.focal,
+            principal: self.principal,
+            aspect,
+        }
+    }
+}
+
+/// What was found of a pair by itself.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PythonPair {
+    a: usize,
+    b: usize,
+    /// Geometries with their scores as shares of the best one's.
+    geometries: Vec<([[f64; 3]; 3], f64)>,
+    offset: f64,
+    frames_per_frame: f64,
+    z: f64,
+    accepted: bool,
+}
+
+impl PythonPair {
+    fn found(&self) -> PairFound {
+        let geometry = |(rows, share): &([[f64; 3]; 3], f64)| (Matrix3::from_fn(|i, j| rows[i][j]), *share);
+        PairFound {
+            a: self.a,
+            b: self.b,
+            geometries: self.geometries.iter().map(geometry).collect(),
+            offset: self.offset,
+            frames_per_frame: self.frames_per_frame,
+            z: self.z,
+            accepted: self.accepted,
+        }
+    }
+}
+
+/// Seconds of each clock, whether all started together, whether they were given.
+type PythonClocks = (Vec<f64>, bool, bool);
+
+fn offsets((seconds, together, given): PythonClocks) -> Offsets {
+    Offsets { together, ..if given { Offsets::given(seconds) } else { Offsets::found(seconds) } }
+}
+
+/// Offsets of all clocks by the barcodes, within so many seconds.
+#[pyfunction]
+pub fn clock_offsets(
+    py: Python<'_>,
+    recordings: Vec<PyRef<'_, Recording>>,
+    seconds: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<PythonClocks> {
+    let mut watch = PythonWatch::new(progress);
+    let inner: Vec<_> = recordings.iter().map(|r| &r.inner).collect();
+    let found =
+        py.detach(|| epibar::network::clock_offsets(&inner, &NetworkTime::Search { seconds }, &mut watch));
+    let found = match (found, watch.raised) {
+        (Ok(found), None) => found,
+        (_, Some(raised)) => return Err(raised),
+        (Err(error), None) => return Err(to_python_error(&error)),
+    };
+    Ok((found.seconds, found.together, found.given))
+}
+
+/// Pairs of cameras that are worth a search.
+#[pyfunction]
+pub fn pairs_to_search(
+    py: Python<'_>,
+    recordings: Vec<PyRef<'_, Recording>>,
+    clocks: PythonClocks,
+) -> PyResult<Vec<(usize, usize)>> {
+    let inner: Vec<_> = recordings.iter().map(|r| &r.inner).collect();
+    let clocks = offsets(clocks);
+    enter(py, || epibar::network::pairs_to_search(&inner, &clocks))
+}
+
+/// One network of what was found of the pairs.
+#[pyfunction]
+pub fn join_network<'py>(
+    py: Python<'py>,
+    recordings: Vec<PyRef<'py, Recording>>,
+    names: Vec<String>,
+    known: Vec<PythonKnowledge>,
+    pairs: Vec<PythonPair>,
+    clocks: PythonClocks,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let n = recordings.len();
+    if names.len() != n || known.len() != n || clocks.0.len() != n {
+        return Err(PyValueError::new_err("a name, what is known, and a clock for each recording"));
+    }
+    if pairs.iter().any(|p| p.a >= p.b || p.b >= n || p.geometries.is_empty()) {
+        return Err(PyValueError::new_err("pairs a < b of cameras, each with a geometry"));
+    }
+    let mut watch = PythonWatch::new(progress);
+    let inputs: Vec<CameraInput> = recordings
+        .iter()
+        .zip(&names)
+        .zip(&known)
+        .map(|((r, name), known)| CameraInput { name, recording: &r.inner, known: known.knowledge() })
+        .collect();
+    let pairs: Vec<PairFound> = pairs.iter().map(PythonPair::found).collect();
+    let clocks = offsets(clocks);
+    let found = py.detach(|| epibar::network::join(&inputs, &pairs, &clocks, &mut watch));
+    match (found, watch.raised) {
+        (Ok(network), None) => dict_of(py, &network),
+        (_, Some(raised)) => Err(raised),
+        (Err(error), None) => Err(to_python_error(&error)),
+    }
+}
+
+fn dict_of<'py>(py: Python<'py>, network: &Network) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let cameras = network.cameras.iter().map(|c| camera(py, c)).collect::<PyResult<Vec<_>>>()?;
+    let pairs = network.pairs.iter().map(|p| pair(py, p)).collect::<PyResult<Vec<_>>>()?;
+    dict.set_item("cameras", cameras)?;
+    dict.set_item("pairs", pairs)?;
+    dict.set_item("accepted", network.accepted)?;
+    dict.set_item("reason", &network.reason)?;
+    dict.set_item("radius", network.radius)?;
+    let ground = PyDict::new(py);
+    match network.ground {
+        Ground::Floor { height, vertical_error, figures, diversity } => {
+            ground.set_item("source", "floor")?;
+            ground.set_item("height", height)?;
+            ground.set_item("vertical_error", vertical_error.to_degrees())?;
+            ground.set_item("figures", figures)?;
+            ground.set_item("diversity", diversity)?;
+        }
+        Ground::Cameras => ground.set_item("source", "cameras")?,
+    }
+    dict.set_item("ground", ground)?;
+    Ok(dict)
+}
+
+fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("name", &camera.name)?;
+    dict.set_item("accepted", camera.accepted())?;
+    dict.set_item("status", camera.status.name())?;
+    dict.set_item("reason", &camera.reason)?;
+    dict.set_item("matrix", camera.matrix().map(|m| matrix(&m).into_pyarray(py)))?;
+    dict.set_item("distortions", camera.distortions().map(|d| d.to_vec().into_pyarray(py)))?;
+    dict.set_item("rotation", camera.rotation().map(|m| matrix(&m).into_pyarray(py)))?;
+    dict.set_item("translation", camera.translation().map(|t| t.as_slice().to_vec().into_pyarray(py)))?;
+    let expected = camera.expected.map(|e| {
+        let dict = PyDict::new(py);
+        dict.set_item("focal", e.focal)?;
+        dict.set_item("rotation", e.rotation.to_degrees())?;
+        dict.set_item("position", e.position)?;
+        PyResult::Ok(dict)
+    });
+    dict.set_item("expected", expected.transpose()?)?;
+    dict.set_item("deviates", (camera.deviates.tangents, camera.deviates.whole))?;
+    dict.set_item("clock", camera.clock())?;
+    dict.set_item("offset_error", camera.offset_error)?;
+    Ok(dict)
+}
+
+fn pair<'py>(py: Python<'py>, pair: &NetworkPair) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("a", pair.a)?;
+    dict.set_item("b", pair.b)?;
+    dict.set_item("status", pair.status.name())?;
+    dict.set_item("accepted", pair.accepted)?;
+    dict.set_item("F", pair.fundamental.map(|f| matrix(&f).into_pyarray(py)))?;
+    dict.set_item("deviates", (pair.deviates.tangents, pair.deviates.whole))?;
+    Ok(dict)
+}
+
+/// A camera of a network as it is stored.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PythonStored {
+    matrix: [[f64; 3]; 3],
+    distortions: [f64; 5],
+    rotation: [[f64; 3]; 3],
+    translation: [f64; 3],
+}
+
+/// Which cameras of a stored network have moved, by new footage.
+#[pyfunction]
+pub fn check_network<'py>(
+    py: Python<'py>,
+    recordings: Vec<PyRef<'py, Recording>>,
+    names: Vec<String>,
+    cameras: Vec<PythonStored>,
+    clocks: PythonClocks,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    if names.len() != recordings.len() || cameras.len() != recordings.len() {
+        return Err(PyValueError::new_err("a name and a stored camera for each recording"));
+    }
+    let rows = |m: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| m[i][j]);
+    let stored: Vec<StoredCamera> = recordings
+        .iter()
+        .zip(&names)
+        .zip(&cameras)
+        .map(|((r, name), c)| StoredCamera {
+            name,
+            recording: &r.inner,
+            matrix: rows(&c.matrix),
+            distortions: c.distortions,
+            rotation: rows(&c.rotation),
+            translation: Vector3::from(c.translation),
+        })
+        .collect();
+    let clocks = offsets(clocks);
+    let mut watch = PythonWatch::new(progress);
+    let found = py.detach(|| epibar::network::check_network(&stored, &clocks, &mut watch));
+    let found = match (found, watch.raised) {
+        (Ok(found), None) => found,
+        (_, Some(raised)) => return Err(raised),
+        (Err(error), None) => return Err(to_python_error(&error)),
+    };
+    let number = |v: f64| Some(v).filter(|v| v.is_finite());
+    found
+        .iter()
+        .map(|c| {
+            let dict = PyDict::new(py);
+            dict.set_item("name", &c.name)?;
+            dict.set_item("status", c.status.name())?;
+            dict.set_item("reason", &c.reason)?;
+            dict.set_item("turned", number(c.turned.to_degrees()))?;
+            dict.set_item("turned_error", number(c.turned_error.to_degrees()))?;
+            dict.set_item("shifted", number(c.shifted))?;
+            dict.set_item("shifted_error", number(c.shifted_error))?;
+            dict.set_item("focal", None::<f64>)?;
+            dict.set_item("deviate", c.deviate)?;
+            dict.set_item("since", c.since)?;
+            Ok(dict)
+        })
+        .collect()
+}

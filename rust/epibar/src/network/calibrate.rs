@@ -1,0 +1,193 @@
+//! The whole job: recordings in, one network out.
+
+use rayon::prelude::*;
+
+use super::clocks::{Offsets, agreed, likeness, pair_offsets};
+use super::graph::{PairFound, chosen};
+use super::input::CameraInput;
+use super::join::join;
+use super::result::Network;
+use crate::calibrate::calibrate_watched;
+use crate::clock::TimeOffset;
+use crate::error::{Error, Result};
+use crate::geometry::CameraMatrices;
+use crate::options::CalibrateOptions;
+use crate::recording::Recording;
+use crate::watch::{Stage, Unwatched, Watch, report};
+
+/// What is known of the clocks of a network.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum NetworkTime {
+    /// For each camera: what is at `t` seconds in the first camera is at `t` plus this many in this one.
+    Known(Vec<f64>),
+    /// Found from barcodes within this many seconds either way; cameras that started together are found to have.
+    Search {
+        /// Largest offset considered, seconds.
+        seconds: f64,
+    },
+}
+
+/// Options of [`calibrate_network`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct NetworkOptions {
+    /// Options of each pair; their time offsets and camera matrices come from the network.
+    pub pairs: CalibrateOptions,
+    /// Clocks.
+    pub time: NetworkTime,
+}
+
+impl Default for NetworkOptions {
+    fn default() -> Self {
+        Self { pairs: CalibrateOptions::default(), time: NetworkTime::Search { seconds: 30.0 } }
+    }
+}
+
+impl NetworkOptions {
+    /// The defaults.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// With options of each pair.
+    #[must_use]
+    pub fn pairs(self, pairs: CalibrateOptions) -> Self {
+        Self { pairs, ..self }
+    }
+
+    /// With what is known of the clocks.
+    #[must_use]
+    pub fn time(self, time: NetworkTime) -> Self {
+        Self { time, ..self }
+    }
+}
+
+/// Calibrates all cameras of a network together: focal lengths, lenses, rotations, positions and clocks, of which nothing has to
+/// be known.
+///
+/// Refusing is a result, not an error: see [`Network::accepted`], and each camera. What is known of a camera before is told by
+/// [`Knowledge`](super::Knowledge). The result depends on the recordings and the options, not on the number of threads.
+///
+/// # Errors
+/// [`Error::Argument`] for options out of range, for no camera, or for two of one name.
+pub fn calibrate_network(cameras: &[CameraInput], options: &NetworkOptions) -> Result<Network> {
+    calibrate_network_watched(cameras, options, &mut Unwatched)
+}
+
+/// [`calibrate_network`] with progress, and a way to stop.
+///
+/// # Errors
+/// [`Error::Interrupted`] where `watch` says so, and those of [`calibrate_network`].
+pub fn calibrate_network_watched(
+    cameras: &[CameraInput],
+    options: &NetworkOptions,
+    watch: &mut dyn Watch,
+) -> Result<Network> {
+    check(cameras)?;
+    let recordings: Vec<&Recording> = cameras.iter().map(|c| c.recording).collect();
+    let offsets = clock_offsets(&recordings, &options.time, watch)?;
+    let searched = pairs_to_search(&recordings, &offsets)?;
+    let mut found = Vec::new();
+    for (i, &(a, b)) in searched.iter().enumerate() {
+        report(watch, Stage::Pairs, i as f64 / searched.len() as f64)?;
+        let options = options_of_pair(cameras, options, &offsets, a, b);
+        let mut inner =
+            |_: Stage, _: f64| report(watch, Stage::Pairs, i as f64 / searched.len() as f64).is_ok();
+        let calibration = calibrate_watched(recordings[a], recordings[b], &options, &mut inner)?;
+        found.extend(PairFound::of(a, b, &calibration));
+    }
+    join(cameras, &found, &offsets, watch)
+}
+
+/// One offset for each camera.
+///
+/// # Errors
+/// [`Error::Argument`] where the number of given offsets is not that of the cameras, [`Error::Interrupted`].
+pub fn clock_offsets(
+    recordings: &[&Recording],
+    time: &NetworkTime,
+    watch: &mut dyn Watch,
+) -> Result<Offsets> {
+    match time {
+        NetworkTime::Known(seconds)
+            if seconds.len() == recordings.len() && seconds.iter().all(|s| s.is_finite()) =>
+        {
+            Ok(Offsets::given(seconds.clone()))
+        }
+        NetworkTime::Known(seconds) => Err(Error::Argument {
+            name: "time",
+            value: format!("{seconds:?}"),
+            expected: "a finite number of seconds for each camera",
+        }),
+        NetworkTime::Search { seconds } if seconds.is_finite() && *seconds > 0.0 => {
+            let found = pair_offsets(recordings, *seconds, watch)?;
+            Ok(agreed(recordings.len(), &found))
+        }
+        NetworkTime::Search { seconds } => Err(Error::Argument {
+            name: "seconds",
+            value: seconds.to_string(),
+            expected: "a positive number of seconds to search",
+        }),
+    }
+}
+
+/// The pairs `a < b` that are searched: all of few cameras, of many those that are likeliest to see the same.
+///
+/// # Errors
+/// None that input can cause.
+pub fn pairs_to_search(recordings: &[&Recording], offsets: &Offsets) -> Result<Vec<(usize, usize)>> {
+    let n = recordings.len();
+    let reachable = |c: usize| offsets.seconds[c].is_finite();
+    let all: Vec<(usize, usize)> = (0..n)
+        .flat_map(|a| (a + 1..n).map(move |b| (a, b)))
+        .filter(|&(a, b)| reachable(a) && reachable(b))
+        .collect();
+    let likely: Vec<(usize, usize, f64)> = if n <= super::graph::ALL_PAIRS {
+        Vec::new()
+    } else {
+        let of = |&(a, b): &(usize, usize)| {
+            let between = offsets.seconds[b] - offsets.seconds[a];
+            Ok((a, b, likeness(recordings[a], recordings[b], between)?))
+        };
+        all.par_iter().map(of).collect::<Result<Vec<_>>>()?
+    };
+    Ok(chosen(n, &likely).into_iter().filter(|pair| all.contains(pair)).collect())
+}
+
+/// Options with which a pair is searched.
+fn options_of_pair(
+    cameras: &[CameraInput],
+    options: &NetworkOptions,
+    offsets: &Offsets,
+    a: usize,
+    b: usize,
+) -> CalibrateOptions {
+    let frames = (offsets.seconds[b] - offsets.seconds[a]) / cameras[b].recording.frame_interval();
+    let time =
+        if offsets.given || offsets.together { TimeOffset::Known(frames) } else { TimeOffset::About(frames) };
+    let pair = options.pairs.clone().time_offset(time);
+    match (cameras[a].known.matrix, cameras[b].known.matrix) {
+        (Some(p), Some(q)) if cameras[a].known.is_undistorted() && cameras[b].known.is_undistorted() => {
+            match CameraMatrices::new(p, q) {
+                Ok(matrices) => pair.cameras(matrices),
+                Err(_) => pair,
+            }
+        }
+        _ => pair,
+    }
+}
+
+fn check(cameras: &[CameraInput]) -> Result<()> {
+    let refuse = |value: String, expected| Err(Error::Argument { name: "cameras", value, expected });
+    if cameras.len() < 2 {
+        return refuse(cameras.len().to_string(), "a network has at least two cameras");
+    }
+    for (i, camera) in cameras.iter().enumerate() {
+        if cameras[..i].iter().any(|other| other.name == camera.name) {
+            return refuse(camera.name.to_owned(), "names of cameras that differ");
+        }
+        camera.known.check()?;
+    }
+    Ok(())
+}

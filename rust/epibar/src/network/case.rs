@@ -1,0 +1,87 @@
+//! What a network is made of, on its way from what is given to the verdict.
+
+use super::camera::Camera;
+use super::clocks::Offsets;
+use super::covariance::Expected;
+use super::graph::PairFound;
+use super::input::CameraInput;
+use super::joint::{Belief, Beliefs};
+use super::observed::Observed;
+use super::result::CameraStatus;
+use super::solve::Solved;
+use super::start::PairHypotheses;
+use super::support::{Deviates, Support};
+use super::thresholds as limits;
+use super::walkers::Floor;
+
+/// What is given.
+pub(super) struct Case<'a> {
+    pub(super) inputs: &'a [CameraInput<'a>],
+    pub(super) pairs: &'a [PairFound],
+    pub(super) observed: Vec<Observed>,
+    pub(super) cameras: Vec<Camera>,
+    pub(super) beliefs: Vec<Beliefs>,
+    pub(super) hypotheses: Vec<PairHypotheses>,
+}
+
+impl<'a> Case<'a> {
+    /// Of what is given of each camera, pair and clock.
+    pub(super) fn new(inputs: &'a [CameraInput], pairs: &'a [PairFound], clocks: &Offsets) -> Self {
+        let observed = inputs.iter().map(|i| Observed::new(i.recording)).collect();
+        let (mut cameras, mut beliefs): (Vec<Camera>, Vec<Beliefs>) =
+            inputs.iter().map(|i| i.known.beliefs(i.recording)).unzip();
+        for (i, (camera, beliefs)) in cameras.iter_mut().zip(&mut beliefs).enumerate() {
+            camera.offset = if clocks.seconds[i].is_finite() { clocks.seconds[i] } else { 0.0 };
+            let [offset, drift] = if clocks.given {
+                [0.0; 2]
+            } else {
+                [if clocks.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]
+            };
+            beliefs.clock = [Belief::about(camera.offset, offset), Belief::about(0.0, drift)];
+        }
+        let hypotheses = pairs
+            .iter()
+            .filter(|p| clocks.seconds[p.a].is_finite() && clocks.seconds[p.b].is_finite())
+            .filter_map(|p| p.hypotheses(inputs[p.a].recording, inputs[p.b].recording))
+            .collect();
+        Self { inputs, pairs, observed, cameras, beliefs, hypotheses }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        self.inputs.len()
+    }
+
+    /// Why there can be no network at all.
+    pub(super) fn hopeless(&self) -> Option<CameraStatus> {
+        let focals_known = self.inputs.iter().filter(|i| i.known.has_focal()).count();
+        if self.count() < 2 || self.count() == 2 && focals_known < 2 {
+            return Some(CameraStatus::TooFew);
+        }
+        self.hypotheses.is_empty().then_some(CameraStatus::NothingInCommon)
+    }
+
+    /// Fewest cameras that make a network.
+    pub(super) fn least(&self) -> usize {
+        let focals_known = self.inputs.iter().filter(|i| i.known.has_focal()).count();
+        if focals_known >= 2 { 2 } else { 3 }
+    }
+}
+
+/// A camera that was taken out, and why.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Out {
+    pub(super) camera: usize,
+    pub(super) status: CameraStatus,
+    pub(super) deviates: Deviates,
+    /// Share of its recording at which it was knocked.
+    pub(super) at: Option<f64>,
+}
+
+/// A network with all that is said of it.
+pub(super) struct Finished {
+    pub(super) solved: Solved,
+    pub(super) support: Support,
+    pub(super) expected: Vec<Expected>,
+    pub(super) offsets: Vec<f64>,
+    pub(super) floor: Option<Floor>,
+}

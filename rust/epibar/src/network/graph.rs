@@ -1,0 +1,157 @@
+//! The graph of pairs: which are searched for, and what they bring into the network.
+
+use nalgebra::Matrix3;
+
+use super::residual::Meeting;
+use super::start::{Hypothesis, PairHypotheses};
+use crate::calibration::Calibration;
+use crate::clock::{Aligned, Clock};
+use crate::frontier::compare;
+use crate::geometry::Fundamental;
+use crate::recording::Recording;
+use crate::recording::tracker::Links;
+
+/// What was found of a pair by itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairFound {
+    /// Index of camera A.
+    pub a: usize,
+    /// Index of camera B.
+    pub b: usize,
+    /// Geometries in raw pixels, `x_bᵀ F x_a = 0`, the best first, each with its score as a share of the best one's.
+    pub geometries: Vec<(Matrix3<f64>, f64)>,
+    /// Where A's first frame falls in B, frames of B.
+    pub offset: f64,
+    /// Frames of B for each frame of A.
+    pub frames_per_frame: f64,
+    /// Normal deviate of the best geometry on frames kept aside.
+    pub z: f64,
+    /// Whether it was accepted by itself.
+    pub accepted: bool,
+}
+
+/// Rivals that go along: those with so much of the best one's score, and how many.
+const RIVALS: (f64, usize) = (0.5, 3);
+
+impl PairFound {
+    /// Of a calibration of two recordings; `None` where it has no geometry.
+    pub fn of(a: usize, b: usize, calibration: &Calibration) -> Option<Self> {
+        let best = calibration.fundamental?;
+        let rivals = calibration.rivals.iter().filter(|r| r.share > RIVALS.0).take(RIVALS.1);
+        let others = rivals.map(|r| (*r.fundamental.matrix(), r.share));
+        Some(Self {
+            a,
+            b,
+            geometries: std::iter::once((*best.matrix(), 1.0)).chain(others).collect(),
+            offset: calibration.timing.offset,
+            frames_per_frame: calibration.timing.frames_per_frame,
+            z: calibration.evidence.z,
+            accepted: calibration.accepted(),
+        })
+    }
+
+    /// What it brings into the network: its geometries with the tangents that meet under them; `None` where none do.
+    pub(super) fn hypotheses(&self, a: &Recording, b: &Recording) -> Option<PairHypotheses> {
+        let clock = Clock::of_frames(self.offset, self.frames_per_frame, a, b);
+        let links = Links::new(b);
+        let aligned = Aligned::new(a, b, &links, clock).thinned(FRAMES);
+        let common = aligned.frame_pairs();
+        let views = aligned.views(&common);
+        let scale = 0.5 * (a.size().diagonal() + b.size().diagonal()) / 800.0;
+        let mut hypotheses = Vec::new();
+        for (matrix, share) in &self.geometries {
+            let Some(f) = Fundamental::from_matrix(matrix, a.size(), b.size()) else { continue };
+            let meetings: Vec<Meeting> = compare(&views, &f, RADIUS * scale)
+                .matches
+                .iter()
+                .map(|m| Meeting {
+                    a: m.a,
+                    b: m.b,
+                    outward_a: [0.0; 2],
+                    outward_b: [0.0; 2],
+                    velocity_b: [0.0; 2],
+                    time_a: a.times()[common[m.frame.index()].a as usize] - a.times()[0],
+                    time_b: 0.0,
+                    weight: 1.0,
+                    frame: common[m.frame.index()].a,
+                })
+                .collect();
+            if meetings.len() >= LEAST_MEETINGS {
+                hypotheses.push(Hypothesis { fundamental: *f.matrix(), meetings, evidence: share * self.z });
+            }
+        }
+        (!hypotheses.is_empty()).then_some(PairHypotheses { a: self.a, b: self.b, hypotheses })
+    }
+}
+
+/// Common frames that a geometry is looked at with.
+const FRAMES: usize = 400;
+/// Radius within which tangents meet, pixels of a 640×480 image.
+const RADIUS: f64 = 4.0;
+/// Fewer meetings say nothing.
+const LEAST_MEETINGS: usize = 20;
+
+/// Up to so many cameras, all pairs are searched.
+pub(super) const ALL_PAIRS: usize = 6;
+/// Pairs that each of more cameras is part of, where there are so many that are likely.
+const EACH: usize = 5;
+
+/// Which pairs of cameras to search, by how likely each pair is to show the same, a score for each: all pairs of few
+/// cameras; of many the tree of the likeliest, and further ones until every camera has some. About `5/2` for each camera,
+/// however many there are.
+pub fn chosen(count: usize, likeness: &[(usize, usize, f64)]) -> Vec<(usize, usize)> {
+    if count <= ALL_PAIRS {
+        return (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect();
+    }
+    let mut order: Vec<&(usize, usize, f64)> = likeness.iter().collect();
+    order.sort_by(|p, q| q.2.total_cmp(&p.2).then((p.0, p.1).cmp(&(q.0, q.1))));
+    let mut group: Vec<usize> = (0..count).collect();
+    let mut degree = vec![0; count];
+    let mut taken = Vec::new();
+    for &&(a, b, _) in &order {
+        if group[a] != group[b] {
+            let (one, other) = (group[a], group[b]);
+            group.iter_mut().filter(|g| **g == other).for_each(|g| *g = one);
+            taken.push((a, b));
+            degree[a] += 1;
+            degree[b] += 1;
+        }
+    }
+    for &&(a, b, _) in &order {
+        if (degree[a] < EACH && degree[b] < EACH + 2 || degree[b] < EACH && degree[a] < EACH + 2)
+            && !taken.contains(&(a, b))
+        {
+            taken.push((a, b));
+            degree[a] += 1;
+            degree[b] += 1;
+        }
+    }
+    taken.sort_unstable();
+    taken
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn searches_grow_with_the_cameras_and_reach_all() {
+        for count in [7, 12, 20, 60] {
+            // Cameras along a street see what their neighbours see.
+            let likeness: Vec<(usize, usize, f64)> =
+                (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b, 10.0 / (b - a) as f64))).collect();
+            let taken = chosen(count, &likeness);
+            assert!(taken.len() <= 3 * count, "{count}: {}", taken.len());
+            let mut reached = vec![false; count];
+            reached[0] = true;
+            for _ in 0..count {
+                for &(a, b) in &taken {
+                    let either = reached[a] || reached[b];
+                    (reached[a], reached[b]) = (either, either);
+                }
+            }
+            assert!(reached.iter().all(|r| *r));
+        }
+        assert_eq!(chosen(4, &[]).len(), 6);
+    }
+}

@@ -1,0 +1,183 @@
+//! From recordings, clocks and pairs to one network with a verdict on each camera.
+//!
+//! Solve; ask what speaks for each camera on moments kept aside; take out the one for which least does, and solve again, until
+//! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
+
+use super::case::{Case, Finished, Out};
+use super::clocks::Offsets;
+use super::covariance::{Covariance, Expected, covariance, expected};
+use super::graph::PairFound;
+use super::input::CameraInput;
+use super::joint::{Problem, standing};
+use super::principal;
+use super::result::{CameraStatus, Network};
+use super::solve::{Solved, Solver, settled};
+use super::support::Support;
+use super::survey::Survey;
+use super::thresholds as limits;
+use super::verdict::{is_rival, worst};
+use super::world;
+use crate::error::Result;
+use crate::watch::{Stage, Watch, report};
+
+/// Frames of each camera that are looked at in the end.
+const FRAMES: usize = 900;
+/// Blocks of time whose tangents share errors, seconds.
+const BLOCK: f64 = 2.0;
+
+/// One network of some cameras from what their pairs brought, by clocks that are known to a frame or two, or exactly.
+///
+/// # Errors
+/// [`Error::Argument`](crate::Error::Argument) for what cannot be known of a camera, [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn join(
+    inputs: &[CameraInput],
+    pairs: &[PairFound],
+    clocks: &Offsets,
+    watch: &mut dyn Watch,
+) -> Result<Network> {
+    for input in inputs {
+        input.known.check()?;
+    }
+    report(watch, Stage::Network, 0.0)?;
+    let case = Case::new(inputs, pairs, clocks);
+    if let Some(status) = case.hopeless() {
+        return Ok(case.nothing(status));
+    }
+    let solver = Solver::new(&case.observed, &case.hypotheses);
+    let mut networks = solver.networks(&case.cameras, &case.beliefs);
+    report(watch, Stage::Network, 0.4)?;
+    if networks.is_empty() {
+        return Ok(case.nothing(CameraStatus::NothingInCommon));
+    }
+    let best = networks.remove(0);
+    let (sifted, out) = case.sifted(&solver, best, watch)?;
+    let Some(sifted) = sifted else { return Ok(case.without(&out)) };
+    report(watch, Stage::Network, 0.7)?;
+    let rivalled = networks.iter().any(|rival| is_rival(&solver.some, &sifted.0, rival));
+    let freed = case.with_principal_points(&solver, sifted);
+    let finished = case.finished(freed);
+    report(watch, Stage::Network, 0.9)?;
+    Ok(case.network(&finished, &out, rivalled))
+}
+
+/// A network for every camera of which enough speaks.
+type Sifted = (Solved, Support);
+
+impl Case<'_> {
+    /// The network without cameras for which nothing speaks, and these; `None` where too few are left.
+    fn sifted(
+        &self,
+        solver: &Solver,
+        mut now: Solved,
+        watch: &mut dyn Watch,
+    ) -> Result<(Option<Sifted>, Vec<Out>)> {
+        let mut out: Vec<Out> = Vec::new();
+        for round in 0.. {
+            report(watch, Stage::Network, 0.4 + 0.3 * round as f64 / self.count() as f64)?;
+            let support = Support::of(&self.observed, &now);
+            let bad = worst(&solver.some, &now.network, &support);
+            if bad.is_empty() {
+                return Ok((Some((now, support)), out));
+            }
+            let mut network = now.network.clone();
+            for camera in &bad {
+                network.placed[camera.camera] = false;
+            }
+            out.extend(bad);
+            if network.placed.iter().filter(|p| **p).count() < self.least() {
+                let left = (0..self.count()).filter(|&c| network.placed[c]);
+                let status = CameraStatus::NothingInCommon;
+                out.extend(left.map(|camera| Out {
+                    camera,
+                    status,
+                    deviates: support.cameras[camera],
+                    at: None,
+                }));
+                break;
+            }
+            network.cameras = standing(&network.cameras, &network.placed);
+            let radius = Some((4.0 * now.settled.radius).min(12.0));
+            now = solver.settled(network, &now.beliefs, radius);
+        }
+        Ok((None, out))
+    }
+
+    /// The network with principal points as far from the middle as the tangents call for.
+    ///
+    /// Outlines that are wrong in the same way everywhere, such as of boxes and ellipses that stand for people, ask for other
+    /// principal points as well. Shapes without a gap between them and their hulls may be such, so for them it is only said that
+    /// nothing is known of principal points, and of outlines no more than how they scatter.
+    fn with_principal_points(&self, solver: &Solver, (now, support): (Solved, Support)) -> Freed {
+        let call = principal::call(&now);
+        let shapes = self.observed.iter().map(|o| o.fill).filter(|fill| *fill > limits::CONVEX).count();
+        let coarse = 2 * shapes > self.count();
+        if coarse {
+            return Freed { solved: now, support, level: call.level, strained: call.strain > 0.0 };
+        }
+        if call.level > principal::LEVELS[0] {
+            let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
+            let beliefs = principal::at_level(&now.beliefs, &widths, call.level);
+            let radius = Some((3.0 * now.settled.radius).min(8.0));
+            let free = solver.settled(now.network.clone(), &beliefs, radius);
+            if free.evidence > now.evidence {
+                let support = Support::of(&self.observed, &free);
+                return Freed { solved: free, support, level: call.level, strained: false };
+            }
+        }
+        Freed { solved: now, support, level: call.level, strained: false }
+    }
+
+    /// The network over all frames, and errors to expect.
+    fn finished(&self, Freed { solved, support, level, strained }: Freed) -> Finished {
+        let many = Survey::new(&self.observed, FRAMES);
+        let radius = Some(1.2 * solved.settled.radius);
+        // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
+        let finished = settled(&many, solved.network, &solved.beliefs, &support.confirmed(), radius);
+        let floor = world::floor(&many, &finished.network, finished.settled.radius.max(2.0));
+        let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
+        let stated = principal::at_level(&finished.beliefs, &widths, level);
+        let settled = &finished.settled;
+        let problem = Problem {
+            pairs: &settled.pairs,
+            beliefs: &stated,
+            scale: settled.scale,
+            prior_weight: settled.prior_weight,
+            moving: finished.network.placed.clone(),
+        };
+        let outline_error = outline_error(settled.scale, strained);
+        let found = covariance(&problem, &finished.network.cameras, BLOCK, outline_error);
+        let (expected, offsets) = match found {
+            Some(Covariance { active, matrix: covariance }) => {
+                let offset = |c: usize| {
+                    let place = active.iter().position(|p| *p == (c, super::camera::CLOCK));
+                    place.map_or(0.0, |p| covariance[(p, p)].max(0.0).sqrt())
+                };
+                let offsets = (0..self.count()).map(offset).collect();
+                (expected(&finished.network.cameras, &finished.network.placed, &active, &covariance), offsets)
+            }
+            None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
+        };
+        Finished { solved: finished, support, expected, offsets, floor }
+    }
+}
+
+/// By how many pixels the outlines of one camera may be wrong alike: what scatters more than pixels do by themselves is
+/// wrong outlines, and part of it is common to all.
+fn outline_error(scatter: f64, strained: bool) -> f64 {
+    let own = limits::OUTLINE_SHARE[1] * (scatter.powi(2) - limits::PIXELS.powi(2)).max(0.0).sqrt();
+    if strained {
+        limits::OUTLINE_STRAINED * scatter
+    } else {
+        limits::OUTLINE_ERROR.max(limits::OUTLINE_SHARE[0] * scatter).max(own)
+    }
+}
+
+/// A network with its principal points.
+struct Freed {
+    solved: Solved,
+    support: Support,
+    /// How far from the middle they may be, in widths.
+    level: f64,
+    /// Outlines are wrong in the same way everywhere, or principal points are.
+    strained: bool,
+}

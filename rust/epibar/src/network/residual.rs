@@ -1,0 +1,256 @@
+//! How far two tangents are from meeting, and how that changes with both cameras.
+//!
+//! With `Q = R_b [C_a − C_b]× R_aᵀ` the rays `x_a`, `x_b` of two pixels lie in one plane through both cameras where
+//! `e = x_bᵀ Q x_a = 0`. The residual is the Sampson distance in the *raw* pixels of both images, `e / g` with `g` the norm of
+//! the gradient of `e` to the four coordinates of the pixels, lens included: so no lens can make residuals small by making
+//! the image small, and no length of the baseline enters. The derivatives are exact, those of `g` among them.
+
+use nalgebra::{Matrix3, SVector, Vector2, Vector3, Vector4};
+
+use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION, Sight};
+
+/// A tangent of A that meets one of B.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Meeting {
+    /// Pixel of A.
+    pub a: [f64; 2],
+    /// Pixel of B at `time_b`.
+    pub b: [f64; 2],
+    /// Away from the silhouette, across the tangent, in A; unit length.
+    pub outward_a: [f64; 2],
+    /// The same in B.
+    pub outward_b: [f64; 2],
+    /// How fast that moves, pixels a second.
+    pub velocity_b: [f64; 2],
+    /// Seconds of A's clock.
+    pub time_a: f64,
+    /// Seconds of B's clock.
+    pub time_b: f64,
+    /// How much it counts.
+    pub weight: f64,
+    /// Frame of A.
+    pub frame: u32,
+}
+
+/// Derivatives of a residual to the parameters of A and then those of B.
+pub type Row = SVector<f64, { 2 * PARAMETERS }>;
+
+/// What two cameras have in common.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair<'c> {
+    a: &'c Camera,
+    b: &'c Camera,
+    q: Matrix3<f64>,
+}
+
+struct Parts {
+    sight_a: Sight,
+    sight_b: Sight,
+    ray_a: Vector3<f64>,
+    ray_b: Vector3<f64>,
+    /// `Qᵀ x_b` and `Q x_a`.
+    normal_a: Vector3<f64>,
+    normal_b: Vector3<f64>,
+    gradient: Vector4<f64>,
+    norm: f64,
+    residual: f64,
+    /// The network's time.
+    time: f64,
+}
+
+fn head(v: &Vector3<f64>) -> Vector2<f64> {
+    Vector2::new(v.x, v.y)
+}
+
+fn flat(v: &Vector2<f64>) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, 0.0)
+}
+
+fn both(a: Vector2<f64>, b: Vector2<f64>) -> Vector4<f64> {
+    Vector4::new(a.x, a.y, b.x, b.y)
+}
+
+impl<'c> Pair<'c> {
+    /// Of two cameras at different places.
+    pub fn new(a: &'c Camera, b: &'c Camera) -> Self {
+        let baseline = a.position - b.position;
+        let baseline = baseline / baseline.norm().max(1e-12);
+        Self { a, b, q: b.rotation.matrix() * baseline.cross_matrix() * a.rotation.matrix().transpose() }
+    }
+
+    fn parts(&self, m: &Meeting) -> Option<Parts> {
+        let time = self.a.time_of(m.time_a);
+        let late = self.b.clock_at(time) - m.time_b;
+        let pixel_a = [0, 1].map(|k| m.a[k] + self.a.inset * m.outward_a[k]);
+        let pixel_b = [0, 1].map(|k| m.b[k] + late * m.velocity_b[k] + self.b.inset * m.outward_b[k]);
+        let (sight_a, sight_b) = (self.a.sight(pixel_a)?, self.b.sight(pixel_b)?);
+        let ray_a = sight_a.direction.push(1.0);
+        let ray_b = sight_b.direction.push(1.0);
+        let (normal_b, normal_a) = (self.q * ray_a, self.q.tr_mul(&ray_b));
+        let gradient =
+            both(sight_a.jacobian.tr_mul(&head(&normal_a)), sight_b.jacobian.tr_mul(&head(&normal_b)));
+        let norm = gradient.norm().max(1e-150);
+        let residual = ray_b.dot(&normal_b) / norm;
+        Some(Parts { sight_a, sight_b, ray_a, ray_b, normal_a, normal_b, gradient, norm, residual, time })
+    }
+
+    /// Pixels; `None` where a lens shows nothing.
+    pub fn residual(&self, meeting: &Meeting) -> Option<f64> {
+        self.parts(meeting).map(|p| p.residual)
+    }
+
+    /// How well meetings agree within `ρ` pixels: the sum of `1 − r²/ρ²` of those that do, and their share.
+    pub fn agreement(&self, meetings: &[Meeting], within: f64) -> (f64, f64) {
+        let residuals = meetings.iter().filter_map(|m| self.residual(m)).filter(|r| r.abs() < within);
+        let add = |(sum, count): (f64, f64), r: f64| (sum + 1.0 - (r / within).powi(2), count + 1.0);
+        let (sum, count) = residuals.fold((0.0, 0.0), add);
+        (sum, count / meetings.len().max(1) as f64)
+    }
+
+    /// The residual with its derivatives.
+    pub fn row(&self, meeting: &Meeting) -> Option<(f64, Row)> {
+        let p = self.parts(meeting)?;
+        let (q, jacobian_a, jacobian_b) = (&self.q, p.sight_a.jacobian, p.sight_b.jacobian);
+        let mut row = Row::zeros();
+        let mut put = |k: usize, de: f64, dg: Vector4<f64>| {
+            row[k] = (de - p.residual * p.gradient.dot(&dg) / p.norm) / p.norm;
+        };
+        for k in 0..INTRINSIC {
+            let (dx, dj) = (p.sight_a.along[k], p.sight_a.jacobian_along[k]);
+            let of_b = jacobian_b.tr_mul(&head(&(q * flat(&dx))));
+            put(k, head(&p.normal_a).dot(&dx), both(dj.tr_mul(&head(&p.normal_a)), of_b));
+            let (dx, dj) = (p.sight_b.along[k], p.sight_b.jacobian_along[k]);
+            let of_a = jacobian_a.tr_mul(&head(&q.tr_mul(&flat(&dx))));
+            put(PARAMETERS + k, head(&p.normal_b).dot(&dx), both(of_a, dj.tr_mul(&head(&p.normal_b))));
+        }
+        let world_a = self.a.rotation.inverse() * p.ray_a;
+        let world_b = self.b.rotation.inverse() * p.ray_b;
+        let across = world_a.cross(&world_b);
+        // The baseline is taken with unit length: a change of its length says nothing.
+        let baseline = self.a.position - self.b.position;
+        let length = baseline.norm().max(1e-12);
+        let unit = baseline / length;
+        for k in 0..3 {
+            let turn = Vector3::ith(k, 1.0);
+            let (moved_a, moved_b) = (p.ray_a.cross(&turn), p.ray_b.cross(&turn));
+            put(
+                ROTATION + k,
+                p.normal_a.dot(&moved_a),
+                both(
+                    jacobian_a.tr_mul(&head(&turn.cross(&p.normal_a))),
+                    jacobian_b.tr_mul(&head(&(q * moved_a))),
+                ),
+            );
+            put(
+                PARAMETERS + ROTATION + k,
+                p.normal_b.dot(&moved_b),
+                both(
+                    jacobian_a.tr_mul(&head(&q.tr_mul(&moved_b))),
+                    jacobian_b.tr_mul(&head(&turn.cross(&p.normal_b))),
+                ),
+            );
+            let step = (turn - unit * unit.dot(&turn)) / length;
+            let de = step.dot(&across);
+            let dg = both(
+                jacobian_a.tr_mul(&head(&(self.a.rotation * world_b.cross(&step)))),
+                jacobian_b.tr_mul(&head(&(self.b.rotation * step.cross(&world_a)))),
+            );
+            put(POSITION + k, de, dg);
+            put(PARAMETERS + POSITION + k, -de, -dg);
+        }
+        // A pixel further right is a principal point further left.
+        let bent = |sight: &Sight, step: &Vector2<f64>| {
+            -(sight.jacobian_along[2] * step.x + sight.jacobian_along[3] * step.y)
+        };
+        let moved_a = |step: Vector2<f64>| {
+            let dx = jacobian_a * step;
+            let of_b = jacobian_b.tr_mul(&head(&(q * flat(&dx))));
+            (head(&p.normal_a).dot(&dx), both(bent(&p.sight_a, &step).tr_mul(&head(&p.normal_a)), of_b))
+        };
+        let moved_b = |step: Vector2<f64>| {
+            let dx = jacobian_b * step;
+            let of_a = jacobian_a.tr_mul(&head(&q.tr_mul(&flat(&dx))));
+            (head(&p.normal_b).dot(&dx), both(of_a, bent(&p.sight_b, &step).tr_mul(&head(&p.normal_b))))
+        };
+        let (de, dg) = moved_a(Vector2::from(meeting.outward_a));
+        put(INSET, de, dg);
+        let (de, dg) = moved_b(Vector2::from(meeting.outward_b));
+        put(PARAMETERS + INSET, de, dg);
+        let velocity = Vector2::from(meeting.velocity_b);
+        if velocity != Vector2::zeros() {
+            let (de, dg) = moved_b(velocity);
+            let (rate_a, rate_b) = (1.0 + 1e-6 * self.a.drift, 1.0 + 1e-6 * self.b.drift);
+            for (k, along) in [
+                (CLOCK, -rate_b / rate_a),
+                (CLOCK + 1, -1e-6 * rate_b / rate_a * p.time),
+                (PARAMETERS + CLOCK, 1.0),
+                (PARAMETERS + CLOCK + 1, 1e-6 * p.time),
+            ] {
+                put(k, de * along, dg * along);
+            }
+        }
+        Some((p.residual, row))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::camera::{Step, tests::odd};
+    use super::*;
+
+    #[test]
+    fn derivatives_equal_differences() {
+        let (a, b) = (odd(0.4), odd(1.9));
+        let meeting = Meeting {
+            a: [500.0, 120.0],
+            b: [100.0, 300.0],
+            outward_a: [0.6, -0.8],
+            outward_b: [0.28, 0.96],
+            velocity_b: [40.0, -25.0],
+            time_a: 3.0,
+            time_b: 3.4,
+            weight: 1.0,
+            frame: 0,
+        };
+        let (_, row) = Pair::new(&a, &b).row(&meeting).unwrap();
+        for k in 0..2 * PARAMETERS {
+            let h = match k % PARAMETERS {
+                2 | 3 | 14 | 15 => 1e-2,
+                _ => 1e-6,
+            };
+            let at = |h: f64| {
+                let mut step = Step::zeros();
+                step[k % PARAMETERS] = h;
+                let moved = if k < PARAMETERS { (a.stepped(&step), b) } else { (a, b.stepped(&step)) };
+                Pair::new(&moved.0, &moved.1).residual(&meeting).unwrap()
+            };
+            let difference = (at(h) - at(-h)) / (2.0 * h);
+            assert!(
+                (row[k] - difference).abs() < 1e-5 * (1.0 + difference.abs()),
+                "{k}: {} {difference}",
+                row[k]
+            );
+        }
+        assert!(row.iter().filter(|v| **v != 0.0).count() >= 30);
+    }
+
+    #[test]
+    fn the_pixels_of_one_point_meet() {
+        let (a, b) = (odd(0.4), odd(1.0));
+        let point =
+            nalgebra::Vector3::new(0.1, -0.2, 0.3) + (a.ray([320.0, 240.0]).unwrap() * 3.0 + a.position);
+        let (Some(in_a), Some(in_b)) = (a.project(&point), b.project(&point)) else { return };
+        let meeting = Meeting {
+            a: in_a,
+            b: in_b,
+            outward_a: [0.0; 2],
+            outward_b: [0.0; 2],
+            velocity_b: [0.0; 2],
+            time_a: 0.0,
+            time_b: 0.0,
+            weight: 1.0,
+            frame: 0,
+        };
+        assert!(Pair::new(&a, &b).residual(&meeting).unwrap().abs() < 1e-9);
+    }
+}

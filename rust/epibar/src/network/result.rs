@@ -1,0 +1,233 @@
+//! What comes out: cameras, pairs and clocks of a network, with a verdict on each.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::camera::Camera;
+use super::covariance::Expected;
+use super::support::Deviates;
+use super::world::Ground;
+use crate::image::ImageSize;
+
+/// Many cameras, calibrated together.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Network {
+    /// The cameras, in the order given.
+    pub cameras: Vec<NetworkCamera>,
+    /// All pairs of cameras `a < b`, in that order.
+    pub pairs: Vec<NetworkPair>,
+    /// Every camera is accepted.
+    pub accepted: bool,
+    /// What was found, or what is wrong, in words.
+    pub reason: String,
+    /// Where the vertical comes from, and the floor.
+    pub ground: Ground,
+    /// Radius within which tangents met in the end, pixels of a 640×480 image: 4 standard deviations.
+    pub radius: f64,
+}
+
+/// Why a camera is accepted or not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum CameraStatus {
+    /// It can be relied on.
+    Accepted,
+    /// Nothing tells where it stands: what it sees moves unlike what the others see.
+    NothingInCommon,
+    /// It agrees with some others, which have nothing in common with the rest.
+    Apart,
+    /// It sees what the others see only before or only after some moment.
+    Knocked,
+    /// Its focal length could as well be another.
+    FocalLength,
+    /// Which way it looks could as well be another.
+    Rotation,
+    /// Where it stands could as well be elsewhere.
+    Position,
+    /// Its pairs cannot be told from other geometries.
+    Ambiguous,
+    /// There are too few cameras, or too little is known of two.
+    TooFew,
+}
+
+impl CameraStatus {
+    /// A word for programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Accepted => "accepted",
+            Self::NothingInCommon => "nothing_in_common",
+            Self::Apart => "apart",
+            Self::Knocked => "knocked",
+            Self::FocalLength => "focal_length",
+            Self::Rotation => "rotation",
+            Self::Position => "position",
+            Self::Ambiguous => "ambiguous",
+            Self::TooFew => "too_few",
+        }
+    }
+}
+
+/// A camera of a [`Network`].
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct NetworkCamera {
+    /// Its name.
+    pub name: String,
+    /// Why it is accepted or not.
+    pub status: CameraStatus,
+    /// The same in words.
+    pub reason: String,
+    /// Where it stands, with its lens; `None` where that was not found.
+    pub(super) camera: Option<Camera>,
+    /// Errors to expect; below these nine times in ten.
+    pub expected: Option<Expected>,
+    /// What speaks for it.
+    pub deviates: Deviates,
+    /// Size of its image.
+    pub size: ImageSize,
+    /// Expected error of its clock's offset, seconds, one standard deviation.
+    pub offset_error: f64,
+}
+
+impl NetworkCamera {
+    /// Whether it can be relied on.
+    pub fn accepted(&self) -> bool {
+        self.status == CameraStatus::Accepted
+    }
+
+    /// Whether it stands anywhere, accepted or not.
+    pub fn stands(&self) -> bool {
+        self.camera.is_some()
+    }
+
+    /// The camera matrix, pixels.
+    pub fn matrix(&self) -> Option<Matrix3<f64>> {
+        self.camera.map(|c| c.matrix())
+    }
+
+    /// `k₁ k₂ p₁ p₂ k₃` of `OpenCV`.
+    pub fn distortions(&self) -> Option<[f64; 5]> {
+        self.camera.map(|c| [c.lens.k[0], c.lens.k[1], 0.0, 0.0, c.lens.k[2]])
+    }
+
+    /// `R` of `X_c = R X + t`, world z up.
+    pub fn rotation(&self) -> Option<Matrix3<f64>> {
+        self.camera.map(|c| *c.rotation.matrix())
+    }
+
+    /// `t` of `X_c = R X + t`, in the network's unit.
+    pub fn translation(&self) -> Option<Vector3<f64>> {
+        self.camera.map(|c| c.translation())
+    }
+
+    /// Where it stands, in the network's unit.
+    pub fn position(&self) -> Option<Vector3<f64>> {
+        self.camera.map(|c| c.position)
+    }
+
+    /// Its clock against that of the first camera: what is at `t` there is at `t + offset + 1e-6 drift t` here; seconds since the
+    /// first frame of each, and ppm.
+    pub fn clock(&self) -> Option<(f64, f64)> {
+        self.camera.map(|c| (c.offset, c.drift))
+    }
+}
+
+/// What became of a pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum PairStatus {
+    /// What moves in both agrees with the network.
+    Confirmed,
+    /// Too little moves in both to say; its geometry is that of the network.
+    Predicted,
+    /// By itself it would have another geometry, and was accepted so.
+    Contradicts,
+    /// One of its cameras is not part of the network.
+    Outside,
+}
+
+impl PairStatus {
+    /// A word for programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Confirmed => "confirmed",
+            Self::Predicted => "predicted",
+            Self::Contradicts => "contradicts",
+            Self::Outside => "outside",
+        }
+    }
+}
+
+/// A pair of a [`Network`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct NetworkPair {
+    /// Index of camera A.
+    pub a: usize,
+    /// Index of camera B.
+    pub b: usize,
+    /// What became of it.
+    pub status: PairStatus,
+    /// Whether both cameras are accepted, and nothing contradicts.
+    pub accepted: bool,
+    /// `x_bᵀ F x_a = 0` in undistorted pixels of the cameras' matrices, of norm 1; `None` where one does not stand.
+    pub fundamental: Option<Matrix3<f64>>,
+    /// What speaks for it.
+    pub deviates: Deviates,
+}
+
+/// What new footage says of a camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum CheckStatus {
+    /// It stands and looks as stored.
+    Unmoved,
+    /// It does not.
+    Moved,
+    /// Too little moved before it and the others to say.
+    Unsure,
+}
+
+impl CheckStatus {
+    /// A word for programs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Unmoved => "unmoved",
+            Self::Moved => "moved",
+            Self::Unsure => "unsure",
+        }
+    }
+}
+
+/// What new footage says of a camera, in numbers.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct CameraCheck {
+    /// Its name.
+    pub name: String,
+    /// Whether it moved.
+    pub status: CheckStatus,
+    /// The same in words.
+    pub reason: String,
+    /// By how much it looks another way, radians; NaN where it is not known.
+    pub turned: f64,
+    /// Below this, nine times in ten, is the error of that, radians.
+    pub turned_error: f64,
+    /// How far it stands from where it stood, unit of the network.
+    pub shifted: f64,
+    /// Below this, nine times in ten, is the error of that.
+    pub shifted_error: f64,
+    /// What it has in common with the others on this footage, as a normal deviate.
+    pub deviate: f64,
+    /// When it moved, seconds since its first frame; `None` where it did not, or before.
+    pub since: Option<f64>,
+}
+
+/// `F` of two cameras in undistorted pixels, of norm 1.
+pub(super) fn fundamental(a: &Camera, b: &Camera) -> Option<Matrix3<f64>> {
+    let baseline = b.rotation * (a.position - b.position);
+    let essential = baseline.cross_matrix() * (b.rotation * a.rotation.inverse()).matrix();
+    let f = b.matrix().try_inverse()?.transpose() * essential * a.matrix().try_inverse()?;
+    let norm = f.norm();
+    (norm > 0.0 && norm.is_finite()).then(|| f / norm)
+}

@@ -1,0 +1,134 @@
+//! Tangents found anew under the network, and the joint problem over them, until nothing changes.
+//!
+//! Under a network every pair has a geometry, those that failed by themselves too, and what meets under it is better
+//! than what any pair found alone. While the epipoles move a tangent slides along its silhouette, but along the tangent
+//! itself, so that fixed points have the right derivative (envelope theorem).
+
+use super::camera::Camera;
+use super::joint::{Beliefs, PairMeetings, Problem, standing};
+use super::residual::Pair;
+use super::survey::Survey;
+
+/// Radii, pixels of a 640×480 image, within which tangents meet: the first, and the least.
+const WIDEST: f64 = 12.0;
+const NARROWEST: f64 = 1.5;
+/// A radius may be so much smaller than the one before.
+const NARROWER: f64 = 0.7;
+/// Radius in robust standard deviations of what meets.
+const DEVIATIONS: f64 = 4.0;
+/// Steps of the solver between two searches for tangents.
+const STEPS: usize = 8;
+/// Rounds at the most.
+const ROUNDS: usize = 24;
+/// Nothing changes where no pixel moves by more than this, pixels.
+const STILL: f64 = 0.02;
+/// Fewer meetings than this say nothing of a pair.
+pub const LEAST_MEETINGS: usize = 20;
+/// Tangents of neighbouring frames and of one outline say the same: so many count as one measurement.
+const DEPENDENT: f64 = 30.0;
+/// Spread that is not believed to be smaller, pixels.
+const LEAST_SPREAD: f64 = 0.1;
+
+/// A network after its tangents were found anew.
+#[derive(Debug, Clone)]
+pub struct Settled {
+    /// The cameras.
+    pub cameras: Vec<Camera>,
+    /// What met in the last round.
+    pub pairs: Vec<PairMeetings>,
+    /// Within what radius, pixels of a 640×480 image.
+    pub radius: f64,
+    /// Scale of the Cauchy loss: the robust standard deviation of what meets, pixels.
+    pub scale: f64,
+    /// What a standard deviation of a prior was worth.
+    pub prior_weight: f64,
+}
+
+/// Finds tangents anew and solves for the cameras that move, from a radius down to the one that suits the masks.
+pub fn settle(
+    survey: &Survey,
+    cameras: &[Camera],
+    beliefs: &[Beliefs],
+    pairs: &[(usize, usize)],
+    moving: &[bool],
+    from: Option<f64>,
+) -> Settled {
+    let mut radius = from.unwrap_or(WIDEST);
+    let mut at = cameras.to_vec();
+    // All that is compared moves, so that size and place of the whole are free.
+    let free = |c: usize| moving[c] && !beliefs[c].posed;
+    let whole = pairs.iter().all(|&(a, b)| free(a) && free(b));
+    let mut found = Vec::new();
+    let (mut scale, mut prior_weight) = (radius, 1.0);
+    for _ in 0..ROUNDS {
+        found = survey.meetings(&at, pairs, radius, LEAST_MEETINGS);
+        let spread = spread(&at, &found);
+        if spread.is_nan() {
+            break;
+        }
+        let suits = (DEVIATIONS * spread).clamp(NARROWEST, radius);
+        scale = spread.max(LEAST_SPREAD);
+        prior_weight = weight_of_prior(&at, &found, scale);
+        let problem = Problem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
+        let solved = problem.solve(&at, STEPS).0;
+        let moved = shift(&at, &solved, &found);
+        at = if whole { standing(&solved, moving) } else { solved };
+        let next = suits.max(NARROWER * radius);
+        if moved < STILL && next > 0.97 * radius {
+            break;
+        }
+        radius = next;
+    }
+    Settled { cameras: at, pairs: found, radius, scale, prior_weight }
+}
+
+/// What a standard deviation of a prior is worth, in the unit of the cost of the tangents: so much as [`DEPENDENT`] of
+/// them, by the variance of a robust estimate, `E ψ² / E w` with `ψ` the influence and `w` the weight of a residual.
+fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f64 {
+    let (mut influence, mut weight, mut surprise, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for p in pairs {
+        let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+        for m in &p.meetings {
+            let Some(r) = pair.residual(m) else { continue };
+            let w = 1.0 / (1.0 + (r / scale).powi(2));
+            influence += (w * r).powi(2);
+            weight += w;
+            surprise += m.weight;
+            count += 1.0;
+        }
+    }
+    DEPENDENT * surprise / f64::max(count, 1.0)
+        * (influence / f64::max(weight, 1e-9)).max(LEAST_SPREAD.powi(2))
+}
+
+/// Robust standard deviation of all residuals, pixels; NaN of none.
+pub fn spread(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
+    let mut all: Vec<f64> = pairs
+        .iter()
+        .flat_map(|p| {
+            let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+            p.meetings.iter().filter_map(move |m| pair.residual(m)).map(f64::abs)
+        })
+        .collect();
+    if all.is_empty() {
+        return f64::NAN;
+    }
+    let middle = all.len() / 2;
+    1.4826 * *all.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// By how much residuals change between two networks, root mean square, pixels.
+fn shift(before: &[Camera], after: &[Camera], pairs: &[PairMeetings]) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for p in pairs {
+        let (one, other) = (Pair::new(&before[p.a], &before[p.b]), Pair::new(&after[p.a], &after[p.b]));
+        let step = p.meetings.len().div_ceil(200).max(1);
+        for m in p.meetings.iter().step_by(step) {
+            if let (Some(r), Some(s)) = (one.residual(m), other.residual(m)) {
+                sum += (r - s).powi(2);
+                count += 1.0;
+            }
+        }
+    }
+    (sum / f64::max(count, 1.0)).sqrt()
+}

@@ -1,0 +1,230 @@
+//! What speaks for each camera of a network on moments in which the fit had no part.
+//!
+//! The network is fitted once more without some stretches of time. On these its pairs are compared as they are and with
+//! B's moments moved on: people who walk about in both views at other times are what chance has to offer. A camera's score
+//! is the sum over its pairs, and its normal deviate that of Student's t over the shifts, so that what is alike in
+//! neighbouring frames counts for no more than it is worth.
+
+use rayon::prelude::*;
+
+use super::camera::Camera;
+use super::observed::Observed;
+use super::relocate::Placed;
+use super::solve::{COMPARED, Solved, settled};
+use super::survey::Survey;
+use super::tangents::Score;
+use super::thresholds::PAIR_DEVIATES;
+use crate::verify::shift_curve::normal_deviate;
+
+/// Stretches of time; every third one is kept aside.
+const STRETCHES: f64 = 15.0;
+/// Frames of each camera that are looked at.
+const FRAMES: usize = 300;
+/// Shifts that stand for chance.
+const SHIFTS: usize = 20;
+
+/// Normal deviates of what was seen on moments kept aside.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Deviates {
+    /// Of the tangents.
+    pub tangents: f64,
+    /// Of whole silhouettes: those of which both ends meet those of one other.
+    pub whole: f64,
+}
+
+/// What speaks for a network.
+#[derive(Debug, Clone)]
+pub struct Support {
+    /// Camera by camera.
+    pub cameras: Vec<Deviates>,
+    /// Pairs of cameras that stand.
+    pub pairs: Vec<((usize, usize), Deviates)>,
+}
+
+impl Support {
+    /// Pairs of which so much confirms the network that chance does not.
+    pub fn confirmed(&self) -> Vec<(usize, usize)> {
+        self.pairs.iter().filter(|(_, d)| d.tangents >= PAIR_DEVIATES).map(|(pair, _)| *pair).collect()
+    }
+
+    /// Of a network that was solved on all moments.
+    pub fn of(observed: &[Observed], solved: &Solved) -> Self {
+        let aside = Aside::of(observed, &solved.network.cameras);
+        let fitted = Survey::among(observed, FRAMES, |camera, seconds| !aside.has(camera, seconds));
+        let radius = Some((2.0 * solved.settled.radius).min(8.0));
+        let pairs = solved.network.pairs();
+        let network = settled(&fitted, solved.network.clone(), &solved.beliefs, &pairs, radius).network;
+        let kept = Survey::among(observed, FRAMES, |camera, seconds| aside.has(camera, seconds));
+        Self::on(&kept, &network)
+    }
+
+    /// Of a network on the moments of a survey.
+    pub fn on(survey: &Survey, network: &Placed) -> Self {
+        let pairs = network.pairs();
+        let rays = survey.all_rays(&network.cameras);
+        let scores: Vec<Vec<Score>> = pairs
+            .par_iter()
+            .map(|&(a, b)| {
+                let tangents = survey.tangents(&network.cameras, &rays, a, b);
+                let (n, radius) = (tangents.moments(), COMPARED * survey.scale(a, b));
+                if n <= SHIFTS {
+                    return vec![Score::default(); SHIFTS + 1];
+                }
+                (0..=SHIFTS).map(|k| tangents.score(radius, k * n / (SHIFTS + 1))).collect()
+            })
+            .collect();
+        let deviates = |of: &dyn Fn(&(usize, usize)) -> bool| {
+            let sum = |value: &dyn Fn(&Score) -> f64| -> Vec<f64> {
+                let chosen = || pairs.iter().zip(&scores).filter(|(pair, _)| of(pair));
+                (0..=SHIFTS).map(|k| chosen().map(|(_, s)| value(&s[k])).sum()).collect()
+            };
+            Deviates { tangents: deviate(&sum(&|s| s.excess)), whole: deviate(&sum(&|s| s.whole as f64)) }
+        };
+        Self {
+            cameras: (0..network.cameras.len()).map(|c| deviates(&|p| p.0 == c || p.1 == c)).collect(),
+            pairs: pairs.iter().map(|&pair| (pair, deviates(&|p| *p == pair))).collect(),
+        }
+    }
+}
+
+/// How unlikely the first of some scores is among the others, as a normal deviate; 0 where they do not differ.
+fn deviate(scores: &[f64]) -> f64 {
+    let Some((first, rest)) = scores.split_first() else { return 0.0 };
+    let n = rest.len() as f64;
+    let mean = rest.iter().sum::<f64>() / n;
+    let variance = rest.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    if variance > 0.0 {
+        normal_deviate((first - mean) / (variance * (1.0 + 1.0 / n)).sqrt(), n - 1.0)
+    } else if *first > mean {
+        // Never by chance, and seen.
+        normal_deviate(first - mean, n - 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// Stretches of the network's time that are kept aside.
+struct Aside<'c> {
+    cameras: &'c [Camera],
+    start: f64,
+    length: f64,
+}
+
+impl<'c> Aside<'c> {
+    fn of(observed: &[Observed], cameras: &'c [Camera]) -> Self {
+        let times = observed.iter().zip(cameras).flat_map(|(o, c)| {
+            [o.times.first(), o.times.last()].into_iter().flatten().map(|t| c.time_of(*t)).collect::<Vec<_>>()
+        });
+        let (start, end) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
+        Self { cameras, start, length: ((end - start) / STRETCHES).max(1e-9) }
+    }
+
+    fn has(&self, camera: usize, seconds: f64) -> bool {
+        let stretch = ((self.cameras[camera].time_of(seconds) - self.start) / self.length).floor();
+        stretch.rem_euclid(3.0) == 1.0
+    }
+}
+
+/// When a camera was knocked, and how little it has in common with the others on the other side of that moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knock {
+    /// Share of its recording at which it happened, about.
+    pub at: f64,
+    /// Whether the network has it as it stood before.
+    pub stands_before: bool,
+}
+
+/// Parts of the recording between which a knock is looked for.
+const PARTS: usize = 8;
+/// Shifts whose evidence is what chance has.
+const CHANCE: usize = 3;
+/// A camera that stands still has at least this share of its evidence, by what could meet, on either side.
+const LEFT: f64 = 0.35;
+/// And at least this share of what pairs that it has no part in keep.
+const LEFT_OF_OTHERS: f64 = 0.45;
+/// What its evidence on the better side must be, at least, in normal deviates of its parts.
+const CLEAR: f64 = 60.0;
+/// Pairs that it has no part in keep at least this share.
+const OTHERS_KEEP: f64 = 0.4;
+
+/// Cameras that see what the others see only before or only after some moment.
+pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<Knock>> {
+    let pairs = network.pairs();
+    let rays = survey.all_rays(&network.cameras);
+    // Evidence, and what could meet, of each part of the network's time as camera A of the pair has it.
+    let parts: Vec<[(f64, f64); PARTS]> = pairs
+        .par_iter()
+        .map(|&(a, b)| {
+            let tangents = survey.tangents(&network.cameras, &rays, a, b);
+            let radius = COMPARED * survey.scale(a, b);
+            let mut sums = [(0.0, 0.0); PARTS];
+            for shift in 0..=CHANCE {
+                let by = shift * tangents.moments() / (CHANCE + 1);
+                let scores = tangents.scores_by_moment(radius, by);
+                for (k, score) in scores.iter().enumerate() {
+                    let part = &mut sums[k * PARTS / scores.len()];
+                    if shift == 0 {
+                        part.0 += score.excess;
+                        part.1 += score.ends as f64;
+                    } else {
+                        part.0 -= score.excess / CHANCE as f64;
+                    }
+                }
+            }
+            sums
+        })
+        .collect();
+    let sides = |chosen: &dyn Fn(&(usize, usize)) -> bool, boundary: usize| {
+        let mut sums = [(0.0, 0.0); 2];
+        for (_, parts) in pairs.iter().zip(&parts).filter(|(pair, _)| chosen(pair)) {
+            for (k, part) in parts.iter().enumerate() {
+                let side = &mut sums[usize::from(k >= boundary)];
+                side.0 += part.0;
+                side.1 += part.1;
+            }
+        }
+        sums
+    };
+    let kept = |[before, after]: [(f64, f64); 2]| {
+        let rate = |(evidence, ends): (f64, f64)| (evidence / f64::max(ends, 1.0)).max(0.0);
+        let (p, q) = (rate(before), rate(after));
+        (p.min(q) / p.max(q).max(1e-12), p >= q)
+    };
+    (0..network.cameras.len())
+        .map(|c| {
+            let own = |p: &(usize, usize)| p.0 == c || p.1 == c;
+            let mut worst: Option<(f64, Knock)> = None;
+            for boundary in 2..PARTS - 1 {
+                let of_own = sides(&own, boundary);
+                let (share, stands_before) = kept(of_own);
+                let (others, _) = kept(sides(&|p| !own(p), boundary));
+                let better = of_own[usize::from(!stands_before)].0;
+                let shows =
+                    of_own[usize::from(stands_before)].1 > 0.2 * of_own[usize::from(!stands_before)].1;
+                let found = share < LEFT
+                    && share < LEFT_OF_OTHERS * others
+                    && others > OTHERS_KEEP
+                    && better > CLEAR
+                    && shows;
+                if found && worst.is_none_or(|w| share < w.0) {
+                    let at = boundary as f64 / PARTS as f64;
+                    worst = Some((share, Knock { at, stands_before }));
+                }
+            }
+            worst.map(|w| w.1)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_score_like_the_others_has_no_deviate() {
+        assert_eq!(deviate(&[0.0; 9]), 0.0);
+        assert!(deviate(&[3.0, 1.0, 2.0, 3.0, 4.0, 5.0, 2.0, 3.0, 4.0]).abs() < 1.0);
+        assert!(deviate(&[90.0, 1.0, 2.0, 3.0, 4.0, 5.0, 2.0, 3.0, 4.0]) > 4.0);
+        assert!(deviate(&[]) == 0.0);
+    }
+}

@@ -1,0 +1,157 @@
+//! All cameras of a network before the same moments: which tangents meet under given cameras.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::camera::Camera;
+use super::ends::Seen;
+use super::joint::PairMeetings;
+use super::observed::Observed;
+use super::tangents::{Score, Tangents};
+use super::walkers::{PairFigures, figures};
+
+/// What all cameras saw at some of their frames.
+#[derive(Debug, Clone)]
+pub struct Survey<'a> {
+    /// Silhouettes, camera by camera.
+    pub observed: &'a [Observed],
+    /// Frames of each camera that are looked at.
+    frames: Vec<Vec<u32>>,
+}
+
+/// Rays of one camera's silhouettes.
+pub type Rays = Vec<Vector3<f64>>;
+
+impl<'a> Survey<'a> {
+    /// At most `limit` frames of each camera, evenly spread over those in which something moves.
+    pub fn new(observed: &'a [Observed], limit: usize) -> Self {
+        Self::among(observed, limit, |_, _| true)
+    }
+
+    /// The same of the frames of a camera, by its index and its clock's seconds, that are to be kept.
+    pub fn among(observed: &'a [Observed], limit: usize, keep: impl Fn(usize, f64) -> bool) -> Self {
+        let frames = observed
+            .iter()
+            .enumerate()
+            .map(|(camera, o)| {
+                let kept: Vec<u32> = (0..o.frames() as u32)
+                    .filter(|&i| keep(camera, o.times[i as usize]) && !o.of_frame(i).is_empty())
+                    .collect();
+                if kept.len() <= limit {
+                    return kept;
+                }
+                (0..limit).map(|k| kept[k * kept.len() / limit]).collect()
+            })
+            .collect();
+        Self { observed, frames }
+    }
+
+    /// Rays of the silhouettes of a camera that are looked at, or that another camera may ask for.
+    pub fn rays(&self, cameras: &[Camera], camera: usize) -> Rays {
+        let own = self.frames[camera].iter().copied();
+        let mut wanted = self.observed[camera].wanted(own);
+        for (other, frames) in self.frames.iter().enumerate().filter(|(other, _)| *other != camera) {
+            let times = frames.iter().map(|&f| {
+                let time = cameras[other].time_of(self.observed[other].times[f as usize]);
+                cameras[camera].clock_at(time)
+            });
+            let asked = times.filter_map(|t| self.observed[camera].moment(t)).map(|m| m.frame);
+            let of_other = self.observed[camera].wanted(asked);
+            wanted.iter_mut().zip(of_other).for_each(|(w, o)| *w |= o);
+        }
+        self.observed[camera].rays(&cameras[camera], &wanted)
+    }
+
+    /// Rays of all cameras.
+    pub fn all_rays(&self, cameras: &[Camera]) -> Vec<Rays> {
+        (0..cameras.len()).map(|camera| self.rays(cameras, camera)).collect()
+    }
+
+    /// The tangents of a pair.
+    pub fn tangents<'s>(
+        &'s self,
+        cameras: &'s [Camera],
+        rays: &'s [Rays],
+        a: usize,
+        b: usize,
+    ) -> Tangents<'s> {
+        self.tangents_of(cameras, &rays[a], &rays[b], a, b)
+    }
+
+    /// The tangents of a pair by the rays of both.
+    pub fn tangents_of<'s>(
+        &'s self,
+        cameras: &'s [Camera],
+        rays_a: &'s Rays,
+        rays_b: &'s Rays,
+        a: usize,
+        b: usize,
+    ) -> Tangents<'s> {
+        let seen = |i: usize, rays: &'s Rays| Seen { observed: &self.observed[i], camera: &cameras[i], rays };
+        Tangents::new(seen(a, rays_a), seen(b, rays_b), &self.frames[a])
+    }
+
+    /// What meets within a radius, pixels of a 640×480 image, in some pairs; those without `least` meetings are left out.
+    pub fn meetings(
+        &self,
+        cameras: &[Camera],
+        pairs: &[(usize, usize)],
+        radius: f64,
+        least: usize,
+    ) -> Vec<PairMeetings> {
+        let rays = self.all_rays(cameras);
+        let found: Vec<PairMeetings> = pairs
+            .par_iter()
+            .map(|&(a, b)| {
+                let tangents = self.tangents(cameras, &rays, a, b);
+                let met = tangents.meet(radius * self.scale(a, b), 0);
+                PairMeetings { a, b, meetings: tangents.measurements(&met) }
+            })
+            .collect();
+        found.into_iter().filter(|p| p.meetings.len() >= least).collect()
+    }
+
+    /// Figures of some pairs at a radius, pixels of a 640×480 image.
+    pub fn figures(&self, cameras: &[Camera], pairs: &[(usize, usize)], radius: f64) -> Vec<PairFigures> {
+        let rays = self.all_rays(cameras);
+        pairs
+            .par_iter()
+            .map(|&(a, b)| {
+                let tangents = self.tangents(cameras, &rays, a, b);
+                let met = tangents.meet(radius * self.scale(a, b), 0);
+                PairFigures { a, b, figures: figures(&tangents, &met) }
+            })
+            .collect()
+    }
+
+    /// Evidence of some pairs at a radius, pixels of a 640×480 image, less that of clocks shifted by even parts of the
+    /// recording.
+    pub fn scores(
+        &self,
+        cameras: &[Camera],
+        pairs: &[(usize, usize)],
+        radius: f64,
+        shifts: usize,
+    ) -> Vec<Score> {
+        let rays = self.all_rays(cameras);
+        pairs
+            .par_iter()
+            .map(|&(a, b)| {
+                let tangents = self.tangents(cameras, &rays, a, b);
+                let radius = radius * self.scale(a, b);
+                let mut score = tangents.score(radius, 0);
+                for k in 1..=shifts {
+                    let by_chance = tangents.score(radius, k * tangents.moments() / (shifts + 1));
+                    score.excess -= by_chance.excess.max(0.0) / shifts as f64;
+                }
+                score
+            })
+            .collect()
+    }
+
+    /// Pixels of an 800-pixel diagonal (640×480) in the images of a pair.
+    pub fn scale(&self, a: usize, b: usize) -> f64 {
+        let diagonal = |i: usize| self.observed[i].size.diagonal();
+        (0.5 * (diagonal(a) + diagonal(b)) / 800.0).max(0.25)
+    }
+}

@@ -1,0 +1,47 @@
+//! What decides about a network: every number, and where it comes from.
+
+/// Normal deviate that the tangents of an accepted camera have on moments kept aside: by chance once in three million.
+pub const CAMERA_DEVIATES: f64 = 5.0;
+/// The same of whole silhouettes, which floors without walkers cannot have.
+pub const WHOLE_DEVIATES: f64 = 3.0;
+/// The same of the tangents of a pair that confirms a network.
+pub const PAIR_DEVIATES: f64 = 3.0;
+/// Pairs that must confirm a camera among more than two: two directions are needed for its place.
+pub const CONFIRMED_PAIRS: usize = 2;
+/// Expected errors, nine times in ten below, that are still of use: of the focal length, relative.
+pub const MAX_FOCAL: f64 = 0.08;
+/// Of the rotation, radians: 2°.
+pub const MAX_ROTATION: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// Of the position, as a share of the largest distance between two cameras.
+pub const MAX_POSITION: f64 = 0.05;
+/// A network whose cameras are turned by more than this against one another is another geometry, radians: 3°.
+pub const RIVAL_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
+/// It is a rival with less than this share less evidence.
+pub const RIVAL_SHARE: f64 = 0.1;
+/// And where it is not worse by so many standard deviations over parts of the recording.
+pub const RIVAL_DEVIATES: f64 = 3.0;
+/// A tangent that a pair found agrees with the network below this residual, pixels of a 640×480 image.
+pub const AGREE: f64 = 4.0;
+/// A pair contradicts the network where less than this share of what it found agrees.
+pub const CONTRADICTS: f64 = 0.3;
+/// Silhouettes that fill their hulls to more than this share may be boxes or ellipses that stand for something else.
+pub const CONVEX: f64 = 0.96;
+/// By how many pixels the outlines of one camera may all be wrong alike in one part of the image, at least.
+pub const OUTLINE_ERROR: f64 = 0.06;
+/// Scatter of tangents of perfect masks, pixels: those of the grid, of two images.
+pub const PIXELS: f64 = 0.5;
+/// The share of the scatter that is common to the outlines of one camera in one part of the image: of what pixels do by
+/// themselves, and of what is more than that.
+pub const OUTLINE_SHARE: [f64; 2] = [0.5, 0.9];
+/// The same as a multiple of the scatter where outlines are wrong in the same way everywhere.
+pub const OUTLINE_STRAINED: f64 = 4.0;
+/// Standard deviation of clocks' offsets where barcodes found that all started together, seconds.
+pub const CLOCK_TOGETHER: f64 = 0.02;
+/// The same where barcodes found the offsets, to a frame or two.
+pub const CLOCK_FOUND: f64 = 0.1;
+/// Standard deviation of clocks' drifts, ppm: quartz.
+pub const DRIFT: f64 = 30.0;
+/// A camera has moved where it now looks another way, or stands elsewhere, by so many times what is below nine times in ten.
+pub const MOVED: f64 = 2.0;
+/// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
+pub const MOVED_DEVIATES: f64 = 4.0;

@@ -1,0 +1,248 @@
+//! The verdict: what is said of each camera, each pair and the whole.
+
+use super::camera::Camera;
+use super::case::{Case, Finished, Out};
+use super::covariance::Expected;
+use super::graph::PairFound;
+use super::relocate::Placed;
+use super::residual::Pair;
+use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
+use super::solve::{Solved, gain};
+use super::support::{Deviates, Support, knocked};
+use super::survey::Survey;
+use super::thresholds as limits;
+use super::words;
+use super::world;
+
+/// Whether another network has about the same evidence, and another geometry.
+pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
+    let of_best = &best.network.placed;
+    if of_best.iter().zip(&rival.network.placed).any(|(best, rival)| *best && !rival) {
+        return false;
+    }
+    let turned = |c: usize, d: usize, n: &Placed| n.cameras[c].rotation * n.cameras[d].rotation.inverse();
+    let differs = best.network.pairs().iter().any(|&(c, d)| {
+        turned(c, d, &best.network).angle_to(&turned(c, d, &rival.network)) > limits::RIVAL_TURN
+    });
+    let (share, z) = gain(survey, &best.network, &rival.network);
+    differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
+}
+
+/// Those cameras that stand and should not: the one for which least speaks, if that is too little; else those of all
+/// groups but the largest, if nothing joins them; else one that was knocked.
+pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec<Out> {
+    let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
+    let confirmed = support.confirmed();
+    let needed = if stand.len() > 2 { limits::CONFIRMED_PAIRS } else { 1 };
+    let enough = |c: usize| {
+        let d = support.cameras[c];
+        let pairs = confirmed.iter().filter(|p| p.0 == c || p.1 == c).count();
+        d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES && pairs >= needed
+    };
+    let out = |camera: usize, status: CameraStatus, at: Option<f64>| Out {
+        camera,
+        status,
+        deviates: support.cameras[camera],
+        at,
+    };
+    let by_deviate =
+        |&c: &usize, &d: &usize| support.cameras[c].tangents.total_cmp(&support.cameras[d].tangents);
+    if let Some(camera) = stand.iter().copied().filter(|&c| !enough(c)).min_by(|c, d| by_deviate(c, d)) {
+        return vec![out(camera, CameraStatus::NothingInCommon, None)];
+    }
+    let largest = largest_group(&stand, &confirmed);
+    if largest.len() < stand.len() {
+        let others = stand.iter().filter(|c| !largest.contains(c));
+        return others.map(|&camera| out(camera, CameraStatus::Apart, None)).collect();
+    }
+    let knocked = knocked(survey, network).into_iter().enumerate().find_map(|(c, k)| Some((c, k?)));
+    knocked.map(|(camera, knock)| out(camera, CameraStatus::Knocked, Some(knock.at))).into_iter().collect()
+}
+
+/// The most cameras that confirmed pairs join; of equals those with the most pairs, then the first.
+fn largest_group(stand: &[usize], confirmed: &[(usize, usize)]) -> Vec<usize> {
+    let mut groups: Vec<Vec<usize>> = stand.iter().map(|&c| vec![c]).collect();
+    for (a, b) in confirmed {
+        let place = |c: &usize| groups.iter().position(|g| g.contains(c));
+        if let (Some(p), Some(q)) = (place(a), place(b))
+            && p != q
+        {
+            let moved = groups.swap_remove(p.max(q));
+            groups[p.min(q)].extend(moved);
+        }
+    }
+    let pairs = |group: &Vec<usize>| confirmed.iter().filter(|(a, _)| group.contains(a)).count();
+    let first = |group: &Vec<usize>| std::cmp::Reverse(group.iter().min().copied());
+    groups.into_iter().max_by_key(|g| (g.len(), pairs(g), first(g))).unwrap_or_default()
+}
+
+impl Case<'_> {
+    /// What is said of a network.
+    pub(super) fn network(&self, finished: &Finished, out: &[Out], rivalled: bool) -> Network {
+        let network = &finished.solved.network;
+        let (placed, ground) = world::placed(network, finished.floor.as_ref());
+        let stand: Vec<usize> = (0..self.count()).filter(|&c| network.placed[c]).collect();
+        let unit = (network.cameras[stand[1]].position - network.cameras[stand[0]].position).norm();
+        let rig = network
+            .pairs()
+            .iter()
+            .map(|&(a, b)| (placed[a].position - placed[b].position).norm())
+            .fold(0.0, f64::max);
+        let cameras: Vec<NetworkCamera> = (0..self.count())
+            .map(|c| {
+                let input = &self.inputs[c];
+                let found = out.iter().find(|o| o.camera == c);
+                let stands = network.placed[c];
+                let expected =
+                    Expected { position: finished.expected[c].position / unit, ..finished.expected[c] };
+                let status = match found {
+                    Some(out) => out.status,
+                    None if !stands => CameraStatus::NothingInCommon,
+                    None if rivalled => CameraStatus::Ambiguous,
+                    None => status_by_errors(&expected, rig),
+                };
+                let seconds = self.observed[c].times.last().copied().unwrap_or(0.0);
+                let knocked_at = found.and_then(|o| o.at).map(|share| share * seconds);
+                NetworkCamera {
+                    name: input.name.to_owned(),
+                    status,
+                    reason: words::of_camera(status, &expected, rig, knocked_at, input, &self.pairs_of(c)),
+                    camera: stands.then_some(placed[c]),
+                    expected: stands.then_some(expected),
+                    deviates: found.map_or(finished.support.cameras[c], |o| o.deviates),
+                    size: input.recording.size(),
+                    offset_error: finished.offsets[c],
+                }
+            })
+            .collect();
+        let pairs = self.all_pairs().map(|(a, b)| self.pair(a, b, &cameras, finished)).collect::<Vec<_>>();
+        let radius = finished.solved.settled.radius;
+        let accepted = cameras.iter().all(NetworkCamera::accepted);
+        let reason = words::of_network(&cameras, &pairs, &ground);
+        Network { cameras, pairs, accepted, reason, ground, radius }
+    }
+
+    fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
+        let n = self.count();
+        (0..n).flat_map(move |a| (a + 1..n).map(move |b| (a, b)))
+    }
+
+    fn pairs_of(&self, camera: usize) -> Vec<&PairFound> {
+        self.pairs.iter().filter(|p| p.a == camera || p.b == camera).collect()
+    }
+
+    fn pair(&self, a: usize, b: usize, cameras: &[NetworkCamera], finished: &Finished) -> NetworkPair {
+        let (Some(one), Some(other)) = (&cameras[a].camera, &cameras[b].camera) else {
+            return NetworkPair {
+                a,
+                b,
+                status: PairStatus::Outside,
+                accepted: false,
+                fundamental: None,
+                deviates: Deviates::default(),
+            };
+        };
+        let support = finished.support.pairs.iter().find(|(pair, _)| *pair == (a, b));
+        let deviates = support.map_or(Deviates::default(), |s| s.1);
+        let alone = self.pairs.iter().find(|p| (p.a, p.b) == (a, b)).is_some_and(|p| p.accepted);
+        let status = if alone && self.contradicts(a, b, one, other) {
+            PairStatus::Contradicts
+        } else if deviates.tangents >= limits::PAIR_DEVIATES {
+            PairStatus::Confirmed
+        } else {
+            PairStatus::Predicted
+        };
+        let accepted = cameras[a].accepted() && cameras[b].accepted() && status != PairStatus::Contradicts;
+        NetworkPair { a, b, status, accepted, fundamental: fundamental(one, other), deviates }
+    }
+
+    /// Whether what a pair found by itself disagrees with the network.
+    fn contradicts(&self, a: usize, b: usize, one: &Camera, other: &Camera) -> bool {
+        let Some(pair) = self.hypotheses.iter().find(|h| (h.a, h.b) == (a, b)) else { return false };
+        let geometry = Pair::new(one, other);
+        let meetings = &pair.hypotheses[0].meetings;
+        let within = limits::AGREE * (one.size.diagonal() + other.size.diagonal()) / 1600.0;
+        let near = meetings.iter().filter(|m| geometry.residual(m).is_some_and(|r| r.abs() < within)).count();
+        (near as f64) < limits::CONTRADICTS * meetings.len() as f64
+    }
+
+    /// No camera stands.
+    pub(super) fn nothing(&self, status: CameraStatus) -> Network {
+        let all =
+            (0..self.count()).map(|camera| Out { camera, status, deviates: Deviates::default(), at: None });
+        self.without(&all.collect::<Vec<_>>())
+    }
+
+    pub(super) fn without(&self, out: &[Out]) -> Network {
+        let cameras: Vec<NetworkCamera> = (0..self.count())
+            .map(|c| {
+                let input = &self.inputs[c];
+                let found = out.iter().find(|o| o.camera == c);
+                let status = found.map_or(CameraStatus::NothingInCommon, |o| o.status);
+                let seconds = self.observed[c].times.last().copied().unwrap_or(0.0);
+                let at = found.and_then(|o| o.at).map(|share| share * seconds);
+                NetworkCamera {
+                    name: input.name.to_owned(),
+                    status,
+                    reason: words::of_camera(status, &Expected::UNKNOWN, 1.0, at, input, &self.pairs_of(c)),
+                    camera: None,
+                    expected: None,
+                    deviates: found.map_or(Deviates::default(), |o| o.deviates),
+                    size: input.recording.size(),
+                    offset_error: f64::NAN,
+                }
+            })
+            .collect();
+        let outside = |(a, b)| NetworkPair {
+            a,
+            b,
+            status: PairStatus::Outside,
+            accepted: false,
+            fundamental: None,
+            deviates: Deviates::default(),
+        };
+        let pairs: Vec<NetworkPair> = self.all_pairs().map(outside).collect();
+        let reason = words::of_network(&cameras, &pairs, &world::Ground::Cameras);
+        Network { cameras, pairs, accepted: false, reason, ground: world::Ground::Cameras, radius: f64::NAN }
+    }
+}
+
+/// Whether errors are small enough.
+fn status_by_errors(expected: &Expected, rig: f64) -> CameraStatus {
+    // Each so that NaN refuses.
+    let errors = [
+        (expected.focal, limits::MAX_FOCAL, CameraStatus::FocalLength),
+        (expected.rotation, limits::MAX_ROTATION, CameraStatus::Rotation),
+        (expected.position, limits::MAX_POSITION * rig, CameraStatus::Position),
+    ];
+    let small = |error: f64, limit: f64| error <= limit;
+    let too_large = errors.into_iter().find(|(error, limit, _)| !small(*error, *limit));
+    too_large.map_or(CameraStatus::Accepted, |(_, _, status)| status)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_that_nothing_joins_stay_apart() {
+        let confirmed = [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (5, 6), (3, 6)];
+        let mut group = largest_group(&[0, 1, 2, 3, 4, 5, 6], &confirmed);
+        group.sort_unstable();
+        assert_eq!(group, [3, 4, 5, 6]);
+        let mut group = largest_group(&[0, 1, 2, 3, 4, 5], &confirmed[..5]);
+        group.sort_unstable();
+        assert_eq!(group, [0, 1, 2]);
+        assert!(largest_group(&[], &[]).is_empty());
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused() {
+        let good = Expected { focal: 0.01, rotation: 0.01, position: 0.01 };
+        assert_eq!(status_by_errors(&good, 1.0), CameraStatus::Accepted);
+        assert_eq!(status_by_errors(&Expected::UNKNOWN, 1.0), CameraStatus::FocalLength);
+        assert_eq!(status_by_errors(&Expected { rotation: f64::NAN, ..good }, 1.0), CameraStatus::Rotation);
+        assert_eq!(status_by_errors(&good, f64::NAN), CameraStatus::Position);
+        assert_eq!(status_by_errors(&Expected { position: 0.2, ..good }, 1.0), CameraStatus::Position);
+    }
+}

@@ -1,0 +1,108 @@
+//! Results in words.
+
+use super::covariance::Expected;
+use super::graph::PairFound;
+use super::input::CameraInput;
+use super::result::{CameraStatus, NetworkCamera, NetworkPair, PairStatus};
+use super::thresholds::{MAX_FOCAL, MAX_POSITION, MAX_ROTATION};
+use super::world::Ground;
+
+/// What was found of a camera.
+pub(super) fn of_camera(
+    status: CameraStatus,
+    expected: &Expected,
+    rig: f64,
+    knocked_at: Option<f64>,
+    input: &CameraInput,
+    pairs: &[&PairFound],
+) -> String {
+    let percent = |share: f64| 100.0 * share;
+    match status {
+        CameraStatus::Accepted => format!(
+            "calibrated: nine times in ten the focal length is right to {:.2} %, the rotation to {:.2} degrees, the position to {:.2} % of the rig",
+            percent(expected.focal),
+            expected.rotation.to_degrees(),
+            percent(expected.position / rig)
+        ),
+        CameraStatus::NothingInCommon => {
+            let recording = input.recording;
+            let still = (0..recording.frames()).all(|i| recording.silhouettes.hulls(i).is_empty());
+            let sees = if still {
+                "nothing moves in it".to_owned()
+            } else if pairs.iter().any(|p| p.accepted) {
+                "too few of the other cameras confirm its place, though it agrees with one of them".to_owned()
+            } else {
+                "what moves in it does not move as in the other cameras".to_owned()
+            };
+            format!(
+                "left out: {sees}. Does it show the same place at the same time, unmirrored, with a pinhole lens? Film where several cameras see the same things move"
+            )
+        }
+        CameraStatus::Apart => {
+            "left out: it belongs to a smaller group of cameras, and nothing moved that cameras of both groups saw. Film where they see the same things move, or calibrate the groups by themselves".to_owned()
+        }
+        CameraStatus::Knocked => format!(
+            "left out: it agrees with the others only before or only after about {:.0} s of its recording, so it was moved or stopped then. Cut the recording there",
+            knocked_at.unwrap_or(f64::NAN)
+        ),
+        CameraStatus::FocalLength => format!(
+            "the focal length is not determined: the error may be {:.0} %, and {:.0} % is the most that is accepted. Give it, or film longer and closer to the edges of the image",
+            percent(expected.focal),
+            percent(MAX_FOCAL)
+        ),
+        CameraStatus::Rotation => format!(
+            "the rotation is not determined: the error may be {:.1} degrees, and {:.1} is the most that is accepted. Give the principal point, or film longer with more precise masks",
+            expected.rotation.to_degrees(),
+            MAX_ROTATION.to_degrees()
+        ),
+        CameraStatus::Position => format!(
+            "the position is not determined: the error may be {:.0} % of the rig, and {:.0} % is the most that is accepted. Film where more cameras see the same things move",
+            percent(expected.position / rig),
+            percent(MAX_POSITION)
+        ),
+        CameraStatus::Ambiguous => {
+            "another network explains what moves nearly as well: film for longer, with movers everywhere in the images".to_owned()
+        }
+        CameraStatus::TooFew => {
+            "two cameras determine a network only with known focal lengths: give intrinsics, or add a third camera".to_owned()
+        }
+    }
+}
+
+/// What was found of the whole.
+pub(super) fn of_network(cameras: &[NetworkCamera], pairs: &[NetworkPair], ground: &Ground) -> String {
+    let names = |chosen: &dyn Fn(&NetworkCamera) -> bool| -> Vec<String> {
+        cameras.iter().filter(|c| chosen(c)).map(|c| c.name.clone()).collect()
+    };
+    let refused = names(&|c| !c.accepted());
+    let mut words = if refused.is_empty() {
+        format!("all {} cameras are calibrated", cameras.len())
+    } else if refused.len() == cameras.len() {
+        let first = &cameras[0];
+        if cameras.iter().all(|c| c.status == first.status) {
+            format!("no camera is calibrated: {}", first.reason)
+        } else {
+            "no camera is calibrated; each says why".to_owned()
+        }
+    } else {
+        format!(
+            "{} of {} cameras are calibrated, not {}",
+            cameras.len() - refused.len(),
+            cameras.len(),
+            refused.join(", ")
+        )
+    };
+    let against: Vec<String> = pairs
+        .iter()
+        .filter(|p| p.status == PairStatus::Contradicts)
+        .map(|p| format!("{}-{}", cameras[p.a].name, cameras[p.b].name))
+        .collect();
+    if !against.is_empty() {
+        words += "; by themselves these pairs would have another geometry: ";
+        words += &against.join(", ");
+    }
+    if cameras.iter().any(NetworkCamera::accepted) && *ground == Ground::Cameras {
+        words += "; no floor was found, so up is the mean of the cameras' own";
+    }
+    words
+}

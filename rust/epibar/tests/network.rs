@@ -1,0 +1,213 @@
+//! Networks of cameras of which nothing is known.
+
+mod common;
+
+use common::cameras::Camera;
+use common::flying::Scene;
+use epibar::network::{
+    CameraCheck, CameraInput, CameraStatus, CheckStatus, Ground, Knowledge, Network, NetworkOptions,
+    NetworkTime, Offsets, PairStatus, StoredCamera, calibrate_network, check_network,
+};
+use epibar::{Recorder, RecorderOptions, Recording};
+use nalgebra::{Matrix3, Rotation3};
+
+const FRAMES: usize = 260;
+
+fn cameras() -> Vec<Camera> {
+    [
+        ([5.4, -3.0, 2.6], (320, 240), 300.0, 0.10),
+        ([-2.6, -6.0, 1.5], (368, 208), 340.0, -0.14),
+        ([-4.5, 3.8, 2.9], (320, 240), 260.0, 0.03),
+        ([3.0, 5.5, 0.6], (336, 252), 350.0, 0.07),
+    ]
+    .map(|(position, size, focal, roll)| Camera::new(position, [0.0, 0.1, 1.2], size, focal, roll).centred())
+    .to_vec()
+}
+
+fn recorded(scene: &Scene, camera: &Camera, late: f64, seed: u64) -> Recording {
+    let mut recorder = Recorder::new(camera.size, RecorderOptions::new().lines(2500).seed(seed)).unwrap();
+    for frame in 0..FRAMES {
+        recorder.push(&scene.seen_by(camera, frame as f64 - late), frame as f64 / 25.0).unwrap();
+    }
+    recorder.finish().unwrap()
+}
+
+fn network(recordings: &[Recording], known: &[Knowledge], time: NetworkTime) -> Network {
+    let names: Vec<String> = (1..=recordings.len()).map(|i| format!("cam{i}")).collect();
+    let inputs: Vec<CameraInput> = recordings
+        .iter()
+        .zip(&names)
+        .enumerate()
+        .map(|(i, (recording, name))| CameraInput {
+            name,
+            recording,
+            known: known.get(i).copied().unwrap_or_default(),
+        })
+        .collect();
+    calibrate_network(&inputs, &NetworkOptions::new().time(time)).unwrap()
+}
+
+fn angle(r: &Matrix3<f64>) -> f64 {
+    Rotation3::from_matrix_unchecked(*r).angle().to_degrees()
+}
+
+/// The largest error of a rotation between two accepted cameras, degrees, and of a focal length, relative.
+fn errors(network: &Network, cameras: &[Camera]) -> (f64, f64) {
+    let (mut turned, mut focal) = (0.0f64, 0.0f64);
+    let stand = || network.cameras.iter().zip(cameras).filter(|(found, _)| found.accepted());
+    for (a, true_a) in stand() {
+        focal = focal.max((a.matrix().unwrap().m11 / true_a.matrix().m11 - 1.0).abs());
+        for (b, true_b) in stand() {
+            let found = b.rotation().unwrap() * a.rotation().unwrap().transpose();
+            let right = true_b.rotation() * true_a.rotation().transpose();
+            turned = turned.max(angle(&(found * right.transpose())));
+        }
+    }
+    (turned, focal)
+}
+
+#[test]
+fn four_unknown_cameras_with_clocks_of_their_own() {
+    let scene = Scene::new(5, FRAMES, 7);
+    let cameras = cameras();
+    let late = [0.0, 31.0, -12.0, 5.5];
+    let recordings: Vec<Recording> = cameras
+        .iter()
+        .zip(late)
+        .enumerate()
+        .map(|(i, (c, late))| recorded(&scene, c, late, i as u64))
+        .collect();
+    let network = network(&recordings, &[], NetworkTime::Search { seconds: 3.0 });
+    assert!(network.accepted, "{}", network.reason);
+    let (turned, focal) = errors(&network, &cameras);
+    assert!(turned < 0.6 && focal < 0.02, "{turned} degrees, {focal}");
+    for (camera, late) in network.cameras.iter().zip(late) {
+        let (offset, _) = camera.clock().unwrap();
+        assert!((offset - late / 25.0).abs() < 0.004, "{}: {offset}", camera.name);
+        let expected = camera.expected.unwrap();
+        assert!(expected.focal > 1e-4 && expected.focal < 0.05 && expected.rotation.to_degrees() < 2.0);
+    }
+    assert_eq!(network.ground, Ground::Cameras, "boxes that fly stand on no floor");
+    for pair in &network.pairs {
+        assert!(pair.accepted && pair.status == PairStatus::Confirmed);
+        let (a, b) = (&cameras[pair.a], &cameras[pair.b]);
+        // Undistorted pixels of the network's own matrices, which are those of the cameras to a percent.
+        let point = nalgebra::Vector3::new(0.1, 0.2, 1.3);
+        let (p, q) = (a.project(&point).unwrap(), b.project(&point).unwrap());
+        let line = pair.fundamental.unwrap() * nalgebra::Vector3::new(p[0], p[1], 1.0);
+        let distance = (line.x * q[0] + line.y * q[1] + line.z).abs() / line.x.hypot(line.y);
+        assert!(distance < 1.5, "{}-{}: {distance} px", pair.a, pair.b);
+    }
+    // The unit is the distance of the first two cameras, and up is up.
+    let position = |i: usize| network.cameras[i].position().unwrap();
+    assert!(((position(0) - position(1)).norm() - 1.0).abs() < 1e-9);
+    for (found, camera) in network.cameras.iter().zip(&cameras) {
+        let up = found.rotation().unwrap().column(2).into_owned();
+        let right = camera.rotation().column(2).into_owned();
+        assert!(up.angle(&right).to_degrees() < 12.0);
+    }
+}
+
+#[test]
+fn a_camera_that_sees_something_else_is_named_and_the_others_are_right() {
+    let (scene, other) = (Scene::new(5, FRAMES, 8), Scene::new(5, FRAMES, 1234));
+    let cameras = cameras();
+    let mut recordings: Vec<Recording> =
+        cameras.iter().enumerate().map(|(i, c)| recorded(&scene, c, 0.0, i as u64)).collect();
+    recordings[1] = recorded(&other, &cameras[1], 0.0, 1);
+    let network = network(&recordings, &[], NetworkTime::Known(vec![0.0; 4]));
+    let status: Vec<CameraStatus> = network.cameras.iter().map(|c| c.status).collect();
+    let words: Vec<&str> = network.cameras.iter().map(|c| c.reason.as_str()).collect();
+    assert!(!network.accepted && network.reason.contains("cam2"), "{} {words:#?}", network.reason);
+    assert_eq!(status[1], CameraStatus::NothingInCommon);
+    assert!(network.cameras[1].rotation().is_none() && network.cameras[1].reason.contains("left out"));
+    assert!([0, 2, 3].iter().all(|&i| status[i] == CameraStatus::Accepted), "{status:?}");
+    let (turned, focal) = errors(&network, &cameras);
+    assert!(turned < 0.8 && focal < 0.03, "{turned} degrees, {focal}");
+    assert!(network.pairs.iter().all(|p| p.accepted == (p.a != 1 && p.b != 1)));
+}
+
+#[test]
+fn two_cameras_need_to_be_known() {
+    let scene = Scene::new(5, FRAMES, 9);
+    let cameras = &cameras()[..2];
+    let recordings: Vec<Recording> =
+        cameras.iter().enumerate().map(|(i, c)| recorded(&scene, c, 0.0, i as u64)).collect();
+    let time = || NetworkTime::Known(vec![0.0; 2]);
+    let unknown = network(&recordings, &[], time());
+    assert!(!unknown.accepted && unknown.reason.contains("intrinsics"), "{}", unknown.reason);
+    assert!(unknown.cameras.iter().all(|c| c.status == CameraStatus::TooFew && !c.stands()));
+
+    let known: Vec<Knowledge> =
+        cameras.iter().map(|c| Knowledge { matrix: Some(c.matrix()), ..Knowledge::default() }).collect();
+    let known = network(&recordings, &known, time());
+    assert!(known.accepted, "{}", known.reason);
+    assert!(errors(&known, cameras).0 < 0.3);
+    assert!((known.cameras[0].matrix().unwrap() - cameras[0].matrix()).norm() < 1e-9);
+    assert_eq!(known.cameras[0].expected.unwrap().focal, 0.0);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let scene = Scene::new(2, FRAMES, 3);
+    let recording = recorded(&scene, &cameras()[0], 0.0, 0);
+    let input = |name, known| CameraInput { name, recording: &recording, known };
+    let unknown = Knowledge::default();
+    let of = |inputs: &[CameraInput], time| {
+        calibrate_network(inputs, &NetworkOptions::new().time(time)).unwrap_err().to_string()
+    };
+    let search = || NetworkTime::Search { seconds: 2.0 };
+    assert!(of(&[input("a", unknown)], search()).contains("at least two"));
+    assert!(of(&[input("a", unknown), input("a", unknown)], search()).contains("differ"));
+    let both = [input("a", unknown), input("b", unknown)];
+    assert!(of(&both, NetworkTime::Known(vec![0.0])).contains("each camera"));
+    assert!(of(&both, NetworkTime::Known(vec![0.0, f64::NAN])).contains("finite"));
+    assert!(of(&both, NetworkTime::Search { seconds: f64::NAN }).contains("positive"));
+    for known in [
+        Knowledge { matrix: Some(Matrix3::zeros()), ..unknown },
+        Knowledge { distortions: Some([f64::NAN, 0.0, 0.0, 0.0, 0.0]), ..unknown },
+        Knowledge { focal: Some((-5.0, 0.1)), ..unknown },
+        Knowledge { principal: Some([f64::INFINITY, 0.0]), ..unknown },
+    ] {
+        of(&[input("a", known), input("b", unknown)], search());
+    }
+}
+
+/// New footage of cameras, checked against where they are stored to be.
+fn checked(filmed: &[Camera], stored: &[Camera], seed: u64) -> Vec<CameraCheck> {
+    let scene = Scene::new(5, FRAMES, seed);
+    let recordings: Vec<Recording> =
+        filmed.iter().enumerate().map(|(i, c)| recorded(&scene, c, 0.0, i as u64)).collect();
+    let names = ["cam1", "cam2", "cam3", "cam4"];
+    let stored: Vec<StoredCamera> = stored
+        .iter()
+        .zip(&recordings)
+        .zip(names)
+        .map(|((camera, recording), name)| StoredCamera {
+            name,
+            recording,
+            matrix: camera.matrix(),
+            distortions: [0.0; 5],
+            rotation: camera.rotation(),
+            translation: -(camera.rotation() * camera.centre()),
+        })
+        .collect();
+    check_network(&stored, &Offsets::given(vec![0.0; 4]), &mut |_, _| true).unwrap()
+}
+
+#[test]
+fn a_camera_that_was_turned_is_named() {
+    let stored = cameras();
+    let turned = Rotation3::new(nalgebra::Vector3::new(0.3, 1.0, 0.2).normalize() * 1f64.to_radians());
+    let mut filmed = stored.clone();
+    filmed[2] = filmed[2].clone().turned(&turned);
+    let found = checked(&filmed, &stored, 21);
+    let status: Vec<CheckStatus> = found.iter().map(|c| c.status).collect();
+    let unmoved = CheckStatus::Unmoved;
+    assert_eq!(status, [unmoved, unmoved, CheckStatus::Moved, unmoved], "{found:#?}");
+    assert!((found[2].turned.to_degrees() - 1.0).abs() < 0.15, "{:#?}", found[2]);
+    assert!(found[2].shifted < 0.1 && found[2].reason.contains("turned"));
+
+    let found = checked(&stored, &stored, 22);
+    assert!(found.iter().all(|c| c.status == unmoved), "{found:#?}");
+}

@@ -1,0 +1,221 @@
+"""Networks from the command line: what is printed and written, and what is never lost."""
+
+import json
+import shutil
+import tomllib
+
+import jsonschema
+import numpy as np
+import pytest
+from network_input import LINES, situation, write_masks
+from test_schema import strict
+
+import epibar
+from epibar.cli import main
+from epibar.files.calibration_json import schema
+from epibar.jobs import network_stage, runner
+from epibar.lens import Intrinsics, write_cameras
+
+WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
+
+
+@pytest.fixture(scope="module")
+def masks(tmp_path_factory):
+    return write_masks(tmp_path_factory.mktemp("masks"))
+
+
+@pytest.fixture(scope="module")
+def done(masks, tmp_path_factory):
+    """A run of three cameras of which nothing is known."""
+    out = tmp_path_factory.mktemp("run") / "out"
+    assert main(["calibrate", *masks, "--out", str(out), *WORDS, "--quiet"]) == 0
+    return out
+
+
+@pytest.fixture
+def again(done, tmp_path):
+    return shutil.copytree(done, tmp_path / "again")
+
+
+def read(out):
+    return json.loads((out / "calibration.json").read_text())
+
+
+def test_what_is_written(done):
+    result = read(done)
+    jsonschema.Draft202012Validator(strict(schema())).validate(result)
+    assert result["network_reason"] is None
+    network = result["network"]
+    assert network["accepted"]
+    assert [camera["name"] for camera in network["cameras"]] == ["cam1", "cam2", "cam3"]
+    saved = epibar.Network.load(done / "network.json")
+    cameras = epibar.load_cameras(done / "cameras.toml")
+    for camera in cameras:
+        mine = saved.cameras[camera.name]
+        np.testing.assert_array_equal(camera.matrix, mine.matrix)
+        np.testing.assert_array_equal(camera.distortions, mine.distortions)
+        np.testing.assert_allclose(camera.posed().R, mine.rotation, atol=1e-12)
+        np.testing.assert_array_equal(camera.posed().t, mine.translation)
+    assert all(abs(pair["time_offset"]) < 1 for pair in result["pairs"])
+
+
+def test_a_second_run_does_nothing(masks, again, capsys):
+    before = (again / "calibration.json").read_bytes()
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
+    printed = capsys.readouterr()
+    assert (again / "calibration.json").read_bytes() == before
+    assert "3 of 3 recordings, 3 of 3 pairs" in printed.err
+    assert printed.out.splitlines()[-1] == "network: all 3 cameras are calibrated"
+    assert "cam2    accepted" in printed.out
+    assert "they were found with the network" in printed.err
+    assert "accepted: 3 of 3 cameras" in printed.err.splitlines()[-1]
+    assert "cameras.toml" in printed.err.splitlines()[-1]
+
+
+def test_metres(masks, again, capsys):
+    words = ["--person-height", "1.75", "--distance", "cam1", "cam2", "13.5"]
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
+    printed = capsys.readouterr()
+    net = epibar.Network.load(again / "network.json")
+    assert net.unit == "metre"
+    one, other = net.cameras["cam1"].position, net.cameras["cam2"].position
+    assert np.linalg.norm(one - other) == pytest.approx(13.5, rel=0.03)
+    assert read(again)["network"]["unit"] == "metre"
+    assert tomllib.loads((again / "cameras.toml").read_text())["metadata"]["unit"] == "metre"
+    assert "13.5 m between cam1 and cam2" in printed.err
+
+
+def test_lengths_that_contradict_lose_nothing(masks, again, capsys):
+    words = ["--distance", "cam1", "cam2", "13.5", "--distance", "cam1", "cam3", "1"]
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
+    printed = capsys.readouterr()
+    assert "not in metres: " in printed.out
+    assert "contradict each other" in printed.out
+    assert read(again)["network"]["unit"] == "baseline"
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["--distance", "cam1", "cam9", "4.2"], "cam9"),
+        (["--distance", "cam1", "cam2", "far"], "far"),
+        (["--distance", "cam1", "cam2"], "--distance"),
+        (["--person-height", "-1"], "--person-height"),
+        (["--camera-height", "cam9", "2"], "cam9"),
+    ],
+)
+def test_bad_lengths(words, named, masks, tmp_path, capsys):
+    assert main(["calibrate", *masks, "--out", str(tmp_path / "out"), *WORDS, *words]) == 2
+    assert named in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_two_cameras_of_unknown_lens(masks, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["calibrate", *masks[:2], "--out", str(out), *WORDS]) == 0
+    printed = capsys.readouterr()
+    assert "no network of cameras: two cameras" in printed.err
+    assert "without a lens model" in printed.err
+    assert "accepted: 1 of 1 pairs" in printed.err.splitlines()[-1]
+    result = read(out)
+    assert result["network"] is None
+    assert "two cameras" in result["network_reason"]
+    assert result["pairs"][0]["F"] is not None
+    assert not (out / "network.json").exists()
+    assert not (out / "cameras.toml").exists()
+
+
+def test_two_cameras_with_intrinsics(masks, tmp_path):
+    """The lens of the intrinsics is in cameras.toml again, for what is filmed with it."""
+    known = [
+        Intrinsics(f"cam{k + 1}", camera.size, camera.K, np.array([1e-9, 0, 0, 0, 0]))
+        for k, camera in enumerate(situation().cameras[:2])
+    ]
+    write_cameras(tmp_path / "known.toml", known)
+    out = tmp_path / "out"
+    words = ["--intrinsics", str(tmp_path / "known.toml"), "--quiet"]
+    assert main(["calibrate", *masks[:2], "--out", str(out), *WORDS, *words]) == 0
+    network = read(out)["network"]
+    assert network["accepted"], network["reason"]
+    assert network["cameras"][0]["distortions"] == [0] * 5
+    written = epibar.load_cameras(out / "cameras.toml")
+    assert written[0].distortions[0] == 1e-9
+    np.testing.assert_allclose(written[1].matrix, known[1].matrix)
+
+
+def test_a_camera_file_of_the_user_stays(masks, again, capsys):
+    path = again / "cameras.toml"
+    write_cameras(path, [Intrinsics("mine", (64, 48), [[50, 0, 32], [0, 50, 24], [0, 0, 1]])])
+    mine = path.read_bytes()
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--person-height", "1.7"]) == 0
+    assert path.read_bytes() == mine
+    told = capsys.readouterr().err
+    assert "stays as it is" in told
+    assert "cameras.toml" not in told.splitlines()[-1]
+
+
+def test_files_of_a_network_that_is_no_more_are_removed(masks, again):
+    words = ["--method", "lines", "--quiet"]
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
+    assert not (again / "network.json").exists()
+    assert not (again / "cameras.toml").exists()
+    assert "frontier points" in read(again)["network_reason"]
+
+
+@pytest.mark.parametrize("stage", ["find_clocks", "join_cameras"])
+def test_a_failure_loses_no_pair(stage, masks, again, monkeypatch, capsys):
+    """A bug is raised when all else is written; what was finished stays."""
+
+    def broken(*_):
+        raise RuntimeError("broken")
+
+    monkeypatch.setattr(runner, stage, broken)
+    monkeypatch.setattr(network_stage, stage, broken)
+    (again / "recordings" / "clocks.json").unlink()
+    words = ["calibrate", *masks, "--out", str(again), *WORDS, "--person-height", "1.7"]
+    with pytest.raises(RuntimeError, match="broken"):
+        main(words)
+    assert "broken" in capsys.readouterr().err
+    result = read(again)
+    assert result["network"] is None
+    assert "broken" in result["network_reason"]
+    assert len(result["pairs"]) == (3 if stage == "join_cameras" else 0)
+    monkeypatch.undo()
+    assert main([*words, "--quiet"]) == 0
+    assert read(again)["network"]["accepted"]
+
+
+def test_a_camera_that_cannot_be_recorded(masks, again, capsys):
+    words = ["calibrate", *masks, "none.npz", "--out", str(again), *WORDS]
+    assert main(words) == 3
+    network = read(again)["network"]
+    assert [camera["name"] for camera in network["cameras"]] == ["cam1", "cam2", "cam3"]
+    assert "accepted: 3 of 4 cameras" in capsys.readouterr().err.splitlines()[-1]
+
+
+def test_of_many_cameras_only_likely_pairs_are_searched(masks, tmp_path, monkeypatch, capsys):
+    """Seven names for three cameras' masks, few lines: which pairs are searched, not how good they are."""
+
+    def refused(*_):
+        raise epibar.EpibarError("not here")
+
+    def quick(a, b, *_):
+        return epibar.calibrate(a, b, method="lines", draws=100), 0.0
+
+    monkeypatch.setattr(runner, "join_cameras", refused)
+    monkeypatch.setattr(runner, "calibrate_pair", quick)
+    paths = []
+    for k in range(7):
+        with np.load(masks[k % 3]) as archive:
+            paths.append(str(tmp_path / f"view{k}.npz"))
+            np.savez_compressed(paths[-1], masks=archive["masks"][:60, ::4, ::4], fps=archive["fps"])
+    words = ["--masks", "--lines", "200", "--no-report", "--time-offset", "0"]
+    assert main(["calibrate", *paths, "--out", str(tmp_path / "out"), *words]) == 0
+    printed = capsys.readouterr()
+    result = read(tmp_path / "out")
+    searched = len(result["pairs"])
+    assert searched < 21
+    assert f"{searched} of 21 pairs are searched" in printed.err
+    assert f"accepted: 0 of {searched} pairs" in printed.err.splitlines()[-1]
+    assert len({name for pair in result["pairs"] for name in (pair["a"], pair["b"])}) == 7
+    assert "not here" in result["network_reason"]

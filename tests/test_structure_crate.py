@@ -1,0 +1,122 @@
+"""The crate's rooms: nothing is imported in a circle, among files or among rooms; every room has its row."""
+
+import re
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+CRATE = ROOT / "rust" / "epibar" / "src"
+
+MOST_AT_THE_TOP = 12
+MOST_LINES = 400
+PATH = re.compile(r"\b(crate|super|self)((?:::\w+)*)(::\{)?")
+"""The beginning of a path, its names, and whether a group of more follows."""
+
+
+def modules():
+    """Path of each module's file by its name."""
+    found = {}
+    for path in sorted(CRATE.rglob("*.rs")):
+        parts = path.relative_to(CRATE).with_suffix("").parts
+        found["::".join(parts[:-1] if parts[-1] == "mod" else parts)] = path
+    return found
+
+
+def code(path):
+    """Read a file without its comments and its tests."""
+    text = re.sub(r"//[^\n]*", "", path.read_text())
+    return re.split(r"#\[cfg\(test\)\]\s*mod", text)[0]
+
+
+def first_names(group):
+    """Yield the first name of each member of a group, which is what stands after its brace."""
+    depth, at_start = 0, True
+    for token in re.finditer(r"\w+|[{},]", group):
+        if token[0] == "{":
+            depth += 1
+        elif token[0] == "}":
+            depth -= 1
+            if depth < 0:
+                return
+        elif token[0] == ",":
+            at_start = at_start or depth == 0
+        elif at_start and depth == 0:
+            yield token[0]
+            at_start = False
+
+
+def imported(name, text, known):
+    """Yield the modules whose names a module uses."""
+    own = name.split("::")
+    for found in PATH.finditer(text):
+        start, names, group = found.groups()
+        if not names and not group:
+            continue  # the value `self`
+        base = {"crate": [], "super": own[:-1], "self": own}[start]
+        names = names.split("::")[1:]
+        while names[:1] == ["super"]:
+            base, names = base[:-1], names[1:]
+        ends = first_names(text[found.end() :]) if group else [None]
+        for end in ends:
+            target = [*base, *names, *([end] if end else [])]
+            while target and "::".join(target) not in known:
+                target = target[:-1]
+            if target and target != own:
+                yield "::".join(target)
+
+
+def imports():
+    """Which modules each imports; the root and the door to internals re-export, and are above all."""
+    known = modules()
+    return {
+        name: set(imported(name, code(path), known))
+        for name, path in known.items()
+        if name not in {"lib", "internals"}
+    }
+
+
+def rooms():
+    found = {}
+    for name, targets in imports().items():
+        room = found.setdefault(name.split("::")[0], set())
+        room |= {target.split("::")[0] for target in targets}
+    return {room: targets - {room} for room, targets in found.items()}
+
+
+@pytest.mark.parametrize("graph", [imports, rooms])
+def test_nothing_is_imported_in_a_circle(graph):
+    try:
+        TopologicalSorter(graph()).prepare()
+    except CycleError as error:
+        raise AssertionError(f"a circle: {' -> '.join(error.args[1])}") from None
+
+
+def test_imports_are_found():
+    """In groups, in groups of groups, and through `super`."""
+    known = {"a", "a::b", "a::c", "d", "d::e"}
+    text = "use crate::d::{X, e::{Y, Z}};\nuse super::c::V;\nfn f(&self) { crate::a::g(self::h()) }"
+    assert set(imported("a::b", text, known)) == {"d", "d::e", "a::c", "a"}
+    found = rooms()
+    assert {"matching", "search", "verify", "clock"} <= found["calibrate"]
+    assert {room for room, targets in found.items() if "calibrate" in targets} == {"network"}
+
+
+def test_there_is_little_at_the_top():
+    files = [path.name for path in CRATE.iterdir() if path.is_file()]
+    assert len(files) <= MOST_AT_THE_TOP, files
+
+
+def test_files_are_short():
+    lines = {path.name: path.read_text().count("\n") for path in CRATE.rglob("*.rs")}
+    assert {name: count for name, count in lines.items() if count > MOST_LINES} == {}
+
+
+def test_every_room_is_told_of_in_the_architecture():
+    rows = [line.split("|")[1:3] for line in (ROOT / "docs" / "architecture.md").read_text().splitlines()]
+    rows = ["".join(row) for row in rows if "`rust/epibar/src/" in "".join(row)]
+    told = {
+        name.removeprefix("rust/epibar/src/").rstrip("/") for name in re.findall(r"`([^`]+)`", "".join(rows))
+    }
+    assert {path.name for path in CRATE.iterdir()} - told == set()
