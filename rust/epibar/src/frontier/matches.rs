@@ -2,8 +2,6 @@
 
 use std::ops::AddAssign;
 
-use super::score::Outcome;
-
 /// What a silhouette's tangent is the edge of: below a *top* is its object, above a *bottom*.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
@@ -64,7 +62,23 @@ pub struct ClassScore {
     pub excess: f64,
 }
 
-/// Score of whole silhouettes: [`objects`](super::score).
+/// What became of a silhouette.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Outcome {
+    /// The view ends at both of its ends, or the epipole lies inside.
+    #[default]
+    Hidden,
+    /// It met nothing.
+    Missed,
+    /// One end met an end of a silhouette whose other end shows and was not met by its own.
+    Torn,
+    /// One end met, and the other of either silhouette is cut off.
+    Cut,
+    /// Both ends met those of one silhouette.
+    Whole,
+}
+
+/// Score of whole silhouettes (`score/objects.rs`).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ObjectScore {
     /// Silhouettes of A of which an end shows.

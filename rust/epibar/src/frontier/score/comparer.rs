@@ -9,8 +9,8 @@ use std::cell::Cell;
 use nalgebra::Vector3;
 use pulp::Arch;
 
-use super::passes::{Buffers, Chances, Meetings, Sides, Sign, Touched, partner};
-use super::tangents::BOTTOM;
+use super::passes::{Buffers, Chances, Meetings, Sign, Touched};
+use super::tangents::{BOTTOM, Sides, partner};
 use crate::frontier::matches::{Class, CommonFrame, FrontierScore, TangentMatch};
 use crate::frontier::views::{View, Views};
 use crate::geometry::Fundamental;

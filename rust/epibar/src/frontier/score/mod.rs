@@ -24,7 +24,6 @@ mod tangents;
 
 pub use comparer::Comparer;
 pub(crate) use elementary::logarithm;
-pub(in crate::frontier) use objects::Outcome;
 
 use super::matches::{FrontierScore, TangentMatch};
 use super::views::Views;

@@ -17,32 +17,16 @@
 //! meet the same silhouette, that of one end where the other is cut off, and 0 otherwise. A miss counts `ln(1 − π)`, if chance had
 //! it met as seldom as that; by chance the mean of the whole is below nought (Jensen).
 
+use super::super::matches::Outcome;
 use super::arrays::{NONE, Sent};
 use super::elementary::logarithm;
-use super::passes::{Sides, partner};
-use super::tangents::Tangents;
+use super::tangents::{Sides, Tangents, partner};
 
 /// Share of the silhouettes whose object the other camera is taken to see as well, on the low side: under true geometries
 /// 0.15 to 0.9 met.
 const COMMON: f64 = 0.15;
 /// Share of these that meet with one end only: of those that met seen 0.1 in open rooms, 0.75 in crowds.
 const TORN: f64 = 0.4;
-
-/// What became of a silhouette.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Outcome {
-    /// The view ends at both of its ends, or the epipole lies inside.
-    #[default]
-    Hidden,
-    /// It met nothing.
-    Missed,
-    /// One end met an end of a silhouette whose other end shows and was not met by its own.
-    Torn,
-    /// One end met, and the other of either silhouette is cut off.
-    Cut,
-    /// Both ends met those of one silhouette.
-    Whole,
-}
 
 /// The silhouettes of A.
 #[derive(Debug, Default)]

@@ -11,27 +11,13 @@ use super::angles::PencilAngles;
 use super::arrays::{NONE, Sent, Targets, pixels_per_radian};
 use super::elementary::{decay, logarithm};
 use super::objects::Objects;
-use super::tangents::{EITHER, LANES, Tangents, fill};
+use super::tangents::{EITHER, LANES, Sides, Tangents, fill, partner};
 use crate::frontier::views::View;
 use crate::geometry::Fundamental;
 
 /// About so many frames decide the sign of the map of rays, and no more than one in [`SIGN_STEP`].
 const SIGN_FRAMES: usize = 24;
 const SIGN_STEP: usize = 4;
-
-/// Which tangents may meet.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sides {
-    /// An object on the positive side in A is on the positive side in B.
-    pub(super) same: bool,
-    /// Tops meet tops only.
-    pub(super) upright: bool,
-}
-
-/// The side of B that one of A meets.
-pub(super) fn partner(side: usize, sides: Sides) -> usize {
-    if sides.same { side } else { 1 - side }
-}
 
 /// For each tangent of B in a frame the nearest of A.
 #[derive(Debug, Default)]

@@ -17,6 +17,20 @@ pub(super) const BOTTOM: u64 = 4;
 /// A frame's tangents may be read in vectors of so many, beyond its last.
 pub(super) const LANES: usize = 8;
 
+/// Which tangents may meet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sides {
+    /// An object on the positive side in A is on the positive side in B.
+    pub(super) same: bool,
+    /// Tops meet tops only.
+    pub(super) upright: bool,
+}
+
+/// The side of B that one of A meets.
+pub(super) fn partner(side: usize, sides: Sides) -> usize {
+    if sides.same { side } else { 1 - side }
+}
+
 /// Tangents whose objects lie on one side of the oriented line `e × point`, by frames.
 #[derive(Debug, Default)]
 pub(super) struct Tangents {
