@@ -245,14 +245,18 @@ fn area_between_lines_is_what_counting_gives() {
         }
         let cells = |n: usize| n as f64 / (FINE * FINE) as f64;
         let wedges = cells(parts[0] + parts[3]).min(cells(parts[1] + parts[2]));
-        let (least, missing) = parts.iter().zip(0..).min().map(|(n, k): (_, usize)| (*n, k)).unwrap();
-        if (1..20).contains(&least) {
-            // Whether they cross just inside or just outside decides.
+        let empty: Vec<usize> = (0..4).filter(|k| parts[*k] == 0).collect();
+        let crosses_at = p.homogeneous().cross(&q.homogeneous());
+        let [x, y] = [crosses_at.x, crosses_at.y].map(|v| v / crosses_at.z);
+        let inside =
+            |by: f64| (-by..=size.x_max() + by).contains(&x) && (-by..=size.y_max() + by).contains(&y);
+        // Where they cross on the border the area jumps, and a grid does not tell on which side of it they do.
+        if inside(1.0) != inside(-1.0) || empty.len() > 1 {
             continue;
         }
-        let counted = if least == 0 { cells(parts[3 - missing]) } else { wedges };
-        crossing += usize::from(least > 0);
-        apart += usize::from(least == 0);
+        let counted = if inside(0.0) { wedges } else { cells(parts[3 - empty[0]]) };
+        crossing += usize::from(inside(0.0));
+        apart += usize::from(!inside(0.0));
         let area = area_between(&p, &q, size);
         // Counting errs by a fraction of a cell along some 200 px of lines.
         assert!((area - counted).abs() < 3.0, "{area} {counted} {p:?} {q:?}");
