@@ -8,7 +8,7 @@ use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
     MAX_BEYOND, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_DEPTH, MIN_EXPLAINED, MIN_PLACES,
-    MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z, reaches, within,
+    MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z, SAME, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -84,7 +84,9 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
 
 fn as_tested(f: &Findings) -> Option<Verdict> {
     let apart = f.evidence.tested_distance;
-    unless(within(apart, f.max_expected_error), Kind::Ambiguous, || prose::otherwise(apart))
+    // However strict the limit, what is so near is the same geometry: its distance is of the expected error.
+    let same = f.max_expected_error.max(SAME * f.scale);
+    unless(within(apart, same), Kind::Ambiguous, || prose::otherwise(apart))
 }
 
 fn no_rival(f: &Findings) -> Option<Verdict> {
@@ -178,6 +180,10 @@ mod tests {
         assert_eq!(kind(&findings(&GOOD, &walk[..40])), Kind::Undetermined);
         assert_eq!(kind(&Findings { beyond_motion: 6.1, ..findings(&GOOD, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
+        // A strict limit makes no other geometry of one that is half a pixel off.
+        let strict = |evidence| Findings { max_expected_error: 0.2, ..findings(evidence, &walk) };
+        assert_eq!(kind(&strict(&Evidence { tested_distance: 0.4, ..GOOD })), Kind::Inaccurate);
+        assert_eq!(kind(&strict(&Evidence { tested_distance: 0.6, ..GOOD })), Kind::Ambiguous);
         assert_eq!(kind(&Findings { expected_error: f64::NAN, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
     }
 

@@ -54,6 +54,8 @@ pub const PLACE: f64 = 4.0;
 pub const MAX_BEYOND: f64 = 6.0;
 /// A different geometry whose score differs by less than this many standard deviations may be the truth as well.
 pub const RIVAL_Z: f64 = 2.5;
+/// Geometries that differ by less are one, pixels of a 640×480 image.
+pub const SAME: f64 = 0.5;
 /// Where nothing says which end of what moves is up, the mirror of the truth may have a higher score than the truth, which
 /// was seen with this share of it.
 pub const MIRROR_SHARE: f64 = 0.65;
