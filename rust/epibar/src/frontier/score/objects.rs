@@ -18,9 +18,9 @@
 //! it met as seldom as that; by chance the mean of the whole is below nought (Jensen).
 
 use super::super::matches::Outcome;
-use super::arrays::{NONE, Sent};
+use super::arrays::Sent;
 use super::elementary::logarithm;
-use super::tangents::{Sides, Tangents, partner};
+use super::tangents::{NONE, Sides, Tangents, partner};
 
 /// Share of the silhouettes whose object the other camera is taken to see as well, on the low side: under true geometries
 /// 0.15 to 0.9 met.

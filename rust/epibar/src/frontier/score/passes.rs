@@ -8,10 +8,10 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::angles::PencilAngles;
-use super::arrays::{NONE, Sent, Targets, pixels_per_radian};
+use super::arrays::{Sent, Targets, pixels_per_radian};
 use super::elementary::{decay, logarithm};
 use super::objects::Objects;
-use super::tangents::{EITHER, LANES, Sides, Tangents, fill, partner};
+use super::tangents::{EITHER, LANES, NONE, Sides, Tangents, fill, partner};
 use crate::frontier::views::View;
 use crate::geometry::Fundamental;
 

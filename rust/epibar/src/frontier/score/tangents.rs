@@ -1,6 +1,5 @@
 //! Tangents of all silhouettes of a view from one epipole, those with the object on one side apart from the others.
 
-use super::arrays::NONE;
 use crate::frontier::views::View;
 use crate::image::Homogeneous;
 
@@ -13,6 +12,9 @@ pub(super) const MAY_BE_BOTTOM: u64 = 2;
 pub(super) const EITHER: u64 = MAY_BE_TOP | MAY_BE_BOTTOM;
 /// The object lies above the tangent.
 pub(super) const BOTTOM: u64 = 4;
+
+/// No tangent of B.
+pub(super) const NONE: u32 = u32::MAX;
 
 /// A frame's tangents may be read in vectors of so many, beyond its last.
 pub(super) const LANES: usize = 8;
