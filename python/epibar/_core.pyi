@@ -10,6 +10,7 @@ __all__ = [
     "Recording",
     "barcodes",
     "calibrate",
+    "check_network",
     "clock_offsets",
     "clock_rate",
     "common_frames",
@@ -134,6 +135,13 @@ def barcodes(masks: NDArray[np.uint8], segments: NDArray[np.float64]) -> NDArray
 def match_barcodes(
     bits_a: NDArray[np.uint64], bits_b: NDArray[np.uint64], frames: int, mutual: int, limit: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]: ...
+def check_network(
+    recordings: Sequence[Recording],
+    names: Sequence[str],
+    cameras: Sequence[Mapping[str, Any]],
+    clocks: tuple[list[float], bool, bool],
+    progress: Callable[[str, float], None] | None,
+) -> list[dict[str, Any]]: ...
 def clock_offsets(
     recordings: Sequence[Recording], seconds: float, progress: Callable[[str, float], None] | None
 ) -> tuple[list[float], bool, bool]: ...

@@ -10,6 +10,8 @@ from typing import IO, Any
 
 from ..calibration import Calibration
 from ..jobs.watch import Watch
+from ..network.check_words import check_notes, check_table
+from ..network.checking import NetworkCheck
 from ..network.result import Network
 from ..network.words import network_notes, network_table
 
@@ -81,6 +83,16 @@ class Console(Watch):
             self.note(text)
         for name, camera in network.cameras.items():
             self.numbers(f"evidence of {name}", camera.evidence)
+
+    def checked(self, check: NetworkCheck, network: Network) -> None:
+        """Print which cameras have moved, and why it is thought so."""
+        for line in check_table(check):
+            self.result(line)
+        self.result(f"check: {check.reason}")
+        for text in check_notes(check, network):
+            self.note(text)
+        said = {name: one.deviate for name, one in check.cameras.items() if one.deviate is not None}
+        self.numbers("what speaks for a change, normal deviates", said)
 
     def numbers(self, of_what: str, found: Mapping[str, float]) -> None:
         """Print numbers by their name, where the user asked for much."""

@@ -1,6 +1,15 @@
 """What a command's exit code says."""
 
-__all__ = ["DONE", "EXPLANATION", "INTERRUPTED", "PARTLY", "UNUSABLE", "exit_code"]
+__all__ = [
+    "CHECK_EXPLANATION",
+    "DONE",
+    "EXPLANATION",
+    "INTERRUPTED",
+    "MOVED",
+    "PARTLY",
+    "UNUSABLE",
+    "exit_code",
+]
 
 DONE = 0
 """Also where a pair was refused: that is a result, not a failure."""
@@ -8,11 +17,19 @@ UNUSABLE = 2
 """Nothing was done: an argument, or every input, is unusable."""
 PARTLY = 3
 """Some cameras or pairs could not be done; the others are written."""
+MOVED = 4
+"""A camera has moved, or cannot be judged. Not 1, with which Python ends on a bug: no news of a camera."""
 INTERRUPTED = 130
 
 EXPLANATION = (
     "Exit codes: 0 done (a refused pair is a result too: read its verdict); 2 unusable input, nothing was "
     "done; 3 a camera or a pair could not be done, the others are written; 130 interrupted."
+)
+
+CHECK_EXPLANATION = (
+    "Exit codes: 0 done, and no camera has moved; 4 a camera has moved, or cannot be judged; 2 unusable "
+    "input, nothing was checked; 3 a video could not be read, and no other camera has moved; 130 "
+    "interrupted. A scheduled job should tell of anything but 0."
 )
 
 

@@ -1,10 +1,11 @@
 """Many cameras at once: from recordings to one network of cameras, with a verdict on each.
 
 :func:`calibrate_network` is the whole job; :func:`join_pairs` makes a network of pairs that were calibrated
-before; a :class:`Network` is saved, scaled to metres and exported.
+before; a :class:`Network` is saved, scaled to metres, exported, and checked against new footage.
 """
 
 from .calibrating import calibrate_network
+from .checking import CameraCheck, NetworkCheck
 from .joining import join_pairs
 from .knowledge import KnownCamera
 from .offsets import ClockOffsets, find_offsets
@@ -12,11 +13,13 @@ from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, Scale
 from .result import Network
 
 __all__ = [
+    "CameraCheck",
     "ClockOffsets",
     "Ground",
     "KnownCamera",
     "Network",
     "NetworkCamera",
+    "NetworkCheck",
     "NetworkClock",
     "NetworkPair",
     "Scale",

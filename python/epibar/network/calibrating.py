@@ -10,16 +10,15 @@ from ..arguments import MAX_SEED, as_positive, as_whole_number
 from ..calibration import Calibration, calibrate
 from ..errors import EpibarError
 from ..recording import Recording
-from .joining import Recordings, join_pairs, knowledge_of, named_recordings
+from .joining import join_pairs, knowledge_of
 from .knowledge import KnownCamera, has_focal
-from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
+from .offsets import SEARCH_SECONDS, ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
 from .pair_search import calibrate_unsynchronised, offsets_of_pair
+from .recordings import Recordings, named_recordings
 from .result import Network
 from .scaling import check_lengths
 
 __all__ = ["calibrate_network", "in_metres"]
-
-SEARCH_SECONDS = 30.0
 
 Progress = Callable[[str, float], None]
 

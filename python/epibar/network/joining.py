@@ -3,56 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from .. import _core
-from ..arguments import camera_names, core_errors
+from ..arguments import core_errors
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..recording import Recording, as_recording
+from ..recording import Recording
 from .core_result import network_of
 from .knowledge import KnownCamera, known_of
 from .offsets import ClockOffsets
+from .recordings import Recordings, named_recordings
 from .result import Network
 
-__all__ = ["Recordings", "join_pairs", "named_recordings"]
+__all__ = ["join_pairs", "knowledge_of"]
 
 RIVALS = 3
 """Other geometries of a pair that go along, at most."""
 
 RIVAL_SHARE = 0.5
 """Share of the winner's score that such a one has at least."""
-
-Recordings = Mapping[str, Recording] | Sequence[Recording]
-
-
-def named_recordings(recordings: Any) -> dict[str, Recording]:
-    """Return recordings by the names of their cameras.
-
-    Raises
-    ------
-    EpibarError
-        Fewer than two, no recordings, or two of one name.
-    """
-    if isinstance(recordings, Mapping):
-        found = {str(name): one for name, one in recordings.items()}
-        if len(found) < len(recordings) or "" in found:
-            raise EpibarError(f"cameras are called {', '.join(map(repr, recordings))}: names must differ")
-    elif isinstance(recordings, Sequence) and not isinstance(recordings, str):
-        for index, one in enumerate(recordings):
-            as_recording(f"recordings[{index}]", one)
-        names = camera_names(one.name for one in recordings)
-        found = dict(zip(names, recordings, strict=True))
-    else:
-        raise EpibarError(
-            f"recordings is a {type(recordings).__name__}, expected recordings by the names of their cameras"
-        )
-    for name, one in found.items():
-        as_recording(f"recordings[{name!r}]", one)
-    if len(found) < 2:
-        raise EpibarError(f"recordings: {len(found)} given, but a network has at least two cameras")
-    return found
 
 
 def knowledge_of(

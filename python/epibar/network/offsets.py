@@ -15,6 +15,9 @@ from ..recording import Recording
 
 __all__ = ["ClockOffsets", "find_offsets", "pairs_to_search"]
 
+SEARCH_SECONDS = 30.0
+"""How far either way an offset is looked for, unless it is said."""
+
 GRID = 0.04
 """Seconds. A search starts from a found offset rounded to this, which it sharpens anyway: so the same search
 is known again though one more camera moved all offsets by a millisecond."""

@@ -13,7 +13,10 @@ from ..camera_files.formats import FORMATS
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
 from ..lens.intrinsics import Intrinsics
+from .checking import NetworkCheck, Progress, check_network
+from .offsets import SEARCH_SECONDS, TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
+from .recordings import Recordings
 from .saved import as_dict, network_from
 from .scaling import rescaled
 
@@ -85,6 +88,45 @@ class Network(NetworkParts):
         """
         cameras, ground, scale = rescaled(self, distance, person_height, camera_height)
         return replace(self, cameras=cameras, ground=ground, unit=METRE, scale=scale)
+
+    def check(
+        self,
+        recordings: Recordings,
+        time_offset: TimeOffset = "auto",
+        progress: Progress | None = None,
+        *,
+        search_seconds: float = SEARCH_SECONDS,
+    ) -> NetworkCheck:
+        """Tell whether a camera has moved since, from new recordings of all cameras or of some.
+
+        Cameras that are not accepted, or of which there is no new recording, are not looked at.
+
+        Parameters
+        ----------
+        recordings : mapping of str to Recording, or sequence of Recording
+            By the names of the cameras, over the same time; a minute or so. Recorded as when the network was
+            made: raw ones are taken to be through the stored matrix and distortions, which are 0 where lenses
+            were taken out then; one whose lens was taken out must have the stored matrix.
+        time_offset : "auto", float, or mapping of str to float
+            Of the clocks of the new recordings, as :func:`epibar.calibrate_network` takes it. Those of the
+            network say nothing of them.
+        progress : callable, optional
+            Called with the name of the stage, "clocks" or "check", and the share of it that is done.
+        search_seconds : float
+            How far either way an offset is looked for.
+
+        Returns
+        -------
+        NetworkCheck
+            Look at ``ok``, ``moved`` and ``unsure``.
+
+        Raises
+        ------
+        EpibarError
+            A recording is of no camera of the network, or of another size or camera matrix; or fewer than two
+            cameras can be looked at.
+        """
+        return check_network(self, recordings, time_offset, search_seconds, progress)
 
     def export(
         self,

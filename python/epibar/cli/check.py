@@ -1,0 +1,186 @@
+"""``epibar check``: new footage of calibrated cameras, and whether one of them has moved."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from typing import TYPE_CHECKING
+
+from .exit_codes import CHECK_EXPLANATION, DONE, MOVED, PARTLY
+from .options import CommandParser, add_output_options, offset, seconds
+from .recording_options import add_recording_options, record_options
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from ..jobs.inputs import CameraInput
+    from ..lens.intrinsics import Intrinsics
+    from ..network.checking import NetworkCheck
+    from ..network.offsets import TimeOffset
+    from ..network.result import Network
+    from ..recording import Recording
+    from .console import Console
+
+__all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
+
+NAME = "check"
+HELP = "has a camera moved? A minute of new footage against a calibrated network"
+DESCRIPTION = (
+    "Tell which cameras of the network in DIR have moved since it was calibrated, from new footage of two "
+    "cameras or more in which something moves; a minute or so. A camera is found by the name of the file "
+    "without its suffix. Nothing in DIR is changed."
+)
+
+
+def add_options(command: CommandParser) -> None:
+    """Say what the command takes."""
+    command.epilog = CHECK_EXPLANATION
+    command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
+    command.add_videos(
+        "one per camera, named as when it was calibrated: a video, a folder of images, or a saved recording"
+    )
+    group = command.add_argument_group("when the cameras were started")
+    group.add_argument(
+        "--time-offset",
+        type=offset,
+        default="auto",
+        metavar="N|auto",
+        help="'auto' finds it; 0: all are synchronised; N, of two cameras: frame i of the first is frame "
+        "i + N of the second (default: auto)",
+    )
+    group.add_argument(
+        "--search-seconds",
+        type=seconds,
+        default=30.0,
+        metavar="S",
+        help="how far either way a time offset is looked for (default: %(default)g)",
+    )
+    add_recording_options(command, several=True)
+    add_output_options(command, json="print the result as one JSON object on stdout, all else on stderr")
+
+
+def run(args: Namespace) -> int:
+    """Run the command; what can be recorded is checked, and what cannot is unsure."""
+    from dataclasses import replace
+    from pathlib import Path
+
+    from ..files.json_file import json_text
+    from ..jobs.network_files import NETWORK
+    from ..network.checking import UNSURE, CameraCheck
+    from ..network.result import Network
+    from .console import Console
+
+    folder = Path(args.folder)
+    network = Network.load(folder / NETWORK)
+    with Console(args.quiet, json=args.json, verbose=args.verbose) as console:
+        cameras = _cameras(args, network, folder)
+        recordings, failed = _recorded(cameras, args, console)
+        check = network.check(
+            recordings,
+            _clocks(args, recordings),
+            lambda stage, share: console.progress(stage, share, 1),
+            search_seconds=args.search_seconds,
+        )
+        code = exit_code(check, failed)
+        unread = {name: CameraCheck(name, UNSURE, f"not recorded: {why}") for name, why in failed.items()}
+        left_out = {name: why for name, why in check.left_out.items() if name not in failed}
+        check = replace(check, cameras={**check.cameras, **unread}, left_out=left_out)
+        console.checked(check, network)
+        if args.json:
+            console.json(json_text(check.as_dict()))
+    return code
+
+
+def exit_code(check: NetworkCheck, failed: Mapping[str, str]) -> int:
+    """Exit code of what was checked; ``failed`` are the cameras that could not be."""
+    if not check.ok:
+        return MOVED
+    return PARTLY if failed else DONE
+
+
+def _cameras(args: Namespace, network: Network, folder: Path) -> list[CameraInput]:
+    """Return what is to be recorded; all that can be refused is refused before any work."""
+    from dataclasses import replace
+
+    from ..errors import EpibarError
+    from ..jobs.inputs import camera_inputs, source_name
+    from ..network.checking import cameras_to_check
+
+    videos: dict[str, str] = {}
+    for video in args.videos:
+        name = source_name(video)
+        if name in videos:
+            raise EpibarError(f"{videos[name]} and {video} are both of camera {name}; give one of them")
+        videos[name] = video
+    if len(videos) > 2 and args.time_offset not in (0, "auto", "search"):
+        raise EpibarError(
+            f"--time-offset {args.time_offset:g} with {len(videos)} cameras does not say whose it is; "
+            "use 0 or auto"
+        )
+    chosen, _ = cameras_to_check(network, videos)
+    cameras = camera_inputs(videos, background=args.background, ignore=args.ignore, spelt=_option)
+    lenses = _lenses(folder, args.intrinsics, chosen)
+    return [replace(one, intrinsics=lenses.get(one.name)) for one in cameras if one.name in chosen]
+
+
+def _lenses(folder: Path, given: str | None, names: list[str]) -> Mapping[str, Intrinsics]:
+    """Lenses to take out: those of the file that is given, or else those that were when it was calibrated."""
+    from ..errors import EpibarError
+    from ..lens.camera_file import find_camera, load_cameras
+    from ..runs.run import Run
+
+    if given is not None:
+        known = load_cameras(given)
+        return {name: find_camera(known, name, None) for name in names}
+    if not (folder / "calibration.json").exists():
+        return {}
+    made = Run.load(folder)
+    try:
+        return made.lenses()
+    except EpibarError as error:
+        raise EpibarError(f"{error}; --intrinsics says where the lenses of these cameras are") from error
+
+
+def _recorded(
+    cameras: list[CameraInput], args: Namespace, console: Console
+) -> tuple[dict[str, Recording], dict[str, str]]:
+    """Record each camera; also returns why which could not be."""
+    from functools import partial
+
+    from ..errors import EpibarError
+    from ..jobs.tasks import record_camera
+
+    options = record_options(args)
+    recordings, failed = {}, {}
+    for camera in cameras:
+        tell = partial(_tell, console, f"record {camera.name}")
+        try:
+            recording, taken = record_camera(camera, options, tell)
+        except EpibarError as error:
+            console.error(str(error))
+            failed[camera.name] = str(error)
+            continue
+        console.recorded(camera.name, recording, taken)
+        recordings[camera.name] = recording
+    if len(recordings) < 2:
+        raise EpibarError("fewer than two cameras could be recorded, so none can be checked; see above")
+    return recordings, failed
+
+
+def _tell(console: Console, stage: str, _: str, share: float) -> None:
+    """Show how far a stage is, whatever its own name for that is."""
+    console.progress(stage, share, 1)
+
+
+def _clocks(args: Namespace, recordings: Mapping[str, Recording]) -> TimeOffset:
+    """Take the time offset, in seconds."""
+    from ..clocks import frame_interval
+
+    if isinstance(args.time_offset, str):
+        return "auto"
+    second = list(recordings.values())[1]
+    return float(args.time_offset) * frame_interval(second)
+
+
+def _option(name: str) -> str:
+    return "VIDEO" if name == "cameras" else "--" + name.replace("_", "-")

@@ -1,0 +1,225 @@
+"""Has a camera moved? New recordings of the cameras of a network, held against what is stored of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .. import _core
+from ..arguments import as_positive, core_errors
+from ..errors import EpibarError
+from ..recording import Recording
+from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
+from .parts import NetworkCamera, NetworkParts
+from .recordings import Recordings, named_recordings
+
+__all__ = ["MOVED", "UNMOVED", "UNSURE", "CameraCheck", "NetworkCheck", "cameras_to_check", "check_network"]
+
+UNMOVED, MOVED, UNSURE = "unmoved", "moved", "unsure"
+
+SAME_MATRIX = 1e-9
+"""By how much two camera matrices may differ and be one, of each element."""
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True)
+class CameraCheck:
+    """How a camera of a network stands in new footage, beside what is stored of it.
+
+    Attributes
+    ----------
+    name : str
+    status : str
+        "unmoved", "moved" or "unsure".
+    reason : str
+        The same in plain English.
+    turned, turned_error : float or None
+        By how many degrees it is turned, and the error of that, which the true one is below nine times in
+        ten. None, as all that follows, where nothing tells.
+    shifted, shifted_error : float or None
+        By how much it stands elsewhere, in the network's unit, and the error of that.
+    focal : float or None
+        Relative change of the focal length; None, as it is not looked for yet.
+    deviate : float or None
+        What speaks for what it has in common with the others, as a normal deviate.
+    since : float or None
+        Seconds of the new recording, since its first frame, from which on it is so; None where it is so of
+        all of it.
+    """
+
+    name: str
+    status: str
+    reason: str
+    turned: float | None = None
+    turned_error: float | None = None
+    shifted: float | None = None
+    shifted_error: float | None = None
+    focal: float | None = None
+    deviate: float | None = None
+    since: float | None = None
+
+
+@dataclass(frozen=True)
+class NetworkCheck:
+    """Which cameras of a network have moved.
+
+    Attributes
+    ----------
+    cameras : dict of str to CameraCheck
+        Those that were looked at, in the order of the recordings.
+    left_out : dict of str to str
+        The other cameras of the network, and why they were not looked at.
+    unit : str
+        Of ``shifted``: that of the network.
+    """
+
+    cameras: dict[str, CameraCheck]
+    left_out: dict[str, str] = field(default_factory=dict)
+    unit: str = ""
+
+    @property
+    def moved(self) -> list[str]:
+        """Names of the cameras that have moved."""
+        return [name for name, camera in self.cameras.items() if camera.status == MOVED]
+
+    @property
+    def unsure(self) -> list[str]:
+        """Names of the cameras that cannot be judged."""
+        return [name for name, camera in self.cameras.items() if camera.status not in (MOVED, UNMOVED)]
+
+    @property
+    def ok(self) -> bool:
+        """Whether every camera that was looked at is known not to have moved."""
+        return not (self.moved or self.unsure)
+
+    @property
+    def reason(self) -> str:
+        """What was found, in one sentence."""
+        count = len(self.cameras)
+        found = f"none of {count} cameras has moved"
+        unsure = f"{', '.join(self.unsure)} cannot be judged"
+        if self.moved:
+            have = "has" if len(self.moved) == 1 else "have"
+            found = f"of {count} cameras {', '.join(self.moved)} {have} moved"
+            found += f", and {unsure}" if self.unsure else ""
+        elif self.unsure:
+            found = f"of {count} cameras none is known to have moved, but {unsure}"
+        return found + (f"; not looked at: {', '.join(self.left_out)}" if self.left_out else "")
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as ``epibar check --json`` prints it."""
+        return {
+            "ok": self.ok,
+            "moved": self.moved,
+            "unsure": self.unsure,
+            "reason": self.reason,
+            "unit": self.unit,
+            "cameras": {name: asdict(camera) for name, camera in self.cameras.items()},
+            "left_out": self.left_out,
+        }
+
+
+def check_network(
+    network: NetworkParts,
+    recordings: Recordings,
+    time_offset: TimeOffset,
+    search_seconds: float,
+    progress: Progress | None,
+) -> NetworkCheck:
+    """Tell which cameras have moved; see :meth:`epibar.Network.check`."""
+    films = named_recordings(recordings)
+    reach = as_positive("search_seconds", search_seconds, "seconds")
+    offsets = given_offsets(list(films), time_offset)
+    names, left_out = cameras_to_check(network, films)
+    cameras = [_as_stored(network.cameras[name], films[name]) for name in names]
+    checked = [films[name] for name in names]
+    if offsets is None:
+        offsets = find_offsets(checked, reach, _stage("clocks", progress))
+    else:
+        offsets = _clocks_of(names, list(films), offsets)
+    with core_errors():
+        found = _core.check_network(
+            [one._core for one in checked], names, cameras, offsets.to_core(), _stage("check", progress)
+        )
+    answers = {name: CameraCheck(**one) for name, one in zip(names, found, strict=True)}
+    return NetworkCheck(answers, left_out, network.unit)
+
+
+def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[str], dict[str, str]]:
+    """Return which of the cameras that were filmed anew can be checked, and why all others cannot.
+
+    Raises
+    ------
+    EpibarError
+        A name is none of the network's, or fewer than two can be checked.
+    """
+    filmed = list(names)
+    for name in filmed:
+        if name not in network.cameras:
+            raise EpibarError(
+                f"{name}: the network has no camera of that name; it has {', '.join(network.cameras)}"
+            )
+    left_out = {}
+    for name, camera in network.cameras.items():
+        if not camera.accepted:
+            left_out[name] = f"not accepted in the network: {camera.reason}"
+        elif name not in filmed:
+            left_out[name] = "there is no new recording of it"
+    chosen = [name for name in filmed if name not in left_out]
+    if len(chosen) < 2:
+        why = "; ".join(f"{name}: {text}" for name, text in left_out.items())
+        raise EpibarError(
+            "cameras are checked against each other: at least two are needed, but "
+            f"{len(chosen)} can be looked at ({why})"
+        )
+    return chosen, left_out
+
+
+def _as_stored(camera: NetworkCamera, recording: Recording) -> dict[str, Any]:
+    """Return a stored camera as the compiled module takes it, for a recording that is raw or without lens.
+
+    Raises
+    ------
+    EpibarError
+        The recording is of another size or camera matrix.
+    """
+    name = camera.name
+    if recording.size != camera.size:
+        new, stored = ("x".join(map(str, size)) for size in (recording.size, camera.size))
+        raise EpibarError(
+            f"{name}: {new} frames, but the network was calibrated at {stored}; film as then, or calibrate "
+            "anew"
+        )
+    assert camera.matrix is not None
+    assert camera.distortions is not None
+    assert camera.rotation is not None
+    assert camera.translation is not None
+    distortions = camera.distortions
+    if recording.matrix is not None:
+        if not np.allclose(recording.matrix, camera.matrix, rtol=SAME_MATRIX, atol=SAME_MATRIX):
+            raise EpibarError(
+                f"{name}: this recording has had its lens taken out with another camera matrix than the "
+                "network has; record the video again without intrinsics, or with those of the network"
+            )
+        distortions = np.zeros(5)
+    return {
+        "matrix": camera.matrix.tolist(),
+        "distortions": distortions.tolist(),
+        "rotation": camera.rotation.tolist(),
+        "translation": camera.translation.tolist(),
+        "expected": dict(camera.expected or {}),
+    }
+
+
+def _clocks_of(names: list[str], given: list[str], offsets: ClockOffsets) -> ClockOffsets:
+    """Keep the clocks of some cameras, against the first of these."""
+    seconds: Mapping[str, float] = dict(zip(given, offsets.seconds, strict=True))
+    return ClockOffsets(tuple(seconds[name] - seconds[names[0]] for name in names), given=offsets.given)
+
+
+def _stage(name: str, progress: Progress | None) -> Progress | None:
+    return None if progress is None else lambda _, share: progress(name, share)

@@ -1,0 +1,42 @@
+"""Recordings of several cameras, by the names of these."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..arguments import camera_names
+from ..errors import EpibarError
+from ..recording import Recording, as_recording
+
+__all__ = ["Recordings", "named_recordings"]
+
+Recordings = Mapping[str, Recording] | Sequence[Recording]
+
+
+def named_recordings(recordings: Any) -> dict[str, Recording]:
+    """Return recordings by the names of their cameras.
+
+    Raises
+    ------
+    EpibarError
+        Fewer than two, no recordings, or two of one name.
+    """
+    if isinstance(recordings, Mapping):
+        found = {str(name): one for name, one in recordings.items()}
+        if len(found) < len(recordings) or "" in found:
+            raise EpibarError(f"cameras are called {', '.join(map(repr, recordings))}: names must differ")
+    elif isinstance(recordings, Sequence) and not isinstance(recordings, str):
+        for index, one in enumerate(recordings):
+            as_recording(f"recordings[{index}]", one)
+        names = camera_names(one.name for one in recordings)
+        found = dict(zip(names, recordings, strict=True))
+    else:
+        raise EpibarError(
+            f"recordings is a {type(recordings).__name__}, expected recordings by the names of their cameras"
+        )
+    for name, one in found.items():
+        as_recording(f"recordings[{name!r}]", one)
+    if len(found) < 2:
+        raise EpibarError(f"recordings: {len(found)} given, but a network has at least two cameras")
+    return found

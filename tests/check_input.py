@@ -1,0 +1,76 @@
+"""A network put together by hand, what its cameras filmed, and verdicts on them that are made up."""
+
+import numpy as np
+from network_input import made_up
+
+from epibar import Recording, _core
+
+SIZE = (640, 480)
+
+
+def network():
+    """cam1, cam2 and cam3 stand; cam4 was refused when the network was made."""
+    return made_up(4, refused=(), lost=("cam4",))
+
+
+def some_masks(seed=0, size=SIZE):
+    masks = np.zeros((30, size[1], size[0]), bool)
+    for t in range(30):
+        masks[t, 100 + seed : 200, 8 * t : 8 * t + 40] = True
+    return masks
+
+
+def films(*names, size=SIZE, matrix=None):
+    return {
+        name: Recording.from_masks(some_masks(k, size), lines=50, matrix=matrix)
+        for k, name in enumerate(names)
+    }
+
+
+UNMOVED = {
+    "status": "unmoved",
+    "reason": "what moves fits the stored camera",
+    "turned": 0.01,
+    "turned_error": 0.05,
+    "shifted": 0.001,
+    "shifted_error": 0.004,
+    "focal": 0.0,
+    "deviate": 0.3,
+    "since": None,
+}
+MOVED = {
+    "status": "moved",
+    "reason": "it is turned by 3.0 degrees",
+    "turned": 3.0123,
+    "turned_error": 0.061,
+    "shifted": 0.02,
+    "shifted_error": float("inf"),
+    "focal": 0.012,
+    "deviate": 25.0,
+    "since": 12.34,
+}
+UNSURE = {
+    **dict.fromkeys(UNMOVED),
+    "status": "unsure",
+    "reason": "too little moves in it",
+    "deviate": float("nan"),
+}
+
+
+class Stub:
+    """Stands for the compiled module: says what it is told to say, and keeps what it was asked."""
+
+    def __init__(self, **verdicts):
+        self.verdicts = verdicts
+
+    def __call__(self, recordings, names, cameras, clocks, progress):
+        self.recordings, self.names, self.cameras, self.clocks = recordings, names, cameras, clocks
+        if progress is not None:
+            progress("anything", 1.0)
+        return [{"name": name, **self.verdicts.get(name, UNMOVED)} for name in names]
+
+
+def stand_in(monkeypatch):
+    stub = Stub()
+    monkeypatch.setattr(_core, "check_network", stub, raising=False)
+    return stub
