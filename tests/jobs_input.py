@@ -4,8 +4,8 @@ import numpy as np
 
 from epibar import synthetic
 
-FAST = {"masks": True, "lines": 2000, "method": "lines", "time_offset": 0.0, "report": False}
-WORDS = ["--masks", "--lines", "2000", "--method", "lines", "--no-report"]
+FAST = {"masks": True, "lines": 4000, "method": "lines", "time_offset": 0.0, "report": False}
+WORDS = ["--masks", "--lines", "4000", "--method", "lines", "--no-report"]
 
 
 def write_masks(folder):

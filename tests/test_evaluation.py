@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from types import SimpleNamespace
 
 import cv2
@@ -82,8 +83,9 @@ def test_area_between_lines_simple():
     crossing = geometry.area_between_lines([1, 0, -50], [-1, 0.04, 49], size)
     assert crossing == pytest.approx(25 * 1 * 0.5 + 25 * 1 * 0.5)
     assert isinstance(crossing, float)
-    # The smaller of the double wedges: lines near two opposite borders enclose most of the image.
-    assert geometry.area_between_lines([0, 1, -1], [0, 1, -49], size) == pytest.approx(200)
+    # Lines along two opposite borders enclose most of the image, and so do lines over two opposite corners.
+    assert geometry.area_between_lines([0, 1, -1], [0, 1, -49], size) == pytest.approx(4800)
+    assert geometry.area_between_lines([1, 1, -10], [-1, -1, 140], size) == pytest.approx(5000 - 100)
     assert geometry.area_between_lines([0, 1, 9], [1, 0, 9], size) == 0
     with pytest.raises(ValueError, match="line2"):
         geometry.area_between_lines(np.ones((2, 3)), np.ones((3, 3)), size)
@@ -98,10 +100,22 @@ def test_area_between_lines_against_counting():
     lines = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=2)
     lines[..., 2] = -(lines[..., :2] * through).sum(axis=2)
     areas = geometry.area_between_lines(lines[0], lines[1], size)
-    for one, two, area in zip(*lines, areas, strict=True):
-        differ = ((one[0] * x + one[1] * y + one[2] > 0) != (two[0] * x + two[1] * y + two[2] > 0)).sum()
-        counted = min(differ, x.size - differ) * step**2
-        assert area == pytest.approx(counted, abs=8)
+    compared = Counter()
+    hit = geometry.clip_lines(lines[0], size)[1] & geometry.clip_lines(lines[1], size)[1]
+    for one, two, area, cuts in zip(*lines, areas, hit, strict=True):
+        beyond_one, beyond_two = (line[0] * x + line[1] * y + line[2] > 0 for line in (one, two))
+        parts = [(p & q).sum() for p in (~beyond_one, beyond_one) for q in (~beyond_two, beyond_two)]
+        wedges = min(parts[0] + parts[3], parts[1] + parts[2])
+        empty = [k for k in range(4) if parts[k] == 0]
+        if len(empty) == 1:  # they do not cross inside; in the opposite part lies what is between them
+            compared["apart"] += 1
+            wedges = parts[3 - empty[0]]
+        elif min(parts) < 60 and cuts:  # nearly so
+            continue
+        compared["all"] += 1
+        assert area == pytest.approx(wedges * step**2, abs=8)
+    assert compared["all"] > 150, compared
+    assert compared["apart"] > 20, compared
     np.testing.assert_allclose(areas, geometry.area_between_lines(-2 * lines[1], lines[0], size), atol=1e-9)
 
 

@@ -72,8 +72,9 @@ def _polygon_area(polygons: Array) -> Array:
 def area_between_lines(line1: ArrayLike, line2: ArrayLike, size: Size) -> Array | float:
     """Measure the exact image area between two lines, the distance between lines of §3.2 and §4.1.
 
-    Two lines cut the image into two double wedges; the area is that of the smaller. A line that misses the
-    image cuts nothing off, so it lies at area 0 from any other that misses it.
+    Two lines that cross inside the image cut it into two double wedges; the area is that of the smaller.
+    Where they do not cross inside, it is that of what lies between them. A line that misses the image cuts
+    nothing off, so it lies at area 0 from any other that misses it.
 
     Parameters
     ----------
@@ -93,10 +94,26 @@ def area_between_lines(line1: ArrayLike, line2: ArrayLike, size: Size) -> Array 
     right, bottom = size[0] - 1.0, size[1] - 1.0
     image = np.array([[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]])
     images = np.broadcast_to(image, (len(first), 4, 2))
+    # On which side of the other each lies inside the image, 0 where they cross or one of them misses it.
+    ours, theirs = _side_of(first, second, size), _side_of(second, first, size)
+    apart = (ours != 0) & (theirs != 0)
+    first = np.where(apart & (theirs < 0), -1.0, 1.0)[:, None] * first
+    second = np.where(apart & (ours < 0), -1.0, 1.0)[:, None] * second
+    between = _polygon_area(_clip_polygons(_clip_polygons(images, first), second))
     wedge = _polygon_area(_clip_polygons(_clip_polygons(images, first), -second))
     wedge = wedge + _polygon_area(_clip_polygons(_clip_polygons(images, -first), second))
-    area = np.minimum(wedge, np.maximum(right * bottom - wedge, 0.0))
+    area = np.where(apart, between, np.minimum(wedge, np.maximum(right * bottom - wedge, 0.0)))
     return float(area[0]) if single else area
+
+
+def _side_of(lines: Array, others: Array, size: Size) -> Array:
+    """On which side of another line each lies inside the image; 0 where it crosses it or misses the image."""
+    segments, hit = clip_lines(lines, size)
+    norm = np.maximum(np.hypot(others[:, 0], others[:, 1]), np.finfo(float).tiny)[:, None]
+    distance = (np.einsum("nei,ni->ne", segments, others[:, :2]) + others[:, 2:]) / norm
+    # Ends nearer than this touch.
+    side: Array = (distance.min(axis=1) > 1e-9) * 1.0 - (distance.max(axis=1) < -1e-9) * 1.0
+    return np.where(hit, side, 0.0)
 
 
 def lines_through(segments: Array) -> Array:

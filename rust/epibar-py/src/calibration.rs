@@ -238,14 +238,21 @@ impl Calibration {
             ("z", e.z),
             ("z_tops", e.z_tops),
             ("z_bottoms", e.z_bottoms),
+            ("z_whole", e.z_whole),
+            ("both_ends", e.both_ends),
+            ("on_all_frames", f64::from(u8::from(e.on_all_frames))),
             ("explained", e.explained),
+            ("explained_tops", e.explained_tops),
+            ("explained_bottoms", e.explained_bottoms),
             ("explained_by_chance", e.explained_by_chance),
         ] {
             evidence.set_item(name, value)?;
         }
-        for (name, value) in
-            [("plane_residual", e.plane_residual), ("essential_deviation", e.essential_deviation)]
-        {
+        for (name, value) in [
+            ("tested_distance", e.tested_distance),
+            ("plane_residual", e.plane_residual),
+            ("essential_deviation", e.essential_deviation),
+        ] {
             if !value.is_nan() {
                 evidence.set_item(name, value)?;
             }

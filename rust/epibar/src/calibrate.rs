@@ -139,7 +139,7 @@ impl<'a> Pair<'a> {
     fn by_lines(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
         let fitted = self.candidates_of(&self.split.fitted)?;
         let CalibrateOptions { draws, seed, .. } = *self.options;
-        lines::search(candidates, &fitted, seen.all.sizes(), draws, seed, watch)
+        lines::search(candidates, &fitted, &seen.all, draws, seed, watch)
     }
 
     fn calibration(
@@ -159,7 +159,6 @@ impl<'a> Pair<'a> {
         let of_a = |p: &crate::frontier::TangentMatch| self.common[p.frame.index()].a;
         let points = verified.matches.iter().map(|p| FrontierPoint::new(of_a(p), p.a, p.b, f));
         let frontier_points: Vec<FrontierPoint> = points.collect();
-        let curve = verified.curve.scores.iter();
         let floor = found.floor.as_ref().filter(|floor| floor.is_supported(candidates.best().len()));
         Calibration {
             fundamental: Some(*f),
@@ -171,7 +170,7 @@ impl<'a> Pair<'a> {
             floor: floor.map(|floor| floor.homography),
             rivals: verified.rivals,
             evidence: verified.evidence,
-            shift_curve: curve.map(|s| ShiftScore { shift: s.shift, score: s.score.total() }).collect(),
+            shift_curve: verified.curve.totals().map(|(shift, score)| ShiftScore { shift, score }).collect(),
             tested: found.fitted,
             source: Some(winner.source),
             ..nothing

@@ -51,7 +51,7 @@ impl FrontierPoint {
 pub struct ShiftScore {
     /// Frames of shift, cyclic; 0 is as it was.
     pub shift: usize,
-    /// Excess of matched tangents over chance, each weighed by how unlikely it was.
+    /// Evidence of the silhouettes: a likelihood ratio against chance, its logarithm.
     pub score: f64,
 }
 

@@ -94,7 +94,7 @@ impl TangentCounts {
 pub struct Examined {
     /// The matrix, refined where that was asked for.
     pub fundamental: Fundamental,
-    /// Excess of matched tangents over chance, both cameras in turn, at the radius that gives most.
+    /// Evidence of the silhouettes against chance, both cameras in turn, at the radius that gives most.
     pub score: f64,
     /// Tangents whose objects lie below them, at the radius asked for.
     pub tops: TangentCounts,

@@ -82,6 +82,10 @@ fn line_pairs_alone_are_near() {
     assert!(off < 6.0, "{off} px");
     let inliers = found.candidates.iter().filter(|pair| pair.inlier).count();
     assert!(inliers > 20, "{inliers}");
+    // What else lines led to is compared with it, and far ones are told from it.
+    assert!(!found.rivals.is_empty());
+    let far: Vec<_> = found.rivals.iter().filter(|rival| rival.distance > 20.0).collect();
+    assert!(far.iter().all(|rival| rival.share < 0.5), "{:?}", found.rivals);
 }
 
 #[test]

@@ -154,6 +154,11 @@ fn unrelated_recordings_have_no_offset() {
         assert_eq!(found.verdict.kind, Kind::NoCommonScene, "{:?}", found.verdict);
         assert_eq!(found.timing.trials, 251);
     }
+    // No more than they are long, whatever is asked for.
+    let other = Scene::new(5, FRAMES, 2).record(1, LINES);
+    let found = run(a, &other, TimeOffset::Search { seconds: 1e9 });
+    assert_eq!(found.verdict.kind, Kind::NoCommonScene, "{:?}", found.verdict);
+    assert_eq!(found.timing.trials, 2 * FRAMES + 1);
 }
 
 #[test]

@@ -58,8 +58,8 @@ fn frames_kept_aside_have_no_part_in_what_is_tested() {
 fn a_standard_score_is_one() {
     // Geometries that nobody fitted, before recordings that have nothing to do with each other.
     let mut random = Random(77);
-    let mut scores = Vec::new();
-    for seed in 0..12 {
+    let (mut scores, mut most) = (Vec::new(), f64::NEG_INFINITY);
+    for seed in 0..36 {
         let frames = 300;
         let (a, b) = (Scene::new(5, frames, 100 + seed), Scene::new(5, frames, 200 + seed));
         let pairs = pairs(frames as u32);
@@ -78,12 +78,14 @@ fn a_standard_score_is_one() {
             let f = fundamental(&p, &q);
             let f = Fundamental::from_matrix(f.matrix(), a.cameras[0].size, a.cameras[1].size).unwrap();
             let curve = shift_curve(&held_out, &f, 60);
-            // Where next to nothing ever meets there is nothing to be mistaken about.
+            let z = curve.evidence().z;
+            most = z.max(most);
+            // Where next to nothing ever meets the deviation has a floor, and the score is less than one.
             let totals: Vec<f64> = curve.scores.iter().skip(1).map(|s| s.score.total()).collect();
             let range = totals.iter().copied().fold(f64::NEG_INFINITY, f64::max)
                 - totals.iter().copied().fold(f64::INFINITY, f64::min);
             if range > 40.0 {
-                scores.push(curve.evidence().z);
+                scores.push(z);
             }
         }
     }
@@ -91,10 +93,41 @@ fn a_standard_score_is_one() {
     let mean = scores.iter().sum::<f64>() / n;
     let deviation = (scores.iter().map(|z| z * z).sum::<f64>() / n).sqrt();
     let above_two = scores.iter().filter(|z| **z > 2.0).count();
-    let most = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     println!("mean {mean:.2}, deviation {deviation:.2}, above two {above_two} of {n}, most {most:.2}");
-    assert!(mean.abs() < 0.3 && (0.75..1.25).contains(&deviation), "{mean} {deviation}");
-    assert!(n > 60.0 && above_two as f64 <= 0.06 * n && most < 4.0, "{n} {above_two} {most}");
+    assert!(mean.abs() < 0.2 && (0.8..1.2).contains(&deviation), "{mean} {deviation}");
+    // Chance is skewed: a few silhouettes that meet by luck say much. So the largest of all is more than that of a normal
+    // deviate, but stays clear of what is asked for, 5.
+    assert!(n > 200.0 && above_two as f64 <= 0.05 * n && most < 4.5, "{n} {above_two} {most}");
+}
+
+#[test]
+fn it_does_not_matter_which_camera_comes_first() {
+    let frames = 200;
+    let scene = Scene::new(6, frames, 9);
+    let [a, b] = scene.recordings(50);
+    let f = fundamental(&scene.cameras[0], &scene.cameras[1]);
+    let f = Fundamental::from_matrix(f.matrix(), scene.cameras[0].size, scene.cameras[1].size).unwrap();
+    let evidence = |views: &Views, f: &Fundamental| {
+        let fitted = views.chosen(&(0..120).collect::<Vec<_>>());
+        let stretch = 140..frames;
+        let tested = std::slice::from_ref(&stretch);
+        let held_out = HeldOut { views, fitted: &fitted, tested, stay: 10, radius: 3.0 };
+        shift_curve(&held_out, f, 60).evidence()
+    };
+    let there = evidence(&Views::new(&a, &b, &pairs(frames as u32)), &f);
+    let back = evidence(&Views::new(&b, &a, &pairs(frames as u32)), &f.transposed());
+    for (of, p, q) in [
+        ("explained", there.explained, back.explained),
+        ("tops", there.explained_tops, back.explained_tops),
+        ("bottoms", there.explained_bottoms, back.explained_bottoms),
+        ("both ends", there.both_ends, back.both_ends),
+    ] {
+        assert!(p > 0.1 && (p - q).abs() < 1e-9, "{of}: {p} {q}");
+    }
+    // The shifts are not quite the same ones.
+    for (p, q) in [(there.z, back.z), (there.z_whole, back.z_whole)] {
+        assert!(p > 5.0 && (p / q - 1.0).abs() < 0.05, "{p} {q}");
+    }
 }
 
 #[test]
@@ -136,9 +169,14 @@ fn a_plane_is_known_from_a_volume() {
             })
             .collect()
     };
+    let volume = matched(1.5);
+    let exchanged: Vec<TangentMatch> = volume.iter().map(|m| TangentMatch { a: m.b, b: m.a, ..*m }).collect();
+    let there = plane_residual(&views, &volume, 1);
+    let back = plane_residual(&all_frames(&b, &a), &exchanged, 1);
+    assert!((there / back - 1.0).abs() < 0.1, "{there} {back}");
     let (path, volume) =
         (plane_residual(&views, &matched(0.03), 1), plane_residual(&views, &matched(1.5), 1));
     assert!(path < 0.2, "{path}");
     assert!(volume > 3.0 * path, "{path} {volume}");
-    assert!(plane_residual(&views, &matched(1.5)[..10], 1).is_infinite());
+    assert!(plane_residual(&views, &matched(1.5)[..10], 1).is_nan());
 }

@@ -4,8 +4,12 @@ const EVIDENCE = {
   z: ["evidence on frames kept aside", "standard deviations above shifted clocks", 1],
   z_tops: ["upper edges alone", "standard deviations", 1],
   z_bottoms: ["lower edges alone", "standard deviations", 1],
-  explained: ["outlines of A explained", "of its tangents", 0],
+  z_whole: ["whole silhouettes, both edges with those of one other", "standard deviations", 1],
+  explained: ["outlines explained", "of its tangents", 0],
   explained_by_chance: ["by chance", "of its tangents", 0],
+  explained_tops: ["upper edges explained", "of them", 0],
+  explained_bottoms: ["lower edges explained", "of them", 0],
+  tested_distance: ["from the geometry that was tested", "px over the volume where things moved", 2],
   plane_residual: ["distance from one plane", "widths of a silhouette; near nought means undetermined", 2],
   essential_deviation: ["from an essential matrix", "difference of its singular values; above 0.05, of an accepted pair, a camera matrix is off", 3],
 };

@@ -7,6 +7,7 @@ use super::clock::Clock;
 use crate::geometry::SevenParameters;
 use crate::recording::Recording;
 use crate::refine::least_squares::cauchy;
+use crate::refine::loss_scale;
 
 /// A walker's outline is off in the same way for several steps.
 const BLOCK_SECONDS: f64 = 4.0;
@@ -95,7 +96,7 @@ impl Rows {
     /// Robust least squares; the covariance takes what a few seconds share as one (the sandwich estimator with clusters).
     pub(super) fn fit(&self, with_rate: bool) -> Option<Fit> {
         const ROUNDS: usize = 8;
-        let scale = 0.35 * self.radius;
+        let scale = loss_scale(self.radius);
         let mut step = Row::zeros();
         let mut inverse = Nine::zeros();
         for _ in 0..ROUNDS {

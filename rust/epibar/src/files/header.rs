@@ -76,10 +76,19 @@ fn evidence(e: &Evidence) -> Value {
         ("z", e.z),
         ("z_tops", e.z_tops),
         ("z_bottoms", e.z_bottoms),
+        ("z_whole", e.z_whole),
+        ("both_ends", e.both_ends),
+        ("on_all_frames", f64::from(u8::from(e.on_all_frames))),
         ("explained", e.explained),
+        ("explained_tops", e.explained_tops),
+        ("explained_bottoms", e.explained_bottoms),
         ("explained_by_chance", e.explained_by_chance),
     ];
-    let where_known = [("plane_residual", e.plane_residual), ("essential_deviation", e.essential_deviation)];
+    let where_known = [
+        ("tested_distance", e.tested_distance),
+        ("plane_residual", e.plane_residual),
+        ("essential_deviation", e.essential_deviation),
+    ];
     let where_known = where_known.into_iter().filter(|(_, value)| !value.is_nan());
     object(always.into_iter().chain(where_known).map(|(name, value)| (name, of_number(value))))
 }
@@ -169,8 +178,14 @@ pub(super) fn read(text: &str) -> Result<Calibration> {
         z: always("z")?,
         z_tops: always("z_tops")?,
         z_bottoms: always("z_bottoms")?,
+        z_whole: where_known("z_whole")?,
+        both_ends: where_known("both_ends")?,
+        on_all_frames: where_known("on_all_frames")? == 1.0,
         explained: always("explained")?,
+        explained_tops: where_known("explained_tops")?,
+        explained_bottoms: where_known("explained_bottoms")?,
         explained_by_chance: always("explained_by_chance")?,
+        tested_distance: where_known("tested_distance")?,
         plane_residual: where_known("plane_residual")?,
         essential_deviation: where_known("essential_deviation")?,
     };

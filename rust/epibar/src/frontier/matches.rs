@@ -62,13 +62,53 @@ pub struct ClassScore {
     pub excess: f64,
 }
 
-/// Score of an `F`, class by class.
+/// What became of a silhouette.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Outcome {
+    /// The view ends at both of its ends, or the epipole lies inside.
+    #[default]
+    Hidden,
+    /// It met nothing.
+    Missed,
+    /// One end met an end of a silhouette whose other end shows and was not met by its own.
+    Torn,
+    /// One end met, and the other of either silhouette is cut off.
+    Cut,
+    /// Both ends met those of one silhouette.
+    Whole,
+}
+
+/// Score of whole silhouettes (`score/objects.rs`).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ObjectScore {
+    /// Silhouettes of A of which an end shows.
+    pub silhouettes: usize,
+    /// Those both of whose ends meet those of one silhouette of B.
+    pub whole: usize,
+    /// Those of which one end meets, and the other, which shows in both views, does not.
+    pub torn: usize,
+    /// Likelihood ratio against chance, its logarithm.
+    pub evidence: f64,
+}
+
+impl ObjectScore {
+    pub(super) fn add(&mut self, outcome: Outcome, evidence: f64) {
+        self.silhouettes += usize::from(outcome != Outcome::Hidden);
+        self.whole += usize::from(outcome == Outcome::Whole);
+        self.torn += usize::from(outcome == Outcome::Torn);
+        self.evidence += evidence;
+    }
+}
+
+/// Score of an `F`, class by class, and by whole silhouettes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrontierScore {
     /// Tangents with the object below.
     pub tops: ClassScore,
     /// Tangents with the object above.
     pub bottoms: ClassScore,
+    /// Silhouettes.
+    pub objects: ObjectScore,
 }
 
 impl AddAssign for ClassScore {
@@ -80,17 +120,27 @@ impl AddAssign for ClassScore {
     }
 }
 
+impl AddAssign for ObjectScore {
+    fn add_assign(&mut self, other: Self) {
+        self.silhouettes += other.silhouettes;
+        self.whole += other.whole;
+        self.torn += other.torn;
+        self.evidence += other.evidence;
+    }
+}
+
 impl AddAssign for FrontierScore {
     fn add_assign(&mut self, other: Self) {
         self.tops += other.tops;
         self.bottoms += other.bottoms;
+        self.objects += other.objects;
     }
 }
 
 impl FrontierScore {
-    /// Excess over chance of both classes together.
+    /// Evidence of whole silhouettes.
     pub fn total(&self) -> f64 {
-        self.tops.excess + self.bottoms.excess
+        self.objects.evidence
     }
 
     /// Matches of both classes.

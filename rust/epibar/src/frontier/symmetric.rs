@@ -18,24 +18,17 @@ pub struct SymmetricScore {
     pub radius: f64,
 }
 
-/// Comparisons from A to B and from B to A, one after the other, so that they share their buffers; the first is the
-/// last one made.
-fn both_ways<T>(views: &Views, f: &Fundamental, of: impl Fn(&mut Comparer) -> T) -> (T, T, Comparer) {
-    let back = of(&mut Comparer::reversed(views, f));
-    let mut comparer = Comparer::new(views, f);
-    (of(&mut comparer), back, comparer)
+/// Comparisons from A to B and from B to A, one after the other, so that they share their buffers.
+fn both_ways<T>(views: &Views, f: &Fundamental, of: impl Fn(&mut Comparer) -> T) -> (T, T) {
+    let there = of(&mut Comparer::new(views, f));
+    (there, of(&mut Comparer::reversed(views, f)))
 }
 
 /// The score at the radius that gives most: masks are clean or coarse, and the best radius is theirs.
 pub fn symmetric_score(views: &Views, f: &Fundamental) -> SymmetricScore {
-    symmetric_score_with(views, f).0
-}
-
-/// [`symmetric_score`], and the comparison from A to B that it was found with.
-pub fn symmetric_score_with(views: &Views, f: &Fundamental) -> (SymmetricScore, Comparer) {
     let scale = views.pixel_scale();
     let radii = RADII.map(|r| r * scale);
-    let (there, back, comparer) = both_ways(views, f, |comparer| {
+    let (there, back) = both_ways(views, f, |comparer| {
         let mut paired = comparer.pair(0, SIGN_RADIUS * scale);
         radii.map(|radius| paired.weigh(radius).score().total())
     });
@@ -46,14 +39,14 @@ pub fn symmetric_score_with(views: &Views, f: &Fundamental) -> (SymmetricScore, 
             best = SymmetricScore { total, radius };
         }
     }
-    (best, comparer)
+    best
 }
 
-/// Score of each frame at a radius, pixels; at that of [`symmetric_score`] it sums to its total.
+/// Evidence of each frame at a radius, pixels; at that of [`symmetric_score`] it sums to its total.
 pub fn score_by_frame(views: &Views, f: &Fundamental, radius: f64) -> Vec<f64> {
     let sign_radius = SIGN_RADIUS * views.pixel_scale();
     let of = |comparer: &mut Comparer| comparer.pair(0, sign_radius).weigh(radius).per_frame();
-    let (there, back, _) = both_ways(views, f, of);
+    let (there, back) = both_ways(views, f, of);
     there.iter().zip(&back).map(|(p, q)| 0.5 * (p + q)).collect()
 }
 
@@ -65,27 +58,32 @@ fn chance_shifts(frames: usize) -> [usize; CHANCE_SHIFTS] {
     std::array::from_fn(|k| (k + 1) * frames / (CHANCE_SHIFTS + 1))
 }
 
-/// Mean score at `radius` with the clocks shifted, not below nought.
+/// Mean score at `radius` with the clocks shifted, from A to B and from B to A, not below nought.
 ///
 /// The score's own model of chance takes moments as independent; where the same places are busy all the time
 /// a wrong geometry may beat it, and does so at every shift.
-pub fn chance_level(comparer: &mut Comparer, frames: usize, radius: f64) -> f64 {
-    let shifts = chance_shifts(frames).into_iter();
-    let sum: f64 = shifts.map(|shift| comparer.pair(shift, radius).weigh(radius).score().total()).sum();
-    (sum / CHANCE_SHIFTS as f64).max(0.0)
+pub fn chance_level(views: &Views, f: &Fundamental, radius: f64) -> f64 {
+    let shifts = chance_shifts(views.frames());
+    let (there, back) = both_ways(views, f, |comparer| {
+        shifts.iter().map(|&shift| comparer.pair(shift, radius).weigh(radius).score().total()).sum::<f64>()
+    });
+    (0.5 * (there + back) / CHANCE_SHIFTS as f64).max(0.0)
 }
 
-/// Scores of tops and of bottoms from A to B, less those of chance where positive, at the radius that suits the masks.
+/// Scores of tops and of bottoms, the mean of both ways, less those of chance where positive, at the radius that suits the
+/// masks.
 pub fn class_scores(views: &Views, f: &Fundamental) -> [f64; 2] {
-    let (weighed, mut comparer) = symmetric_score_with(views, f);
-    let mut at = |shift: usize, radius: f64| {
-        let score = comparer.pair(shift, radius).weigh(weighed.radius).score();
-        [score.tops.excess, score.bottoms.excess]
-    };
-    let own = at(0, SIGN_RADIUS * views.pixel_scale());
-    let chance = chance_shifts(views.frames()).map(|shift| at(shift, weighed.radius));
-    let mean = |class: usize| (chance.iter().map(|c| c[class]).sum::<f64>() / CHANCE_SHIFTS as f64).max(0.0);
-    [own[0] - mean(0), own[1] - mean(1)]
+    let radius = symmetric_score(views, f).radius;
+    let (there, back) = both_ways(views, f, |comparer| {
+        let mut at = |shift: usize, sign_radius: f64| {
+            let score = comparer.pair(shift, sign_radius).weigh(radius).score();
+            [score.tops.excess, score.bottoms.excess]
+        };
+        let own = at(0, SIGN_RADIUS * views.pixel_scale());
+        let chance = chance_shifts(views.frames()).map(|shift| at(shift, radius));
+        [0, 1].map(|k| own[k] - (chance.iter().map(|c| c[k]).sum::<f64>() / CHANCE_SHIFTS as f64).max(0.0))
+    });
+    [0, 1].map(|class| 0.5 * (there[class] + back[class]))
 }
 
 #[cfg(test)]
@@ -145,6 +143,11 @@ mod tests {
         assert!(tops > 0.5 * bottoms && bottoms > 0.5 * tops, "{tops} {bottoms}");
         let [tops, bottoms] = class_scores(&views, &wrong);
         assert!(bottoms > 100.0 && tops < 0.1 * bottoms, "{tops} {bottoms}");
-        assert!(symmetric_score(&views, &truth).total > symmetric_score(&views, &wrong).total);
+        // Its bottoms alone are worth hundreds. But no silhouette is whole, and what they miss counts.
+        let (right, floor) = (symmetric_score(&views, &truth).total, symmetric_score(&views, &wrong).total);
+        assert!(floor < 0.2 * right && floor < 0.2 * bottoms, "{floor} of {right}, bottoms {bottoms}");
+        let objects = |f| Comparer::new(&views, f).pair(0, 3.0).weigh(3.0).score().objects;
+        let (right, floor) = (objects(&truth), objects(&wrong));
+        assert!(right.whole > 500 && floor.whole < 20 && floor.torn > 200, "{right:?} {floor:?}");
     }
 }

@@ -1,42 +1,66 @@
 //! The image area between two lines (paper §3.2, Fig. 5).
 
-use crate::image::{ImageSize, Line};
+use crate::image::{ImageSize, Line, Segment};
 
 /// Image area enclosed between two lines, pixels².
 ///
-/// The image rectangle is cut by both lines; the area is that of the points on different sides of
-/// the two, with sides chosen so that equal lines enclose nothing: of the two double wedges that the lines
-/// form, the smaller one inside the image. A line that misses the image counts as the whole image.
+/// Two lines divide the image into the parts on either side of each. Where they cross inside the image there are four, and
+/// the area is that of the smaller double wedge. Where they do not there are three, and the area is that of the one between
+/// them. Equal lines enclose nothing. A line that misses the image counts as the whole image.
 pub fn area_between(first: &Line, second: &Line, size: ImageSize) -> f64 {
     CutImage::new(first, size).area_to(second)
+}
+
+/// Pixels by which the end of a line must lie beside another one: nearer ones meet.
+const MEETS: f64 = 1e-9;
+
+/// On which side of a line a segment lies; `None` where it crosses the line or touches it.
+fn side_of(segment: &Segment, line: &Line) -> Option<f64> {
+    let (from, to) =
+        (line.signed_distance(segment.x0, segment.y0), line.signed_distance(segment.x1, segment.y1));
+    if from.min(to) > MEETS {
+        Some(1.0)
+    } else if from.max(to) < -MEETS {
+        Some(-1.0)
+    } else {
+        None
+    }
 }
 
 /// An image cut by a line, whose areas to many others are asked for.
 pub(crate) struct CutImage {
     size: ImageSize,
-    /// The positive side, and its area; `None` where the line misses the image.
-    side: Option<(Polygon, f64)>,
+    line: Line,
+    /// The line inside the image, and the positive side with its area; `None` where the line misses the image.
+    inside: Option<(Segment, Polygon, f64)>,
 }
 
 impl CutImage {
     pub(crate) fn new(line: &Line, size: ImageSize) -> Self {
-        let side = line.clip(size).map(|_| {
+        let inside = line.clip(size).map(|segment| {
             let mut side = Polygon::rectangle(size);
             side.cut(line, 1.0);
-            (side, side.area())
+            (segment, side, side.area())
         });
-        Self { size, side }
+        Self { size, line: *line, inside }
     }
 
     /// Image area between the line that cuts the image and another, pixels²: [`area_between`].
     pub(crate) fn area_to(&self, line: &Line) -> f64 {
         let total = self.size.x_max() * self.size.y_max();
-        let Some((mut together, area)) = self.side else { return total };
-        if line.clip(self.size).is_none() {
+        let (Some((own, positive, area)), Some(segment)) = (self.inside, line.clip(self.size)) else {
             return total;
+        };
+        if let (Some(theirs), Some(ours)) = (side_of(&segment, &self.line), side_of(&own, line)) {
+            let mut between = if theirs > 0.0 { positive } else { Polygon::rectangle(self.size) };
+            if theirs < 0.0 {
+                between.cut(&self.line, -1.0);
+            }
+            between.cut(line, ours);
+            return between.area();
         }
+        let (mut together, mut other) = (positive, Polygon::rectangle(self.size));
         together.cut(line, 1.0);
-        let mut other = Polygon::rectangle(self.size);
         other.cut(line, 1.0);
         // Symmetric difference of the two half planes; its complement is the other double wedge.
         let wedge = (area + other.area() - 2.0 * together.area()).max(0.0);
@@ -120,5 +144,20 @@ mod tests {
         let up = line(-0.2, 1.0, -25.0 + 10.0);
         let down = line(0.2, 1.0, -25.0 - 10.0);
         assert!((area(&up, &down) - 2.0 * 0.5 * 50.0 * 20.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn lines_that_do_not_cross_inside_enclose_what_lies_between() {
+        let size = ImageSize::new(640, 480).unwrap();
+        // Along top and bottom of the image: nearly all of it, not what is left of it.
+        let (top, bottom) = (line(0.0, 1.0, -1.0), line(0.0, 1.0, -478.0));
+        assert!((area_between(&top, &bottom, size) - 639.0 * 477.0).abs() < 1e-6);
+        assert!((area_between(&bottom, &line(0.0, -1.0, 1.0), size) - 639.0 * 477.0).abs() < 1e-6);
+        // Over opposite corners: all but two triangles.
+        let (first, second) = (line(1.0, 1.0, -40.0), line(1.0, 1.0, -639.0 - 479.0 + 40.0));
+        let (there, back) = (area_between(&first, &second, size), area_between(&second, &first, size));
+        assert!((there - (639.0 * 479.0 - 1600.0)).abs() < 1e-6 && (there - back).abs() < 1e-6, "{there}");
+        // One about the corner that another goes about as well.
+        assert!((area_between(&first, &line(-1.0, -1.0, 30.0), size) - (800.0 - 450.0)).abs() < 1e-6);
     }
 }

@@ -12,8 +12,8 @@ use crate::matching::Candidate;
 
 /// Candidates whose bits are one word.
 const WORD: usize = 64;
-/// So many times its mean width may an area between two lines be wide in the middle of a segment.
-const WIDTHS: f64 = 4.0;
+/// So many times its mean width, area by length, may an area between two lines be wide in the middle of a segment.
+const WIDTHS: f64 = 8.0;
 /// Room for rounding: whatever is near a limit passes.
 const ROOM: f64 = 1.0 + 1e-9;
 
@@ -24,8 +24,8 @@ pub(super) struct LineArrays {
     lines: [[Vec<f64>; 3]; 2],
     /// x and y of one end, x and y of the other.
     ends: [[Vec<f64>; 4]; 2],
-    /// Square of half the length of each segment in B, pixels².
-    half_length2: Vec<f64>,
+    /// Square of the length of each segment in B, pixels².
+    length2: Vec<f64>,
 }
 
 impl LineArrays {
@@ -44,7 +44,7 @@ impl LineArrays {
             count: candidates.len(),
             lines: [0, 1].map(|view| [0, 1, 2].map(|k| filled(&|c| of_view(c, view).0[k], 0.0))),
             ends: [0, 1].map(|view| [0, 1, 2, 3].map(|k| filled(&|c| end(of_view(c, view).1, k), f64::NAN))),
-            half_length2: filled(&|c| (0.5 * c.segment_b.length()).powi(2), f64::NAN),
+            length2: filled(&|c| c.segment_b.length().powi(2), f64::NAN),
         }
     }
 
@@ -56,7 +56,7 @@ impl LineArrays {
     /// Visits, in order, the candidates whose line in B may enclose less than `area` pixels² with the line that `f` gives.
     ///
     /// What passes is near in the middle of its segment: not farther than [`WIDTHS`] times the mean width of such an area.
-    /// Lines that cut opposite corners of the image enclose little too, but are not alike.
+    /// Lines of any direction that go about the same corner enclose little too, but are not alike.
     pub(super) fn prefilter_area(&self, f: &Fundamental, area: f64, visit: impl FnMut(usize)) {
         let most2 = (WIDTHS * area).powi(2) * ROOM;
         self.visit(|words| Arch::new().dispatch(ByArea { arrays: self, f: f.matrix(), most2, words }), visit);
@@ -79,7 +79,7 @@ impl LineArrays {
     }
 
     fn visit(&self, pass: impl FnOnce(&mut [u64]), mut visit: impl FnMut(usize)) {
-        let mut words = vec![0u64; self.half_length2.len() / WORD];
+        let mut words = vec![0u64; self.length2.len() / WORD];
         pass(&mut words);
         for (w, word) in words.into_iter().enumerate() {
             ones_of(word).for_each(|k| visit(w * WORD + k));
@@ -100,7 +100,7 @@ impl WithSimd for Nearest<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Option<usize> {
         let Self { arrays, points, except } = self;
-        let mut distances = vec![0.0; arrays.half_length2.len()];
+        let mut distances = vec![0.0; arrays.length2.len()];
         let sums = S::as_mut_simd_f64s(&mut distances).0;
         for (lines, (point, scale)) in arrays.lines.iter().zip(points) {
             let [a, b, c] = lines.each_ref().map(|part| S::as_simd_f64s(part).0);
@@ -141,7 +141,7 @@ impl WithSimd for ByArea<'_> {
         let Self { arrays, f, most2, words } = self;
         let n = words.len() * WORD;
         let [a, b] = [0, 1].map(|view| arrays.ends[view].each_ref().map(|part| &part[..n]));
-        let half_length2 = &arrays.half_length2[..n];
+        let length2 = &arrays.length2[..n];
         for (w, word) in words.iter_mut().enumerate() {
             let mut bytes = [0u8; WORD];
             for (k, byte) in bytes.iter_mut().enumerate() {
@@ -152,7 +152,7 @@ impl WithSimd for ByArea<'_> {
                 let y = f.m21 * ax + f.m22 * ay + f.m23;
                 let z = f.m31 * ax + f.m32 * ay + f.m33;
                 let algebraic = x * bx + y * by + z;
-                *byte = u8::from(algebraic * algebraic * half_length2[i] <= most2 * (x * x + y * y));
+                *byte = u8::from(algebraic * algebraic * length2[i] <= most2 * (x * x + y * y));
             }
             *word = word_of(&bytes);
         }
@@ -272,7 +272,7 @@ mod tests {
                 let c = &candidates[*i];
                 let ([ax, ay], [bx, by]) = (c.segment_a.midpoint(), c.segment_b.midpoint());
                 let line = Line::from_homogeneous(&f.line_in_b(&Vector3::new(ax, ay, 1.0))).unwrap();
-                line.signed_distance(bx, by).abs() * 0.5 * c.segment_b.length() <= WIDTHS * 300.0
+                line.signed_distance(bx, by).abs() * c.segment_b.length() <= WIDTHS * 300.0
             };
             let mut passed = Vec::new();
             arrays.prefilter_area(&f, 300.0, |i| passed.push(i));

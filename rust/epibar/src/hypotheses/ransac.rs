@@ -13,7 +13,7 @@ use crate::watch::{Stage, Watch, report};
 /// Hypotheses scored between two calls of [`Watch::keep_going`].
 const BATCH: usize = 512;
 
-/// Share of the worst kept score below which a preview refuses a model.
+/// A preview refuses a model that is below the worst kept score by more than what this share leaves of it.
 const PREVIEWED: f64 = 0.5;
 
 /// Something that proposes models and scores them.
@@ -29,7 +29,7 @@ pub trait Estimator: Sync {
 
     /// An estimate of the score from a part of the data; infinite where that would save nothing.
     ///
-    /// A model whose preview is below half of the worst score kept so far is not scored.
+    /// A model whose preview is below the worst score kept so far by half of it is not scored.
     fn preview(&self, _model: &Self::Model) -> f64 {
         f64::INFINITY
     }
@@ -61,7 +61,10 @@ pub fn ransac<E: Estimator>(
     let mut best: Vec<Scored<E::Model>> = Vec::new();
     for start in (0..draws).step_by(BATCH) {
         report(watch, stage, start as f64 / draws as f64)?;
-        let enough = if best.len() < keep { f64::NEG_INFINITY } else { PREVIEWED * best[keep - 1].score };
+        let enough = match best.get(keep - 1) {
+            Some(worst) => worst.score - (1.0 - PREVIEWED) * worst.score.abs(),
+            None => f64::NEG_INFINITY,
+        };
         let scored: Vec<_> = (start..(start + BATCH).min(draws))
             .into_par_iter()
             .filter_map(|index| {
@@ -147,6 +150,31 @@ mod tests {
         let (previewed, fewer) = run(0.6);
         assert_eq!(all, previewed);
         assert!(scored > 2500 && fewer < scored / 2, "{fewer} of {scored}");
+    }
+
+    /// Scores that are all below nought, and exact previews.
+    struct Below;
+
+    impl Estimator for Below {
+        type Model = f64;
+
+        fn generate(&self, index: usize, random: &mut Generator) -> Option<f64> {
+            Nearest.generate(index, random)
+        }
+
+        fn score(&self, model: &f64) -> f64 {
+            -100.0 - (model - 0.5).abs()
+        }
+
+        fn preview(&self, model: &f64) -> f64 {
+            self.score(model)
+        }
+    }
+
+    #[test]
+    fn a_preview_loses_nothing_where_scores_are_negative() {
+        let best = ransac(&Below, 3000, 5, 7, Stage::Lines, &mut Unwatched).unwrap();
+        assert!(best[4].score > -100.01, "{}", best[4].score);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::geometry::CameraMatrices;
 use crate::geometry::seven_parameters::{Information, SevenParameters, Step, as_columns};
 
 /// Standard deviation of `(s₁ − s₂) / (s₁ + s₂)` of an essential matrix: about the relative error of a focal length.
-const DEVIATION: f64 = 0.01;
+pub const DEVIATION: f64 = 0.01;
 
 /// The constraint as a prior on `F`.
 #[derive(Debug, Clone, Copy)]

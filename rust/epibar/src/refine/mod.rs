@@ -10,5 +10,5 @@ pub mod polish;
 pub mod sampson;
 pub mod valley;
 
-pub use polish::{polish, refine, touch_up};
+pub use polish::{loss_scale, polish, refine, touch_up};
 pub use sampson::residual_rows;

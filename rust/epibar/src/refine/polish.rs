@@ -20,6 +20,11 @@ fn prior_weight(matches: &[TangentMatch]) -> f64 {
     DEPENDENT * surprise * robust_deviation(matches).max(LEAST_DEVIATION).powi(2)
 }
 
+/// Scale of the Cauchy loss for tangents that meet within a radius, pixels.
+pub fn loss_scale(radius: f64) -> f64 {
+    0.35 * radius
+}
+
 /// Refines `f` while the radius shrinks; each radius, in pixels, is used `repeats` times. `None` where too few
 /// tangents meet.
 pub fn refine(views: &Views, f: &Fundamental, radii: &[f64], repeats: usize) -> Option<Fundamental> {
@@ -31,7 +36,7 @@ pub fn refine(views: &Views, f: &Fundamental, radii: &[f64], repeats: usize) -> 
                 return None;
             }
             let start = SevenParameters::new(&current, views.sizes())?;
-            let points = SampsonProblem::new(&matches, 0.35 * radius);
+            let points = SampsonProblem::new(&matches, loss_scale(radius));
             let prior = views.cameras.as_ref().map(|k| (EssentialPrior(k), prior_weight(&matches)));
             current = minimise(&WithPrior { points: &points, prior }, start, ITERATIONS).0.fundamental()?;
         }

@@ -3,7 +3,7 @@
 use super::contest::contest;
 use super::ground::Ground;
 use super::perturb::perturbed;
-use super::solution::Solution;
+use super::solution::{Solution, share_of};
 use super::starts::{Starts, with_refined};
 use crate::error::Result;
 use crate::hypotheses::Hypothesis;
@@ -85,7 +85,7 @@ fn walked(
     let mut all = solutions.to_vec();
     for (k, start) in solutions.iter().take(breadth.walked).enumerate() {
         report(watch, Stage::Explore, k as f64 / breadth.walked as f64)?;
-        if start.score < breadth.worth_walking * solutions[0].score {
+        if start.score < share_of(solutions[0].score, breadth.worth_walking) {
             break;
         }
         let visited = walk(&ground.comparing, &start.fundamental, start.score, start.chance);

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::ground::Ground;
-use super::solution::{Found, Searched, Solution};
+use super::solution::{Found, Searched, Solution, share_of};
 use crate::error::Result;
 use crate::frontier::Views;
 use crate::geometry::Fundamental;
@@ -42,10 +42,10 @@ fn refined_on(
     solutions: &[Solution],
     refine: impl Fn(&Views, &Fundamental) -> Fundamental + Sync,
 ) -> Vec<Solution> {
-    let best = solutions.first().map_or(0.0, |s| s.score);
+    let enough = solutions.first().map_or(0.0, |best| share_of(best.score, WORTH_SETTLING));
     let finalists: Vec<Solution> = solutions
         .par_iter()
-        .filter(|s| s.score >= WORTH_SETTLING * best)
+        .filter(|s| s.score >= enough)
         .filter_map(|s| Solution::new(views, refine(views, &s.fundamental), s.source))
         .collect();
     ground.distinct(finalists, APART * ground.scale, KEPT)

@@ -1,7 +1,7 @@
 //! What a search finds.
 
-use crate::frontier::symmetric::{SymmetricScore, chance_level, symmetric_score_with};
-use crate::frontier::{Comparer, Views};
+use crate::frontier::Views;
+use crate::frontier::symmetric::{SymmetricScore, chance_level, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::hypotheses::Source;
 use crate::hypotheses::floor::Floor;
@@ -11,9 +11,9 @@ use crate::hypotheses::floor::Floor;
 pub struct Solution {
     /// The matrix.
     pub fundamental: Fundamental,
-    /// Excess over chance of its tangents, at the radius that gives most, less `chance`.
+    /// Evidence of its silhouettes, at the radius that gives most, less `chance`.
     pub score: f64,
-    /// That excess with the clocks shifted: what the model of chance missed.
+    /// That evidence with the clocks shifted, where above nought: what the model of chance missed.
     pub chance: f64,
     /// The hypotheses it grew from.
     pub source: Source,
@@ -39,23 +39,36 @@ pub struct Found {
     pub floor: Option<Floor>,
 }
 
+/// What is worth a share of a score, which may be below nought: then it is below that.
+pub(super) fn share_of(score: f64, share: f64) -> f64 {
+    score - (1.0 - share) * score.abs()
+}
+
 impl Solution {
     /// `f` with its score on `views`; `None` where that is not finite.
     pub(super) fn new(views: &Views, f: Fundamental, source: Source) -> Option<Self> {
-        let (score, mut comparer) = symmetric_score_with(views, &f);
-        Self::scored(&mut comparer, views, score, f, source)
+        Self::scored(views, symmetric_score(views, &f), f, source)
     }
 
-    /// `f` with a score that is known; the comparison is from A to B.
+    /// `f` with a score that is known.
     pub(super) fn scored(
-        comparer: &mut Comparer,
         views: &Views,
         found: SymmetricScore,
         f: Fundamental,
         source: Source,
     ) -> Option<Self> {
-        let chance = chance_level(comparer, views.frames(), found.radius);
+        let chance = chance_level(views, &f, found.radius);
         let score = found.total - chance;
         score.is_finite().then_some(Self { fundamental: f, score, chance, source })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_of_a_score_is_never_above_it() {
+        assert_eq!([8.0, 0.0, -8.0].map(|score| share_of(score, 0.75)), [6.0, 0.0, -10.0]);
     }
 }

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::ground::Ground;
 use super::solution::Solution;
 use crate::frontier::symmetric::SymmetricScore;
+use crate::frontier::symmetric_score;
 use crate::frontier::volume::{Correspondence, disagreement};
-use crate::frontier::{Comparer, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::hypotheses::{Hypothesis, Source};
 use crate::refine::refine;
@@ -93,9 +93,9 @@ pub(super) fn with_refined(
         if solutions.len() == limit && some[0].0.total <= solutions[limit - 1].score {
             break;
         }
-        solutions.par_extend(some.par_iter().filter_map(|(score, f, source)| {
-            Solution::scored(&mut Comparer::new(views, f), views, *score, *f, *source)
-        }));
+        solutions.par_extend(
+            some.par_iter().filter_map(|(score, f, source)| Solution::scored(views, *score, *f, *source)),
+        );
         solutions = ground.distinct(solutions, ground.scale, limit);
     }
     solutions

@@ -7,7 +7,8 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    MAX_BEYOND, MIN_CLASS_Z, MIN_DEPTH, MIN_EXPLAINED, MIN_PLACES, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z,
+    MAX_BEYOND, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_DEPTH, MIN_EXPLAINED, MIN_PLACES,
+    MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z, SAME, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -16,13 +17,15 @@ use crate::frontier::TangentMatch;
 type Test = fn(&Findings) -> Option<Verdict>;
 
 /// The tests by name, in their order.
-pub const TESTS: [(&str, Test); 8] = [
+pub const TESTS: [(&str, Test); 10] = [
     ("stands out against shifted clocks", stands_out),
     ("explains enough of the tangents", explains_enough),
     ("supported by tops and by bottoms", both_classes),
+    ("whole silhouettes meet", whole_silhouettes),
     ("matched at enough places", enough_places),
     ("has depth", has_depth),
     ("known beyond the motion", known_beyond_motion),
+    ("what was tested is what is returned", as_tested),
     ("no rival far away", no_rival),
     ("accurate enough", accurate),
 ];
@@ -33,46 +36,69 @@ pub fn decide(findings: &Findings) -> Verdict {
     fault.unwrap_or_else(|| Verdict::new(Kind::Accepted, prose::accepted(findings)))
 }
 
+/// Fault, unless it is sound.
+fn unless(sound: bool, kind: Kind, reason: impl FnOnce() -> String) -> Option<Verdict> {
+    (!sound).then(|| Verdict::new(kind, reason()))
+}
+
 fn stands_out(f: &Findings) -> Option<Verdict> {
-    (f.evidence.z < MIN_Z).then(|| Verdict::new(Kind::NoCommonScene, prose::faint(f.evidence.z)))
+    unless(reaches(f.evidence.z, MIN_Z), Kind::NoCommonScene, || prose::faint(f.evidence.z))
 }
 
 fn explains_enough(f: &Findings) -> Option<Verdict> {
     let explained = f.evidence.explained;
-    (!explained.is_finite() || explained < MIN_EXPLAINED)
-        .then(|| Verdict::new(Kind::NoCommonScene, prose::unexplained(explained)))
+    unless(reaches(explained, MIN_EXPLAINED), Kind::NoCommonScene, || prose::unexplained(explained))
 }
 
 fn both_classes(f: &Findings) -> Option<Verdict> {
-    let Evidence { z_tops, z_bottoms, .. } = *f.evidence;
-    (z_tops < MIN_CLASS_Z || z_bottoms < MIN_CLASS_Z)
-        .then(|| Verdict::new(Kind::Undetermined, prose::one_class(z_tops < z_bottoms)))
+    let Evidence { z_tops, z_bottoms, explained_tops, explained_bottoms, .. } = *f.evidence;
+    let tops = reaches(z_tops, MIN_CLASS_Z) && reaches(explained_tops, MIN_CLASS_EXPLAINED);
+    let bottoms = reaches(z_bottoms, MIN_CLASS_Z) && reaches(explained_bottoms, MIN_CLASS_EXPLAINED);
+    unless(tops && bottoms, Kind::Undetermined, || prose::one_class(!tops && (bottoms || z_tops < z_bottoms)))
+}
+
+fn whole_silhouettes(f: &Findings) -> Option<Verdict> {
+    let Evidence { z_whole, both_ends, .. } = *f.evidence;
+    let seldom_shown = both_ends < MIN_BOTH_ENDS;
+    unless(seldom_shown || reaches(z_whole, MIN_WHOLE_Z), Kind::Undetermined, || prose::torn(z_whole))
 }
 
 fn enough_places(f: &Findings) -> Option<Verdict> {
     let places = places(f.matches, PLACE * f.scale);
-    (places < MIN_PLACES).then(|| Verdict::new(Kind::Undetermined, prose::few_places(places)))
+    unless(places >= MIN_PLACES, Kind::Undetermined, || prose::few_places(places))
 }
 
 fn has_depth(f: &Findings) -> Option<Verdict> {
     let plane = f.evidence.plane_residual;
-    (plane < MIN_DEPTH).then(|| Verdict::new(Kind::Undetermined, prose::flat(plane)))
+    unless(reaches(plane, MIN_DEPTH), Kind::Undetermined, || prose::flat(plane))
 }
 
 fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
-    (f.beyond_motion > MAX_BEYOND * f.scale)
-        .then(|| Verdict::new(Kind::Undetermined, prose::unknown_beyond(f.beyond_motion)))
+    if f.beyond_motion.is_nan() {
+        return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
+    }
+    unless(within(f.beyond_motion, MAX_BEYOND * f.scale), Kind::Undetermined, || {
+        prose::unknown_beyond(f.beyond_motion)
+    })
+}
+
+fn as_tested(f: &Findings) -> Option<Verdict> {
+    let apart = f.evidence.tested_distance;
+    // However strict the limit, what is so near is the same geometry: its distance is of the expected error.
+    let same = f.max_expected_error.max(SAME * f.scale);
+    unless(within(apart, same), Kind::Ambiguous, || prose::otherwise(apart))
 }
 
 fn no_rival(f: &Findings) -> Option<Verdict> {
-    let as_likely = |r: &&Rival| r.z < RIVAL_Z || (!f.upright && r.share > MIRROR_SHARE);
-    let rival = f.rivals.iter().filter(as_likely).find(|r| r.distance > f.max_expected_error)?;
+    let as_likely = |r: &&Rival| !reaches(r.z, RIVAL_Z) || (!f.upright && !within(r.share, MIRROR_SHARE));
+    let near = |r: &&Rival| within(r.distance, f.max_expected_error);
+    let rival = f.rivals.iter().filter(as_likely).find(|r| !near(r))?;
     Some(Verdict::new(Kind::Ambiguous, prose::rival(rival)))
 }
 
 fn accurate(f: &Findings) -> Option<Verdict> {
     let (error, limit) = (f.expected_error, f.max_expected_error);
-    (error.is_nan() || error > limit).then(|| Verdict::new(Kind::Inaccurate, prose::inaccurate(error, limit)))
+    unless(within(error, limit), Kind::Inaccurate, || prose::inaccurate(error, limit))
 }
 
 /// At how many different places tangents meet, in cells of both images together.
@@ -99,6 +125,23 @@ mod tests {
         assert_eq!(places(&[], 4.0), 0);
     }
 
+    /// Evidence without fault.
+    const GOOD: Evidence = Evidence {
+        z: 9.0,
+        z_tops: 6.0,
+        z_bottoms: 7.0,
+        z_whole: 6.0,
+        both_ends: 0.7,
+        explained: 0.7,
+        explained_tops: 0.6,
+        explained_bottoms: 0.8,
+        explained_by_chance: 0.2,
+        tested_distance: 0.1,
+        plane_residual: 4.0,
+        on_all_frames: false,
+        essential_deviation: f64::NAN,
+    };
+
     /// A geometry without fault, whose parts a test spoils.
     fn findings<'a>(evidence: &'a Evidence, matches: &'a [TangentMatch]) -> Findings<'a> {
         Findings {
@@ -117,29 +160,68 @@ mod tests {
     #[test]
     fn the_first_fault_is_the_verdict() {
         let walk: Vec<_> = (0..90).map(|k| matched(k, [f64::from(k) * 9.0, 7.0], [9.0, 9.0])).collect();
-        let good = Evidence {
-            z: 9.0,
-            z_tops: 6.0,
-            z_bottoms: 7.0,
-            explained: 0.7,
-            explained_by_chance: 0.2,
-            plane_residual: 4.0,
-            ..Evidence::default()
-        };
         let kind = |findings: &Findings| decide(findings).kind;
-        assert_eq!(kind(&findings(&good, &walk)), Kind::Accepted);
+        assert_eq!(kind(&findings(&GOOD, &walk)), Kind::Accepted);
         for (evidence, expected) in [
-            (Evidence { z: 4.9, explained: 0.1, ..good }, Kind::NoCommonScene),
-            (Evidence { explained: 0.1, z_tops: 0.0, ..good }, Kind::NoCommonScene),
-            (Evidence { explained: f64::NAN, ..good }, Kind::NoCommonScene),
-            (Evidence { z_bottoms: 1.9, ..good }, Kind::Undetermined),
-            (Evidence { plane_residual: 0.8, ..good }, Kind::Undetermined),
+            (Evidence { z: 4.9, explained: 0.1, ..GOOD }, Kind::NoCommonScene),
+            (Evidence { explained: 0.1, z_tops: 0.0, ..GOOD }, Kind::NoCommonScene),
+            (Evidence { explained: f64::NAN, ..GOOD }, Kind::NoCommonScene),
+            (Evidence { z_bottoms: 1.9, ..GOOD }, Kind::Undetermined),
+            (Evidence { explained_tops: 0.01, ..GOOD }, Kind::Undetermined),
+            (Evidence { z_whole: 0.4, ..GOOD }, Kind::Undetermined),
+            (Evidence { plane_residual: 0.7, ..GOOD }, Kind::Undetermined),
+            (Evidence { tested_distance: 3.1, ..GOOD }, Kind::Ambiguous),
         ] {
             assert_eq!(kind(&findings(&evidence, &walk)), expected, "{evidence:?}");
         }
-        assert_eq!(kind(&findings(&good, &walk[..40])), Kind::Undetermined);
-        assert_eq!(kind(&Findings { beyond_motion: 4.1, ..findings(&good, &walk) }), Kind::Undetermined);
-        assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&good, &walk) }), Kind::Inaccurate);
-        assert_eq!(kind(&Findings { expected_error: f64::NAN, ..findings(&good, &walk) }), Kind::Inaccurate);
+        // Where the view ends before one end does, whole silhouettes are not asked for.
+        let cut = Evidence { z_whole: 0.0, both_ends: 0.01, ..GOOD };
+        assert_eq!(kind(&findings(&cut, &walk)), Kind::Accepted);
+        assert_eq!(kind(&findings(&GOOD, &walk[..40])), Kind::Undetermined);
+        assert_eq!(kind(&Findings { beyond_motion: 6.1, ..findings(&GOOD, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
+        // A strict limit makes no other geometry of one that is half a pixel off.
+        let strict = |evidence| Findings { max_expected_error: 0.2, ..findings(evidence, &walk) };
+        assert_eq!(kind(&strict(&Evidence { tested_distance: 0.4, ..GOOD })), Kind::Inaccurate);
+        assert_eq!(kind(&strict(&Evidence { tested_distance: 0.6, ..GOOD })), Kind::Ambiguous);
+        assert_eq!(kind(&Findings { expected_error: f64::NAN, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
+    }
+
+    /// A geometry of what `rival` says, without any other fault.
+    fn beside(rival: Rival) -> Kind {
+        let walk: Vec<_> = (0..90).map(|k| matched(k, [f64::from(k) * 9.0, 7.0], [9.0, 9.0])).collect();
+        decide(&Findings { rivals: &[rival], ..findings(&GOOD, &walk) }).kind
+    }
+
+    #[test]
+    fn no_number_is_refused_by_every_test() {
+        let walk: Vec<_> = (0..90).map(|k| matched(k, [f64::from(k) * 9.0, 7.0], [9.0, 9.0])).collect();
+        let refused = |findings: &Findings| decide(findings).kind != Kind::Accepted;
+        let unknown = f64::NAN;
+        for evidence in [
+            Evidence { z: unknown, ..GOOD },
+            Evidence { z_tops: unknown, ..GOOD },
+            Evidence { z_bottoms: unknown, ..GOOD },
+            Evidence { z_whole: unknown, ..GOOD },
+            Evidence { explained: unknown, ..GOOD },
+            Evidence { explained_tops: unknown, ..GOOD },
+            Evidence { explained_bottoms: unknown, ..GOOD },
+            Evidence { tested_distance: unknown, ..GOOD },
+            Evidence { plane_residual: unknown, ..GOOD },
+        ] {
+            assert!(refused(&findings(&evidence, &walk)), "{evidence:?}");
+        }
+        assert!(refused(&Findings { beyond_motion: unknown, ..findings(&GOOD, &walk) }));
+        assert!(refused(&Findings { expected_error: unknown, ..findings(&GOOD, &walk) }));
+
+        let matrix = nalgebra::Matrix3::new(0.0, 1.0, 2.0, -1.0, 0.0, 3.0, -2.0, -3.0, 0.0);
+        let fundamental = crate::geometry::Fundamental::from_rank_two(&matrix).unwrap();
+        let source = crate::hypotheses::Source::BestLines;
+        let rival = |z, distance| Rival { fundamental, share: 0.9, z, distance, source };
+        assert_eq!(beside(rival(3.0, 40.0)), Kind::Accepted);
+        assert_eq!(beside(rival(1.0, 2.0)), Kind::Accepted);
+        for (z, distance) in [(1.0, 40.0), (unknown, 40.0), (1.0, unknown), (1.0, f64::INFINITY)] {
+            assert_eq!(beside(rival(z, distance)), Kind::Ambiguous, "{z} {distance}");
+        }
     }
 }

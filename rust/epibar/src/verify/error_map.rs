@@ -48,7 +48,8 @@ impl Uncertainty {
         [self.map(&matrix, &derivatives, a, b), self.map(&matrix.transpose(), &transposed, b, a)]
     }
 
-    /// The error that the covariance alone expects in half of either image, the larger of the two, pixels.
+    /// The error that the covariance alone expects in half of either image, the larger of the two, pixels; NaN where either
+    /// is not known.
     pub fn beyond_motion(&self) -> f64 {
         let known = Self { systematic: 0.0, ..self.clone() };
         let median = |map: ErrorMap| {
@@ -56,7 +57,8 @@ impl Uncertainty {
             values.sort_by(f64::total_cmp);
             values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
         };
-        known.maps().map(median).into_iter().fold(0.0, f64::max)
+        let [a, b] = known.maps().map(median);
+        if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
     }
 
     fn map(

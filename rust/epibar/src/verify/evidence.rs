@@ -12,11 +12,26 @@ pub struct Evidence {
     pub z_tops: f64,
     /// Normal deviate of the score of bottoms alone.
     pub z_bottoms: f64,
-    /// Share of A's tangents that meet a tangent of B, on frames kept aside.
+    /// Normal deviate of the number of silhouettes both of whose tangents meet those of one of the other camera.
+    pub z_whole: f64,
+    /// Share of the silhouettes that met with both ends, or with one though the other shows as well, on frames kept aside.
+    pub both_ends: f64,
+    /// The deviates of tops, bottoms and whole silhouettes are of all frames, cross-validated: one was faint on those
+    /// kept aside.
+    pub on_all_frames: bool,
+    /// Share of both cameras' tangents that meet one of the other camera, on frames kept aside.
     pub explained: f64,
+    /// That share of tops alone.
+    pub explained_tops: f64,
+    /// That share of bottoms alone.
+    pub explained_bottoms: f64,
     /// That share with the clocks shifted, in the mean.
     pub explained_by_chance: f64,
-    /// How far four fifths of the frontier points lie from the best plane, in widths of a silhouette.
+    /// Mean symmetric epipolar distance, over the volume where things moved, of the matrix that was tested on frames kept
+    /// aside from the one that is returned, pixels; NaN where nothing was tested.
+    pub tested_distance: f64,
+    /// How far four fifths of the frontier points lie from the best plane, in widths of a silhouette; NaN
+    /// where there are too few to tell.
     pub plane_residual: f64,
     /// `(s₁ − s₂) / (s₁ + s₂)` of the singular values of `K_bᵀ F K_a`, 0 for an essential matrix; NaN where the camera
     /// matrices are not known.
@@ -30,8 +45,14 @@ impl Default for Evidence {
             z: 0.0,
             z_tops: 0.0,
             z_bottoms: 0.0,
+            z_whole: 0.0,
+            both_ends: 0.0,
+            on_all_frames: false,
             explained: 0.0,
+            explained_tops: 0.0,
+            explained_bottoms: 0.0,
             explained_by_chance: 0.0,
+            tested_distance: f64::NAN,
             plane_residual: f64::NAN,
             essential_deviation: f64::NAN,
         }

@@ -28,10 +28,11 @@ pub use split::Split;
 pub use verdict::{Kind, Verdict};
 
 use crate::frontier::matches::robust_deviation;
-use crate::frontier::volume::{Correspondence, moving_correspondences};
+use crate::frontier::volume::{Correspondence, disagreement, moving_correspondences};
 use crate::frontier::{TangentMatch, Views, compare};
 use crate::geometry::{Fundamental, SevenParameters};
 use crate::refine::essential::EssentialPrior;
+use crate::refine::loss_scale;
 use crate::search::Found;
 use covariance::{covariance, expected_error, with_prior};
 use decide::decide;
@@ -39,8 +40,14 @@ use findings::Findings;
 use planarity::plane_residual;
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
-    COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, MIN_Z, RIVAL_Z, ROUGH_DEVIATION, SHIFTS,
+    CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, MIN_Z, RIVAL_Z, ROUGH_DEVIATION,
+    SHIFTS, reaches,
 };
+
+/// Correspondences of the volume where things moved.
+const VOLUME: usize = 400;
+/// Blocks of frames that a short recording keeps.
+const LEAST_BLOCKS: usize = 12;
 
 /// A geometry and what it is tested on.
 pub struct Case<'a> {
@@ -89,15 +96,20 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
 
     let fitted = case.found.fitted;
     let (curve, mut evidence) = fitted.map_or_else(Default::default, |f| tested(case, &f, fundamental));
+    let volume = moving_correspondences(views, fundamental, VOLUME, case.seed);
+    evidence.tested_distance = fitted.map_or(f64::NAN, |f| disagreement(&volume, &f));
     evidence.plane_residual = plane_residual(views, &matches, case.seed);
     evidence.essential_deviation = views.cameras.map_or(f64::NAN, |k| k.deviation(fundamental));
 
     let block = block_of(case);
-    let volume = moving_correspondences(views, fundamental, 400, case.seed);
     let others = case.found.solutions.get(1..).unwrap_or_default();
     let (rivals, best_radius) = rivals::rivals(views, fundamental, others, &volume, block);
-    let systematic = systematic_error(&rivals, &matches, best_radius, scale);
-    let (fit_error, uncertainty) = uncertainty(views, fundamental, &matches, &volume, block, systematic);
+    // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
+    let of_others = undecided(&rivals).fold(evidence.tested_distance.max(0.0), f64::max);
+    let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale));
+    let fit =
+        Fit { fundamental, matches: &compare(views, fundamental, best_radius).matches, radius: best_radius };
+    let (fit_error, uncertainty) = uncertainty(views, &fit, &volume, block, systematic);
     let expected_error = (FIT_FACTOR * fit_error).hypot(systematic);
 
     let verdict = decide(&Findings {
@@ -134,44 +146,55 @@ fn tested(case: &Case, fitted: &Fundamental, fundamental: &Fundamental) -> (Shif
     };
     let curve = shift_curve(&held_out, fitted, SHIFTS);
     let mut evidence = curve.evidence();
-    if evidence.z >= MIN_Z && evidence.z_tops.min(evidence.z_bottoms) < FAINT_CLASS_Z {
-        let of_all = cross_validated(case.busy_views, fundamental, &held_out, SHIFTS).evidence();
-        (evidence.z_tops, evidence.z_bottoms) = (of_all.z_tops, of_all.z_bottoms);
+    let parts = [evidence.z_tops, evidence.z_bottoms, evidence.z_whole];
+    if reaches(evidence.z, MIN_Z) && !parts.into_iter().all(|z| reaches(z, FAINT_CLASS_Z)) {
+        let Evidence { z_tops, z_bottoms, z_whole, .. } =
+            cross_validated(case.busy_views, fundamental, &held_out, SHIFTS).evidence();
+        evidence = Evidence { z_tops, z_bottoms, z_whole, on_all_frames: true, ..evidence };
     }
     (curve, evidence)
 }
 
-/// Common frames that share their error: those of a second, in a short recording fewer.
+/// Common frames that share their error: those of a second, or for which motion stays where it is; in a short recording
+/// fewer.
 fn block_of(case: &Case) -> usize {
     let rate = case.frame_rate;
     let second = if rate.is_finite() { rate.round().max(1.0) as usize } else { 25 };
-    second.min((case.views.frames() / 12).max(1))
+    second.max(case.split.gap).min((case.views.frames() / LEAST_BLOCKS).max(1))
 }
 
-/// Pixels of error that no number of points averages out.
-fn systematic_error(rivals: &[Rival], matches: &[TangentMatch], best_radius: f64, scale: f64) -> f64 {
-    // Solutions that the score cannot tell from the winner are as likely to be the truth as it is.
-    let undecided = rivals.iter().filter(|r| r.z < RIVAL_Z && r.distance.is_finite()).map(|r| r.distance);
-    let of_rivals = undecided.fold(0.0, f64::max);
-    // Outlines that agree only at a wide radius are inconsistent between the views, and what they share of that
-    // does not average out; exact masks still carry the grid of pixels.
+/// How far off the solutions are that the evidence cannot tell from the winner, pixels.
+fn undecided(rivals: &[Rival]) -> impl Iterator<Item = f64> {
+    rivals.iter().filter(|r| !reaches(r.z, RIVAL_Z) && r.distance.is_finite()).map(|r| r.distance)
+}
+
+/// Pixels of error that no number of points averages out: outlines that agree only at a wide radius are inconsistent
+/// between the views, and what they share of that stays; exact masks still carry the grid of pixels.
+fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64) -> f64 {
     let rough = robust_deviation(matches);
     let roughness = if rough.is_nan() { 0.0 } else { rough * rough / (ROUGH_DEVIATION * scale) };
-    let coarseness = (COARSE_SHARE * (best_radius - 1.5 * scale).max(0.0)).hypot(roughness);
-    of_rivals.hypot(coarseness).hypot(GRID_ERROR * scale)
+    let coarseness = (COARSE_SHARE * (best_radius - CLEAN_RADIUS * scale).max(0.0)).hypot(roughness);
+    coarseness.hypot(GRID_ERROR * scale)
+}
+
+/// A geometry, and the tangents that it was fitted to.
+struct Fit<'a> {
+    fundamental: &'a Fundamental,
+    matches: &'a [TangentMatch],
+    /// Within which they meet, pixels.
+    radius: f64,
 }
 
 /// The error that the fit expects over the volume, pixels, NaN where it is not known, and what is known of it elsewhere.
 fn uncertainty(
     views: &Views,
-    fundamental: &Fundamental,
-    matches: &[TangentMatch],
+    fit: &Fit,
     volume: &[Correspondence],
     block: usize,
     systematic: f64,
 ) -> (f64, Option<Uncertainty>) {
-    let Some(at) = SevenParameters::new(fundamental, views.sizes()) else { return (f64::NAN, None) };
-    let of_points = covariance(&at, matches, block);
+    let Some(at) = SevenParameters::new(fit.fundamental, views.sizes()) else { return (f64::NAN, None) };
+    let of_points = covariance(&at, fit.matches, loss_scale(fit.radius), block);
     let covariance = of_points.and_then(|of_points| match &views.cameras {
         Some(cameras) => with_prior(&of_points, &EssentialPrior(cameras).information(&at)),
         None => Some(of_points),

@@ -16,7 +16,7 @@ fn not_rounded_up(z: f64) -> f64 {
 
 pub(super) fn accepted(f: &Findings) -> String {
     format!(
-        "{} matched outline points, {:.0} % of all in camera A, agree to {:.1} px; on frames kept aside the \
+        "{} matched outline points, {:.0} % of all, agree to {:.1} px; on frames kept aside the \
          geometry stands {:.0} standard deviations above chance, and the expected error is {:.2} px.",
         f.matches.len(),
         100.0 * f.evidence.explained,
@@ -48,8 +48,7 @@ pub(super) fn faint_for_trials(z: f64, trials: usize) -> String {
 
 pub(super) fn unexplained(explained: f64) -> String {
     format!(
-        "Only {:.0} % of the outlines' tangents in camera A meet one in camera B, too few to be the geometry of \
-         the scene.",
+        "Only {:.0} % of the outlines' tangents meet one of the other camera, too few to be the geometry of the scene.",
         100.0 * explained
     )
 }
@@ -58,7 +57,15 @@ pub(super) fn one_class(tops: bool) -> String {
     let which = if tops { "upper" } else { "lower" };
     format!(
         "The motion leaves the geometry undetermined: the {which} edges of what moves match no better than \
-         chance, so only part of the geometry is supported."
+         chance, or next to none of them does, so only part of the geometry is supported."
+    )
+}
+
+pub(super) fn torn(z_whole: f64) -> String {
+    format!(
+        "The motion leaves the geometry undetermined: upper and lower edges of what moves match, but hardly ever both of \
+         one silhouette those of one other ({:.1} standard deviations above chance), as where only the floor is right.",
+        not_rounded_up(z_whole)
     )
 }
 
@@ -70,6 +77,9 @@ pub(super) fn few_places(places: usize) -> String {
 }
 
 pub(super) fn flat(plane_residual: f64) -> String {
+    if plane_residual.is_nan() {
+        return unmeasured();
+    }
     format!(
         "The motion leaves the geometry undetermined: everything keeps to one straight path or one plane, or the \
          cameras stand at one place (most matched points lie within {:.0} % of a silhouette's width of a plane).",
@@ -84,6 +94,20 @@ pub(super) fn unknown_beyond(beyond: f64) -> String {
     )
 }
 
+pub(super) fn otherwise(apart: f64) -> String {
+    if apart.is_nan() {
+        return "No geometry came of the frames that are fitted to, so that none could be tested on those kept aside.".into();
+    }
+    format!(
+        "The geometry of all frames is another, {apart:.1} px away, than that of the fitted ones, which was tested on \
+         frames kept aside; more varied motion would tell them apart."
+    )
+}
+
+pub(super) fn unmeasured() -> String {
+    "Too few points of the outlines match to say how accurate the geometry is.".into()
+}
+
 pub(super) fn rival(rival: &Rival) -> String {
     format!(
         "A different geometry, {:.0} px away, explains the motion nearly as well ({:.0} % of the evidence); more \
@@ -95,7 +119,7 @@ pub(super) fn rival(rival: &Rival) -> String {
 
 pub(super) fn inaccurate(error: f64, limit: f64) -> String {
     if error.is_nan() {
-        return "Too few points of the outlines match to say how accurate the geometry is.".into();
+        return unmeasured();
     }
     format!("The expected error of {error:.1} px is above the limit of {limit:.1} px.")
 }

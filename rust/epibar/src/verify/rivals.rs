@@ -2,11 +2,13 @@
 
 use rayon::prelude::*;
 
+use super::thresholds::MIN_COMPARED;
 use crate::frontier::Views;
 use crate::frontier::symmetric::{score_by_frame, symmetric_score};
 use crate::frontier::volume::{Correspondence, disagreement};
 use crate::geometry::Fundamental;
 use crate::hypotheses::Source;
+use crate::refine::essential::DEVIATION;
 use crate::search::Solution;
 
 /// Another geometry that the search found.
@@ -17,7 +19,7 @@ pub struct Rival {
     pub fundamental: Fundamental,
     /// Its score as a share of the winner's.
     pub share: f64,
-    /// Normal deviate of the difference in score, over blocks of frames.
+    /// Normal deviate of the difference in score, over blocks of frames, and in how well known camera matrices agree.
     pub z: f64,
     /// Mean symmetric epipolar distance from the winner over the volume where things moved, pixels.
     pub distance: f64,
@@ -37,6 +39,9 @@ pub fn rivals(
 ) -> (Vec<Rival>, f64) {
     let own = symmetric_score(views, winner);
     let own_by_frame = score_by_frame(views, winner, own.radius);
+    let contradiction = |rival: Fundamental| {
+        views.cameras.as_ref().map_or(0.0, |k| (k.deviation(&rival) - k.deviation(winner)) / DEVIATION)
+    };
     let mut rivals: Vec<Rival> = others
         .par_iter()
         .map(|solution| {
@@ -45,7 +50,10 @@ pub fn rivals(
             Rival {
                 fundamental: solution.fundamental,
                 share: theirs.total / own.total.max(1e-9),
-                z: paired_z(&own_by_frame, &by_frame, block),
+                z: with_cameras(
+                    paired_z(&own_by_frame, &by_frame, block),
+                    contradiction(solution.fundamental),
+                ),
                 distance: disagreement(volume, &solution.fundamental),
                 source: solution.source,
             }
@@ -53,6 +61,17 @@ pub fn rivals(
         .collect();
     rivals.sort_by(|p, q| q.share.total_cmp(&p.share));
     (rivals, own.radius)
+}
+
+/// What matrices say for or against a rival counts for so many deviations at most: they are measured too.
+const MOST_OF_CAMERAS: f64 = 3.0;
+
+/// Two independent deviates as one, with squares that add up as logarithms of likelihoods do: that of the evidence, and by how
+/// much worse than the winner the rival agrees with the camera matrices.
+fn with_cameras(z: f64, contradiction: f64) -> f64 {
+    let cameras = contradiction.clamp(-MOST_OF_CAMERAS, MOST_OF_CAMERAS);
+    let sum = z * z.abs() + cameras * cameras.abs();
+    sum.signum() * sum.abs().sqrt()
 }
 
 /// Normal deviate of the difference in score between two geometries, from sums over blocks of frames.
@@ -65,10 +84,25 @@ pub fn paired_z(winner: &[f64], rival: &[f64], block: usize) -> f64 {
         .map(|(p, q)| p.iter().sum::<f64>() - q.iter().sum::<f64>())
         .collect();
     let n = differences.len() as f64;
-    if n < 4.0 {
+    if differences.len() < MIN_COMPARED {
         return 0.0;
     }
     let mean = differences.iter().sum::<f64>() / n;
     let variance = differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
     mean / (variance / n).sqrt().max(1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_tell_rivals_apart_that_the_evidence_does_not() {
+        assert_eq!(with_cameras(1.7, 0.0), 1.7);
+        assert_eq!(with_cameras(-1.7, 0.0), -1.7);
+        assert!((with_cameras(0.5, 9.0) - 9.25f64.sqrt()).abs() < 1e-12);
+        // Matrices that the evidence contradicts do not overrule it; those that speak for the rival take from the winner.
+        assert!(with_cameras(-4.0, 9.0) < 0.0 && with_cameras(3.0, -2.9) < 1.0);
+        assert!(with_cameras(f64::NAN, 1.0).is_nan());
+    }
 }

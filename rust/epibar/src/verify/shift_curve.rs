@@ -1,14 +1,16 @@
 //! Evidence against chance: the score of `F` with the clocks shifted.
 //!
 //! A true `F` scores high at the true time offset and at chance level elsewhere. [`shift_curve`] scores `F` with B's
-//! frames moved against A's, on frames that `F` was not fitted to; [`ShiftCurve::evidence`] sums it up.
+//! frames moved against A's, on frames that `F` was not fitted to; [`ShiftCurve::evidence`] sums it up. The same pairs of
+//! frames are compared from A to B and from B to A, so that it does not matter which camera comes first.
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 use super::evidence::Evidence;
-use crate::frontier::{Comparer, FrontierScore, Views};
+use super::thresholds::{MIN_DEVIATION, MIN_SHIFTS};
+use crate::frontier::{ClassScore, Comparer, FrontierScore, Views};
 use crate::geometry::Fundamental;
 use crate::refine::polish;
 
@@ -17,7 +19,7 @@ use crate::refine::polish;
 pub struct AtShift {
     /// Frames of shift, cyclic.
     pub shift: usize,
-    /// The score.
+    /// The sum of the score from A to B and from B to A.
     pub score: FrontierScore,
 }
 
@@ -65,15 +67,22 @@ pub fn shift_curve(held_out: &HeldOut, f: &Fundamental, count: usize) -> ShiftCu
     };
     let sets: Vec<Vec<usize>> = (0..(frames / total.max(1)).max(1)).map(|k| moved(k * length)).collect();
     // Which of the two maps of rays holds is no choice that the frames tested have.
-    let sign = Comparer::new(fitted, f).sign(0, radius);
+    let signs = (Comparer::new(fitted, f).sign(0, radius), Comparer::reversed(fitted, f).sign(0, radius));
     let scores: Vec<Vec<FrontierScore>> = shifts
         .par_iter()
         .map_init(
-            || Comparer::new(views, f),
-            |comparer, &shift| {
-                let mut paired = comparer.pair_by(sign, shift);
-                let found = paired.weigh(radius);
-                sets.iter().map(|set| found.score_of(set)).collect()
+            || (Comparer::new(views, f), Comparer::reversed(views, f)),
+            |(there, back), &shift| {
+                let (mut there, mut back) =
+                    (there.pair_by(signs.0, shift), back.pair_by(signs.1, (frames - shift) % frames));
+                let (there, back) = (there.weigh(radius), back.weigh(radius));
+                let of = |set: &Vec<usize>| {
+                    let in_b: Vec<usize> = set.iter().map(|i| (i + shift) % frames).collect();
+                    let mut score = there.score_of(set);
+                    score += back.score_of(&in_b);
+                    score
+                };
+                sets.iter().map(of).collect()
             },
         )
         .collect();
@@ -110,11 +119,6 @@ pub fn cross_validated(views: &Views, f: &Fundamental, held_out: &HeldOut, count
     whole
 }
 
-/// Fewest shifts from which a deviation is taken.
-const MIN_SHIFTS: usize = 8;
-/// The floor of the deviation is that of a handful of counts: a curve without any chance matches is no proof.
-const MIN_DEVIATION: f64 = 3.0;
-
 fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     let n = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / n;
@@ -128,12 +132,19 @@ pub fn normal_deviate(t: f64, freedom: f64) -> f64 {
 }
 
 impl ShiftCurve {
+    /// Each shift with the mean score of both ways.
+    pub fn totals(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.scores.iter().map(|s| (s.shift, 0.5 * s.score.total()))
+    }
+
     /// How unlikely it is by chance that `of` is as large as at no shift, as a normal deviate; 0 where there are too few
     /// shifts to say.
     ///
     /// The mean is that of the frames tested. Their deviation is that of few independent shifts, so that of as many
     /// frames elsewhere is taken with it, and the larger of the two counts.
     fn deviate(&self, of: &dyn Fn(&FrontierScore) -> f64) -> f64 {
+        // The mean of both ways.
+        let of = &|score: &FrontierScore| 0.5 * of(score);
         let Some((first, rest)) = self.scores.split_first() else { return 0.0 };
         let freedom = (self.independent - 1.0) * (1 + self.elsewhere.len()) as f64;
         if rest.len() < MIN_SHIFTS || freedom < 1.0 {
@@ -152,11 +163,17 @@ impl ShiftCurve {
     pub fn evidence(&self) -> Evidence {
         let Some((first, rest)) = self.scores.split_first() else { return Evidence::default() };
         let share = |s: &FrontierScore| s.matches() as f64 / (s.tangents().max(1)) as f64;
+        let of_class = |c: &ClassScore| c.matches as f64 / c.tangents.max(1) as f64;
+        let objects = &first.score.objects;
         Evidence {
             z: self.deviate(&FrontierScore::total),
             z_tops: self.deviate(&|s| s.tops.excess),
             z_bottoms: self.deviate(&|s| s.bottoms.excess),
+            z_whole: self.deviate(&|s| s.objects.whole as f64),
+            both_ends: (objects.whole + objects.torn) as f64 / objects.silhouettes.max(1) as f64,
             explained: share(&first.score),
+            explained_tops: of_class(&first.score.tops),
+            explained_bottoms: of_class(&first.score.bottoms),
             explained_by_chance: rest.iter().map(|s| share(&s.score)).sum::<f64>() / rest.len().max(1) as f64,
             ..Evidence::default()
         }

@@ -2,11 +2,8 @@
 
 use super::angles::{AngleHistogram, PencilAngles};
 use super::elementary::angle;
-use super::tangents::{LANES, Tangents};
+use super::tangents::{LANES, NONE, Tangents};
 use crate::geometry::Fundamental;
-
-/// No tangent of B.
-pub(super) const NONE: u32 = u32::MAX;
 
 /// Tangents of A as B sees them.
 #[derive(Debug, Default)]

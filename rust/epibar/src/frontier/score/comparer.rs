@@ -5,13 +5,12 @@
 //! comparison of a thread to its next.
 
 use std::cell::Cell;
-use std::ops::Range;
 
 use nalgebra::Vector3;
 use pulp::Arch;
 
-use super::passes::{Buffers, Chances, Meetings, Sides, Sign, Touched, partner};
-use super::tangents::BOTTOM;
+use super::passes::{Buffers, Chances, Meetings, Sign, Touched};
+use super::tangents::{BOTTOM, Sides, partner};
 use crate::frontier::matches::{Class, CommonFrame, FrontierScore, TangentMatch};
 use crate::frontier::views::{View, Views};
 use crate::geometry::Fundamental;
@@ -94,20 +93,24 @@ pub struct Weighed<'c> {
 impl Weighed<'_> {
     /// The score.
     pub fn score(&self) -> FrontierScore {
-        self.sum(|side| std::iter::once(0..self.comparer.buffers.a[side].len()))
+        self.sum(0..self.frames())
     }
 
     /// The score of some frames of A.
     pub fn score_of(&self, frames: &[usize]) -> FrontierScore {
-        self.sum(|side| frames.iter().map(move |&frame| self.comparer.buffers.a[side].of(frame)))
+        self.sum(frames.iter().copied())
     }
 
-    fn sum<R: Iterator<Item = Range<usize>>>(&self, ranges: impl Fn(usize) -> R) -> FrontierScore {
+    fn frames(&self) -> usize {
+        self.comparer.buffers.a[0].frames()
+    }
+
+    fn sum(&self, frames: impl Iterator<Item = usize> + Clone) -> FrontierScore {
         let mut score = FrontierScore::default();
         let radius2 = self.radius * self.radius;
-        let Buffers { a, sent, .. } = &*self.comparer.buffers;
-        for (side, (tangents, sent)) in a.iter().zip(sent).enumerate() {
-            for i in ranges(side).flatten() {
+        let Buffers { a, sent, objects, .. } = &*self.comparer.buffers;
+        for (tangents, sent) in a.iter().zip(sent) {
+            for i in frames.clone().flat_map(|frame| tangents.of(frame)) {
                 let bottom = tangents.class[i] & BOTTOM != 0;
                 let class = if bottom { &mut score.bottoms } else { &mut score.tops };
                 class.tangents += 1;
@@ -116,14 +119,16 @@ impl Weighed<'_> {
                 class.excess += sent.excess[i];
             }
         }
+        for hull in frames.flat_map(|frame| a[0].hulls(frame)) {
+            score.objects.add(objects.outcome[hull], objects.evidence[hull]);
+        }
         score
     }
 
-    /// Score of each frame of A, both classes together.
+    /// Evidence of the silhouettes of each frame of A.
     pub fn per_frame(&self) -> Vec<f64> {
-        let Buffers { a, sent, .. } = &*self.comparer.buffers;
-        let of = |side: usize, frame: usize| sent[side].excess[a[side].of(frame)].iter().sum::<f64>();
-        (0..a[0].frames()).map(|frame| of(0, frame) + of(1, frame)).collect()
+        let Buffers { a, objects, .. } = &*self.comparer.buffers;
+        (0..self.frames()).map(|frame| objects.evidence[a[0].hulls(frame)].iter().sum()).collect()
     }
 
     /// The tangents that meet within the radius, by frames.

@@ -1,11 +1,14 @@
-//! The frontier score: epipolar tangents of A that meet tangents of B, over chance.
+//! The frontier score: epipolar tangents of A that meet tangents of B, over chance, silhouette by silhouette.
 //!
 //! For a proposed `F`, every silhouette has two tangents from the epipole. A tangent of A, sent to B, should
-//! meet a tangent of B that has its object on the corresponding side. A match counts by how unlikely it was: with
-//! `q` the chance that *some* tangent of B lies that near at any other time, a tangent of A contributes
-//! `(m − ⅔ q) · (−ln q)`, where `m = max(0, 1 − d²/r²)` for the Sampson distance `d` of its match. Under chance
-//! the expectation is nought wherever the epipoles lie: where everything is tangent at one place all the time (heads
-//! on the horizon, an epipole on the border) `q ≈ 1` and nothing is gained. Tops and bottoms are summed apart.
+//! meet a tangent of B that has its object on the corresponding side. A match counts by how unlikely it was, with
+//! `q` the chance that *some* tangent of B lies that near at any other time, and `m = max(0, 1 − d²/r²)` for the Sampson
+//! distance `d` of its match. Where everything is tangent at one place all the time (heads on the horizon, an epipole on the
+//! border) `q ≈ 1` and nothing is gained.
+//!
+//! The score is the evidence of whole silhouettes ([`objects`]): what both ends of one say together, and what it says that an
+//! end misses. Beside it, tops and bottoms are summed apart, each tangent with `(m − ⅔ q) · (−ln q)`, which is nought in the
+//! mean by chance, so that each class can be asked whether it stands out.
 //!
 //! *Orientation.* Epipolar rays, not just lines, correspond (Laveau and Faugeras 1996): seen from both
 //! cameras a point in front of both lies on one half of its epipolar line. The map of rays is `± F`; the map of
@@ -15,6 +18,7 @@ mod angles;
 mod arrays;
 mod comparer;
 mod elementary;
+mod objects;
 mod passes;
 mod tangents;
 

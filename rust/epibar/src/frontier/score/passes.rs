@@ -8,29 +8,16 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::angles::PencilAngles;
-use super::arrays::{NONE, Sent, Targets, pixels_per_radian};
+use super::arrays::{Sent, Targets, pixels_per_radian};
 use super::elementary::{decay, logarithm};
-use super::tangents::{EITHER, LANES, Tangents, fill};
+use super::objects::Objects;
+use super::tangents::{EITHER, LANES, NONE, Sides, Tangents, fill, partner};
 use crate::frontier::views::View;
 use crate::geometry::Fundamental;
 
 /// About so many frames decide the sign of the map of rays, and no more than one in [`SIGN_STEP`].
 const SIGN_FRAMES: usize = 24;
 const SIGN_STEP: usize = 4;
-
-/// Which tangents may meet.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Sides {
-    /// An object on the positive side in A is on the positive side in B.
-    pub(super) same: bool,
-    /// Tops meet tops only.
-    pub(super) upright: bool,
-}
-
-/// The side of B that one of A meets.
-pub(super) fn partner(side: usize, sides: Sides) -> usize {
-    if sides.same { side } else { 1 - side }
-}
 
 /// For each tangent of B in a frame the nearest of A.
 #[derive(Debug, Default)]
@@ -48,6 +35,7 @@ pub(super) struct Buffers {
     pub(super) b: [Tangents; 2],
     pub(super) sent: [Sent; 2],
     pub(super) targets: [Targets; 2],
+    pub(super) objects: Objects,
     pub(super) sides: Vec<u8>,
     nearest: Nearest,
 }
@@ -290,6 +278,7 @@ impl Buffers {
                 excess[i] = (m - q * 2.0 / 3.0) * surprise[i];
             }
         }
+        self.objects.fill(&self.a, &self.b, &self.sent, sides, radius);
     }
 }
 

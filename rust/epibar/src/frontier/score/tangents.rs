@@ -13,8 +13,25 @@ pub(super) const EITHER: u64 = MAY_BE_TOP | MAY_BE_BOTTOM;
 /// The object lies above the tangent.
 pub(super) const BOTTOM: u64 = 4;
 
+/// No tangent of B.
+pub(super) const NONE: u32 = u32::MAX;
+
 /// A frame's tangents may be read in vectors of so many, beyond its last.
 pub(super) const LANES: usize = 8;
+
+/// Which tangents may meet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sides {
+    /// An object on the positive side in A is on the positive side in B.
+    pub(super) same: bool,
+    /// Tops meet tops only.
+    pub(super) upright: bool,
+}
+
+/// The side of B that one of A meets.
+pub(super) fn partner(side: usize, sides: Sides) -> usize {
+    if sides.same { side } else { 1 - side }
+}
 
 /// Tangents whose objects lie on one side of the oriented line `e × point`, by frames.
 #[derive(Debug, Default)]
@@ -29,6 +46,12 @@ pub(super) struct Tangents {
     pub(super) class: Vec<u64>,
     /// Infinite where a tangent of the other view with these bits of [`EITHER`] must not meet it, else 0.
     pub(super) refused: [Vec<f64>; 4],
+    /// The silhouette of each tangent.
+    pub(super) hull: Vec<u32>,
+    /// The tangent of each silhouette of the view, or [`NONE`].
+    pub(super) of_hull: Vec<u32>,
+    /// For each frame its first silhouette, and the number of silhouettes as the last entry.
+    pub(super) first_hull: Vec<u32>,
 }
 
 impl Tangents {
@@ -37,6 +60,10 @@ impl Tangents {
         self.frame_start.push(0);
         self.x.clear();
         self.y.clear();
+        self.hull.clear();
+        self.of_hull.clear();
+        self.first_hull.clear();
+        self.first_hull.push(0);
     }
 
     /// How many tangents there are; behind them stand [`LANES`] of no meaning.
@@ -50,6 +77,11 @@ impl Tangents {
 
     pub(super) fn of(&self, frame: usize) -> std::ops::Range<usize> {
         self.frame_start[frame] as usize..self.frame_start[frame + 1] as usize
+    }
+
+    /// The silhouettes of a frame.
+    pub(super) fn hulls(&self, frame: usize) -> std::ops::Range<usize> {
+        self.first_hull[frame] as usize..self.first_hull[frame + 1] as usize
     }
 
     #[inline(always)]
@@ -91,17 +123,27 @@ pub(super) fn fill(tangents: &mut [Tangents; 2], view: &View, epipole: &Homogene
     view.edges_facing(epipole, sides);
     for frame in 0..view.frames() {
         for hull in view.hull_indices(frame) {
-            let Some([rising, falling]) = view.turns(hull, sides, epipole) else { continue };
+            let Some([rising, falling]) = view.turns(hull, sides, epipole) else {
+                positive.of_hull.push(NONE);
+                negative.of_hull.push(NONE);
+                continue;
+            };
             for (vertex, of_side) in [(rising, &mut *positive), (falling, &mut *negative)] {
                 let [x, y] = view.touchable(vertex);
-                if !x.is_nan() {
+                if x.is_nan() {
+                    of_side.of_hull.push(NONE);
+                } else {
+                    of_side.of_hull.push(of_side.hull.len() as u32);
+                    of_side.hull.push(hull as u32);
                     of_side.x.push(x);
                     of_side.y.push(y);
                 }
             }
         }
-        negative.frame_start.push(negative.x.len() as u32);
-        positive.frame_start.push(positive.x.len() as u32);
+        for of_side in [&mut *negative, &mut *positive] {
+            of_side.frame_start.push(of_side.x.len() as u32);
+            of_side.first_hull.push(of_side.of_hull.len() as u32);
+        }
     }
     negative.classify(epipole, false, view.up);
     positive.classify(epipole, true, view.up);
