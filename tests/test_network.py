@@ -299,7 +299,7 @@ def damaged(change):
         (lambda c: c["cameras"][0].update(rotation=[[1, 0, 0], [0, 1, 0], [0, 0, -1]]), "cam1: rotation"),
         (lambda c: c["cameras"][0].update(rotation=np.zeros((3, 3)).tolist()), "cam1: rotation"),
         (lambda c: c["cameras"][0].update(translation=[0, 0]), "cam1: translation"),
-        (lambda c: c["cameras"][0].update(translation=[0, 0, math.inf]), "cam1: translation"),
+        (lambda c: c["cameras"][0].update(translation=[0, 0, math.inf]), "Infinity is no number"),
         (lambda c: c["cameras"][0].update(distortions=[0] * 4), "cam1: distortions"),
         (lambda c: c["cameras"][0].update(matrix=[[0] * 3] * 3), "cam1: matrix"),
         (lambda c: c["cameras"][0].update(width=-640), "cam1: size"),
