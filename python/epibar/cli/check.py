@@ -65,13 +65,13 @@ def run(args: Namespace) -> int:
     from pathlib import Path
 
     from ..files.json_file import json_text
-    from ..jobs.network_files import NETWORK
+    from ..jobs.inputs import NETWORK_FILE
     from ..network.checking import UNSURE, CameraCheck
     from ..network.result import Network
     from .console import Console
 
     folder = Path(args.folder)
-    network = Network.load(folder / NETWORK)
+    network = Network.load(folder / NETWORK_FILE)
     with Console(args.quiet, json=args.json, verbose=args.verbose) as console:
         cameras = _cameras(args, network, folder)
         recordings, failed = _recorded(cameras, args, console)
@@ -103,8 +103,9 @@ def _cameras(args: Namespace, network: Network, folder: Path) -> list[CameraInpu
     from dataclasses import replace
 
     from ..errors import EpibarError
-    from ..jobs.inputs import camera_inputs, source_name
+    from ..jobs.inputs import camera_inputs
     from ..network.checking import cameras_to_check
+    from ..sources.source import source_name
 
     videos: dict[str, str] = {}
     for video in args.videos:
