@@ -105,7 +105,7 @@ pub fn find_offset(
     Ok(Some(FoundOffset {
         offset: offset as f64,
         runner_up,
-        trials: 2 * reach as usize + 1,
+        trials: 2 * searched as usize + 1,
         score: score_of(offset),
         unshifted: many.score(0)?,
     }))
