@@ -210,6 +210,8 @@ def test_tls_with_certificates_and_without(tmp_path):
             dask_executor(cluster.address, 5.0),
         ):
             pass
+        # Left to the garbage collector, it may be closed while the next one starts, which waits for ever.
+        assert not [thread for thread in threading.enumerate() if thread.name == "IO loop"]
         settings = {
             "distributed.comm.tls.ca-file": str(files["ca-file"]),
             "distributed.comm.tls.client.cert": str(files["cert"]),

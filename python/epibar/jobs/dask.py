@@ -13,7 +13,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from typing import Any
@@ -252,7 +252,7 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
                 yield from _connected(client, scheduler, time_limit)
         else:
             try:
-                client = Client(scheduler, timeout=time_limit)
+                client = _client(scheduler, time_limit)
             except TypeError as error:
                 if not scheduler.startswith("tls://"):
                     raise
@@ -267,6 +267,24 @@ def dask_executor(scheduler: str, time_limit: float = TIME_LIMIT) -> Iterator[Da
                 ) from error
             with client:
                 yield from _connected(client, scheduler, time_limit)
+
+
+def _client(address: str, time_limit: float) -> Any:
+    """Connect to a scheduler.
+
+    A client that fails on the way is closed here: the garbage collector would close it at any moment, also
+    while the next one starts and holds the lock that closing needs, and both would wait for ever.
+    """
+    from distributed import Client
+
+    client: Any = Client.__new__(Client)
+    try:
+        client.__init__(address, timeout=time_limit)
+    except BaseException:
+        with suppress(Exception):  # what is told is why it failed
+            client.close()
+        raise
+    return client
 
 
 @contextmanager
