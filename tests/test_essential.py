@@ -1,5 +1,7 @@
 """What known camera matrices are worth, and that wrong ones do little harm."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -26,25 +28,31 @@ def recordings(scene, factors):
 
 
 def error(scene, calibration):
-    """Mean distance over the volume where things moved, pixels."""
+    """Mean distance over the volume where things moved, pixels; infinite where nothing was found."""
+    if calibration.F is None:
+        return math.inf
     points = scene.volume_correspondences(0, 1)
     return float(epibar.symmetric_epipolar_distance(calibration.F, *points).mean())
 
 
-@pytest.mark.parametrize(("seed", "enough"), [(21, True), (18, False)])
-def test_camera_matrices_settle_what_little_motion_leaves_open(seed, enough):
-    scene = three_walkers(seed, frames=200)
-    pair = recordings(scene, (1.0, 1.0))
-    without = epibar.calibrate(*pair, essential=False)
-    # Eight seconds may be too little without matrices: then that has to be said.
-    assert not without.accepted or error(scene, without) < 3.0
-    assert "essential_deviation" not in without.evidence
-    calibration = epibar.calibrate(*pair)
-    # What they show may be right and still too little to be believed.
-    assert calibration.accepted or not enough, calibration.reason
-    assert error(scene, calibration) < 0.5
-    assert error(scene, calibration) < error(scene, without) + 0.1
-    assert calibration.evidence["essential_deviation"] < 0.01
+def test_camera_matrices_settle_what_little_motion_leaves_open():
+    scenes = [three_walkers(seed, frames=200) for seed in range(1, 9)]
+    pairs = [recordings(scene, (1.0, 1.0)) for scene in scenes]
+    without = [epibar.calibrate(*pair, essential=False) for pair in pairs]
+    calibrations = [epibar.calibrate(*pair) for pair in pairs]
+    errors, errors_without = (
+        [error(scene, calibration) for scene, calibration in zip(scenes, found, strict=True)]
+        for found in (calibrations, without)
+    )
+    # Eight seconds may be too little: then that has to be said.
+    for calibration, off in zip(calibrations + without, errors + errors_without, strict=True):
+        assert not calibration.accepted or off < 3.0
+    assert all("essential_deviation" not in calibration.evidence for calibration in without)
+    right, right_without = (sum(off < 0.5 for off in found) for found in (errors, errors_without))
+    assert right >= 6
+    assert right > right_without
+    accepted = [calibration for calibration in calibrations if calibration.accepted]
+    assert all(calibration.evidence["essential_deviation"] < 0.01 for calibration in accepted)
 
 
 def test_where_nothing_stands_out_the_search_goes_on():
