@@ -40,8 +40,8 @@ use findings::Findings;
 use planarity::plane_residual;
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
-    CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, MIN_Z, RIVAL_Z, ROUGH_DEVIATION,
-    SHIFTS, reaches,
+    CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z, NEIGHBOUR,
+    NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, reaches, within,
 };
 
 /// Correspondences of the volume where things moved.
@@ -105,8 +105,10 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
     let others = case.found.solutions.get(1..).unwrap_or_default();
     let (rivals, best_radius) = rivals::rivals(views, fundamental, others, &volume, block);
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
-    let of_others = undecided(&rivals).fold(evidence.tested_distance.max(0.0), f64::max);
-    let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale));
+    let others = undecided(&rivals).chain(neighbours(&rivals, scale));
+    let of_others = others.fold(evidence.tested_distance.max(0.0), f64::max);
+    let of_chance = UNEXPLAINED_SHARE * radius * odds_of_chance(&evidence);
+    let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
     let fit =
         Fit { fundamental, matches: &compare(views, fundamental, best_radius).matches, radius: best_radius };
     let (fit_error, uncertainty) = uncertainty(views, &fit, &volume, block, systematic);
@@ -168,6 +170,20 @@ fn undecided(rivals: &[Rival]) -> impl Iterator<Item = f64> {
     rivals.iter().filter(|r| !reaches(r.z, RIVAL_Z) && r.distance.is_finite()).map(|r| r.distance)
 }
 
+/// How far off the solutions are that lie near the winner and have nearly its evidence, pixels.
+fn neighbours(rivals: &[Rival], scale: f64) -> impl Iterator<Item = f64> {
+    let near = move |r: &&Rival| reaches(r.share, NEIGHBOUR_SHARE) && within(r.distance, NEIGHBOUR * scale);
+    rivals.iter().filter(near).map(|r| r.distance)
+}
+
+/// The share of the tangents that the geometry does not explain, over the share that it explains beyond chance.
+fn odds_of_chance(evidence: &Evidence) -> f64 {
+    let Evidence { explained, explained_by_chance, .. } = *evidence;
+    let beyond_chance = (explained - explained_by_chance) / (1.0 - explained_by_chance);
+    let beyond_chance = beyond_chance.clamp(LEAST_EXPLAINED, 1.0);
+    (1.0 - beyond_chance) / beyond_chance
+}
+
 /// Pixels of error that no number of points averages out: outlines that agree only at a wide radius are inconsistent
 /// between the views, and what they share of that stays; exact masks still carry the grid of pixels.
 fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64) -> f64 {
@@ -203,4 +219,40 @@ fn uncertainty(
     let fit_error = expected_error(&at, &covariance, volume);
     let covariance = covariance * FIT_FACTOR * FIT_FACTOR;
     (fit_error, Some(Uncertainty { at, covariance, systematic }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hypotheses::Source;
+
+    #[test]
+    fn chance_pulls_the_more_the_less_is_explained() {
+        let odds = |explained, explained_by_chance| {
+            odds_of_chance(&Evidence { explained, explained_by_chance, ..Evidence::default() })
+        };
+        assert_eq!(odds(1.0, 0.3), 0.0);
+        assert!((odds(0.65, 0.3) - 1.0).abs() < 1e-12);
+        assert!((odds(0.3, 0.3) - 49.0).abs() < 1e-9 && odds(0.1, 0.3) == odds(0.3, 0.3));
+        assert!(odds(1.0, 1.0).is_nan() && odds(f64::NAN, 0.3).is_nan());
+    }
+
+    #[test]
+    fn a_neighbour_may_be_the_truth() {
+        let f = Fundamental::from_matrix(
+            &nalgebra::Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0),
+            crate::image::ImageSize::new(640, 480).unwrap(),
+            crate::image::ImageSize::new(640, 480).unwrap(),
+        );
+        let rival = |share, distance| Rival {
+            fundamental: f.unwrap(),
+            share,
+            z: 4.0,
+            distance,
+            source: Source::Tracks,
+        };
+        let rivals = [rival(0.96, 1.5), rival(0.95, 9.0), rival(0.9, 2.0), rival(0.99, f64::NAN)];
+        assert_eq!(neighbours(&rivals, 1.0).collect::<Vec<_>>(), [1.5]);
+        assert_eq!(neighbours(&rivals, 2.0).collect::<Vec<_>>(), [1.5, 9.0]);
+    }
 }
