@@ -90,7 +90,6 @@ impl Case<'_> {
             .fold(0.0, f64::max);
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
-                let input = &self.inputs[c];
                 let found = out.iter().find(|o| o.camera == c);
                 let stands = network.placed[c];
                 let expected =
@@ -101,17 +100,12 @@ impl Case<'_> {
                     None if rivalled => CameraStatus::Ambiguous,
                     None => status_by_errors(&expected, rig),
                 };
-                let seconds = self.observed[c].times.last().copied().unwrap_or(0.0);
-                let knocked_at = found.and_then(|o| o.at).map(|share| share * seconds);
                 NetworkCamera {
-                    name: input.name.to_owned(),
-                    status,
-                    reason: words::of_camera(status, &expected, rig, knocked_at, input, &self.pairs_of(c)),
                     camera: stands.then_some(placed[c]),
                     expected: stands.then_some(expected),
                     deviates: found.map_or(finished.support.cameras[c], |o| o.deviates),
-                    size: input.recording.size(),
                     offset_error: finished.offsets[c],
+                    ..self.unplaced(c, status, found, &expected, rig)
                 }
             })
             .collect();
@@ -120,6 +114,30 @@ impl Case<'_> {
         let accepted = cameras.iter().all(NetworkCamera::accepted);
         let reason = words::of_network(&cameras, &pairs, &ground);
         Network { cameras, pairs, accepted, reason, ground, radius }
+    }
+
+    /// A camera with what is said of it, and without a place.
+    fn unplaced(
+        &self,
+        camera: usize,
+        status: CameraStatus,
+        out: Option<&Out>,
+        expected: &Expected,
+        rig: f64,
+    ) -> NetworkCamera {
+        let input = &self.inputs[camera];
+        let seconds = self.observed[camera].times.last().copied().unwrap_or(0.0);
+        let knocked_at = out.and_then(|o| o.at).map(|share| share * seconds);
+        NetworkCamera {
+            name: input.name.to_owned(),
+            status,
+            reason: words::of_camera(status, expected, rig, knocked_at, input, &self.pairs_of(camera)),
+            camera: None,
+            expected: None,
+            deviates: out.map_or(Deviates::default(), |o| o.deviates),
+            size: input.recording.size(),
+            offset_error: f64::NAN,
+        }
     }
 
     fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
@@ -133,14 +151,7 @@ impl Case<'_> {
 
     fn pair(&self, a: usize, b: usize, cameras: &[NetworkCamera], finished: &Finished) -> NetworkPair {
         let (Some(one), Some(other)) = (&cameras[a].camera, &cameras[b].camera) else {
-            return NetworkPair {
-                a,
-                b,
-                status: PairStatus::Outside,
-                accepted: false,
-                fundamental: None,
-                deviates: Deviates::default(),
-            };
+            return outside((a, b));
         };
         let support = finished.support.pairs.iter().find(|(pair, _)| *pair == (a, b));
         let deviates = support.map_or(Deviates::default(), |s| s.1);
@@ -176,34 +187,26 @@ impl Case<'_> {
     pub(super) fn without(&self, out: &[Out]) -> Network {
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
-                let input = &self.inputs[c];
                 let found = out.iter().find(|o| o.camera == c);
                 let status = found.map_or(CameraStatus::NothingInCommon, |o| o.status);
-                let seconds = self.observed[c].times.last().copied().unwrap_or(0.0);
-                let at = found.and_then(|o| o.at).map(|share| share * seconds);
-                NetworkCamera {
-                    name: input.name.to_owned(),
-                    status,
-                    reason: words::of_camera(status, &Expected::UNKNOWN, 1.0, at, input, &self.pairs_of(c)),
-                    camera: None,
-                    expected: None,
-                    deviates: found.map_or(Deviates::default(), |o| o.deviates),
-                    size: input.recording.size(),
-                    offset_error: f64::NAN,
-                }
+                self.unplaced(c, status, found, &Expected::UNKNOWN, 1.0)
             })
             .collect();
-        let outside = |(a, b)| NetworkPair {
-            a,
-            b,
-            status: PairStatus::Outside,
-            accepted: false,
-            fundamental: None,
-            deviates: Deviates::default(),
-        };
         let pairs: Vec<NetworkPair> = self.all_pairs().map(outside).collect();
         let reason = words::of_network(&cameras, &pairs, &world::Ground::Cameras);
         Network { cameras, pairs, accepted: false, reason, ground: world::Ground::Cameras, radius: f64::NAN }
+    }
+}
+
+/// A pair of which a camera does not stand.
+fn outside((a, b): (usize, usize)) -> NetworkPair {
+    NetworkPair {
+        a,
+        b,
+        status: PairStatus::Outside,
+        accepted: false,
+        fundamental: None,
+        deviates: Deviates::default(),
     }
 }
 
