@@ -66,7 +66,7 @@ pub fn agreement(network: &Placed, pairs: &[PairHypotheses], camera: usize, surv
         let geometry = Pair::new(&network.cameras[p.a], &network.cameras[p.b]);
         let within = AGREE * survey.scale(p.a, p.b);
         let meetings = &p.hypotheses[0].meetings;
-        let near = meetings.iter().filter(|m| geometry.residual(m).is_some_and(|r| r.abs() < within)).count();
+        let near = geometry.agreeing(meetings, within);
         // A pair with much evidence weighs more.
         let weight = p.hypotheses[0].evidence.max(0.0);
         agreeing += weight * near as f64 / meetings.len().max(1) as f64;

@@ -137,7 +137,7 @@ impl<'p> Starter<'p> {
     fn support(&self, cameras: &[Camera], placed: &[bool]) -> f64 {
         let of_pair = |(p, m): (&PairHypotheses, &Vec<Meeting>)| {
             if placed[p.a] && placed[p.b] {
-                Pair::new(&cameras[p.a], &cameras[p.b]).agreement(m, AGREE).0
+                Pair::new(&cameras[p.a], &cameras[p.b]).agreement(m, AGREE)
             } else {
                 0.0
             }
@@ -236,10 +236,7 @@ impl<'p> Starter<'p> {
         let started = guesses.iter().take(SOLVED).map(|(_, at)| {
             let cameras = self.solved(at, &placed, &placed, STEPS);
             // The pair that agrees least decides.
-            let shares = sides.iter().map(|&s| {
-                let side = &self.pairs[s];
-                Pair::new(&cameras[side.a], &cameras[side.b]).agreement(&self.thinned[s], AGREE).1
-            });
+            let shares = sides.iter().map(|&s| self.share(s, &cameras));
             let least = shares.fold(f64::INFINITY, f64::min);
             let support = least * self.support(&cameras, &placed);
             Started { cameras, placed: placed.clone(), support }
@@ -280,6 +277,13 @@ impl<'p> Starter<'p> {
             (sides.iter().map(|&side| self.rough_cost(side, &at)).sum::<f64>(), at)
         };
         ratios.into_iter().map(with).min_by(|x, y| x.0.total_cmp(&y.0))
+    }
+
+    /// Share of the tangents of a pair that agree with cameras.
+    fn share(&self, pair: usize, cameras: &[Camera]) -> f64 {
+        let (side, meetings) = (&self.pairs[pair], &self.thinned[pair]);
+        let agreeing = Pair::new(&cameras[side.a], &cameras[side.b]).agreeing(meetings, AGREE);
+        agreeing as f64 / meetings.len().max(1) as f64
     }
 
     /// What the tangents of a pair cost, generously, for the guess of a focal length may be far off.
@@ -367,18 +371,14 @@ impl<'p> Starter<'p> {
                     .iter()
                     .map(|&(other, pair)| {
                         let (p, q) = (other.min(camera), other.max(camera));
-                        Pair::new(&at[p], &at[q]).agreement(&self.thinned[pair], AGREE).0
+                        Pair::new(&at[p], &at[q]).agreement(&self.thinned[pair], AGREE)
                     })
                     .sum();
                 (support, at)
             })
             .collect();
         let (_, cameras) = found.into_iter().rev().max_by(|p, q| p.0.total_cmp(&q.0))?;
-        let agrees = neighbours.iter().any(|&(other, pair)| {
-            let (p, q) = (other.min(camera), other.max(camera));
-            Pair::new(&cameras[p], &cameras[q]).agreement(&self.thinned[pair], AGREE).1 > LEAST_SHARE
-        });
-        if !agrees {
+        if !neighbours.iter().any(|&(_, pair)| self.share(pair, &cameras) > LEAST_SHARE) {
             return None;
         }
         let cameras = self.solved(&cameras, &placed, &placed, STEPS / 2);

@@ -173,8 +173,7 @@ impl Case<'_> {
         let geometry = Pair::new(one, other);
         let meetings = &pair.hypotheses[0].meetings;
         let within = limits::AGREE * (one.size.diagonal() + other.size.diagonal()) / 1600.0;
-        let near = meetings.iter().filter(|m| geometry.residual(m).is_some_and(|r| r.abs() < within)).count();
-        (near as f64) < limits::CONTRADICTS * meetings.len() as f64
+        (geometry.agreeing(meetings, within) as f64) < limits::CONTRADICTS * meetings.len() as f64
     }
 
     /// No camera stands.
