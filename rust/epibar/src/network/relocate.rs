@@ -45,6 +45,12 @@ impl Placed {
         all.filter(|&(a, b)| self.placed[a] && self.placed[b]).collect()
     }
 
+    /// By how much each pair of cameras that stand is turned otherwise in another network, radians.
+    pub fn turns(&self, other: &Self) -> impl Iterator<Item = f64> {
+        let between = |n: &Self, a: usize, b: usize| n.cameras[a].rotation * n.cameras[b].rotation.inverse();
+        self.pairs().into_iter().map(move |(a, b)| between(self, a, b).angle_to(&between(other, a, b)))
+    }
+
     /// Mean distance between the cameras that stand.
     fn size(&self) -> f64 {
         let pairs = self.pairs();

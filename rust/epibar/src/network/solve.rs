@@ -113,9 +113,7 @@ pub fn settled(
 
 /// Whether all cameras that stand in one network do so in another, and look the same ways.
 fn is_part_of(one: &Placed, other: &Placed) -> bool {
-    let turned = |c: usize, d: usize, n: &Placed| n.cameras[c].rotation * n.cameras[d].rotation.inverse();
-    one.placed.iter().zip(&other.placed).all(|(p, q)| !p || *q)
-        && one.pairs().iter().all(|&(c, d)| turned(c, d, one).angle_to(&turned(c, d, other)) < ALIKE)
+    one.placed.iter().zip(&other.placed).all(|(p, q)| !p || *q) && one.turns(other).all(|turn| turn < ALIKE)
 }
 
 /// Evidence of a network, less that of shifted clocks.

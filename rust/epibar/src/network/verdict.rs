@@ -20,10 +20,7 @@ pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
     if of_best.iter().zip(&rival.network.placed).any(|(best, rival)| *best && !rival) {
         return false;
     }
-    let turned = |c: usize, d: usize, n: &Placed| n.cameras[c].rotation * n.cameras[d].rotation.inverse();
-    let differs = best.network.pairs().iter().any(|&(c, d)| {
-        turned(c, d, &best.network).angle_to(&turned(c, d, &rival.network)) > limits::RIVAL_TURN
-    });
+    let differs = best.network.turns(&rival.network).any(|turn| turn > limits::RIVAL_TURN);
     let (share, z) = gain(survey, &best.network, &rival.network);
     differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
 }
