@@ -265,18 +265,7 @@ impl Case<'_> {
         camera: usize,
         pairs: &[(usize, usize)],
     ) -> (f64, f64) {
-        let parts = |cameras: &[Camera]| {
-            let rays = self.survey.all_rays(cameras);
-            let mut sums = [0.0; PARTS];
-            for &(a, b) in pairs {
-                let tangents = self.survey.tangents(cameras, &rays, a, b);
-                let scores = tangents.scores_by_moment(COMPARED * self.survey.scale(a, b), 0);
-                for (k, score) in scores.iter().enumerate() {
-                    sums[k * PARTS / scores.len()] += score.excess;
-                }
-            }
-            sums
-        };
+        let parts = |cameras: &[Camera]| self.survey.evidence_by_part::<PARTS>(cameras, pairs, COMPARED);
         // By the same clock and inset, which are of the footage and not of the pose.
         let mut held = network.cameras.clone();
         held[camera] =

@@ -149,6 +149,25 @@ impl<'a> Survey<'a> {
             .collect()
     }
 
+    /// Evidence of some pairs at a radius, pixels of a 640×480 image, in each of so many parts of the recording.
+    pub fn evidence_by_part<const PARTS: usize>(
+        &self,
+        cameras: &[Camera],
+        pairs: &[(usize, usize)],
+        radius: f64,
+    ) -> [f64; PARTS] {
+        let rays = self.all_rays(cameras);
+        let mut sums = [0.0; PARTS];
+        for &(a, b) in pairs {
+            let tangents = self.tangents(cameras, &rays, a, b);
+            let scores = tangents.scores_by_moment(radius * self.scale(a, b), 0);
+            for (k, score) in scores.iter().enumerate() {
+                sums[k * PARTS / scores.len()] += score.excess;
+            }
+        }
+        sums
+    }
+
     /// Pixels of an 800-pixel diagonal (640×480) in the images of a pair.
     pub fn scale(&self, a: usize, b: usize) -> f64 {
         let diagonal = |i: usize| self.observed[i].size.diagonal();
