@@ -33,8 +33,6 @@ pub struct PairOffset {
 pub struct Offsets {
     /// For each camera: what is at `t` in the first camera is at `t + seconds` in this one; NaN where nothing tells.
     pub seconds: Vec<f64>,
-    /// Pairs that agree with this.
-    pub agreeing: usize,
     /// All cameras started together, as far as barcodes tell.
     pub together: bool,
     /// They were given, and are not solved for.
@@ -44,12 +42,12 @@ pub struct Offsets {
 impl Offsets {
     /// Found offsets, seconds, to a frame or two.
     pub fn found(seconds: Vec<f64>) -> Self {
-        Self { seconds, agreeing: 0, together: false, given: false }
+        Self { seconds, together: false, given: false }
     }
 
     /// Given offsets, seconds.
     pub fn given(seconds: Vec<f64>) -> Self {
-        Self { seconds, agreeing: 0, together: false, given: true }
+        Self { seconds, together: false, given: true }
     }
 }
 
@@ -131,7 +129,7 @@ pub fn likeness(a: &Recording, b: &Recording, seconds: f64) -> Result<f64> {
 /// One offset a camera from those of pairs.
 pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
     if started_together(pairs) {
-        return Offsets { seconds: vec![0.0; count], agreeing: pairs.len(), together: true, given: false };
+        return Offsets { seconds: vec![0.0; count], together: true, given: false };
     }
     let between = |a: usize, b: usize| {
         pairs.iter().find_map(|p| match (p.a, p.b) {
@@ -173,8 +171,7 @@ pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
             }
         }
     }
-    let agreeing = pairs.iter().filter(|p| (seconds[p.b] - seconds[p.a] - p.seconds).abs() < AGREE).count();
-    Offsets { seconds, agreeing, together: false, given: false }
+    Offsets { seconds, together: false, given: false }
 }
 
 /// Whether most pairs agree without an offset about as well as with the best, and none of the clear ones contradicts.

@@ -73,7 +73,6 @@ impl PairFound {
                     time_a: a.times()[common[m.frame.index()].a as usize] - a.times()[0],
                     time_b: 0.0,
                     weight: 1.0,
-                    frame: common[m.frame.index()].a,
                 })
                 .collect();
             if meetings.len() >= LEAST_MEETINGS {

@@ -28,8 +28,6 @@ pub struct Meeting {
     pub time_b: f64,
     /// How much it counts.
     pub weight: f64,
-    /// Frame of A.
-    pub frame: u32,
 }
 
 /// Derivatives of a residual to the parameters of A and then those of B.
@@ -217,7 +215,6 @@ mod tests {
             time_a: 3.0,
             time_b: 3.4,
             weight: 1.0,
-            frame: 0,
         };
         let (_, row) = Pair::new(&a, &b).row(&meeting).unwrap();
         for k in 0..2 * PARAMETERS {
@@ -256,7 +253,6 @@ mod tests {
             time_a: 0.0,
             time_b: 0.0,
             weight: 1.0,
-            frame: 0,
         };
         assert!(Pair::new(&a, &b).residual(&meeting).unwrap().abs() < 1e-9);
     }

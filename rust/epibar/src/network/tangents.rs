@@ -58,14 +58,10 @@ pub struct Met {
 pub struct Score {
     /// Ends of A that could meet one.
     pub ends: usize,
-    /// Those that did.
-    pub met: usize,
     /// Silhouettes of A of which both ends met those of one silhouette of B.
     pub whole: usize,
     /// Evidence over chance, each meeting weighed by how unlikely it was.
     pub excess: f64,
-    /// Evidence of ends with the object below, and with it above, in A.
-    pub of_class: [f64; 2],
 }
 
 impl<'a> Tangents<'a> {
@@ -222,16 +218,14 @@ impl<'a> Tangents<'a> {
                     let chance =
                         self.chance(side, end.angle, radius * end.per_pixel * std::f64::consts::SQRT_2);
                     scores[i].ends += 1;
-                    scores[i].add(-EXPECTED * chance * -chance.ln(), end.below());
+                    scores[i].excess += -EXPECTED * chance * -chance.ln();
                 }
             }
         }
         let met = self.meet(radius, shift);
         for (k, m) in met.iter().enumerate() {
             let score = &mut scores[m.moment as usize];
-            let end = &self.ends_a[m.a as usize][m.side as usize];
-            score.met += 1;
-            score.add((1.0 - (m.distance / radius).powi(2)) * m.surprise, end.below());
+            score.excess += (1.0 - (m.distance / radius).powi(2)) * m.surprise;
             let whole = m.side == 0
                 && met[k + 1..]
                     .iter()
@@ -259,11 +253,6 @@ impl<'a> Tangents<'a> {
         ]
     }
 
-    /// Seconds of A's clock at a meeting.
-    pub fn time_a(&self, met: &Met) -> f64 {
-        self.a.observed.times[self.moments[met.moment as usize].0 as usize]
-    }
-
     /// Meetings as measurements for the joint problem.
     pub fn measurements(&self, met: &[Met]) -> Vec<Meeting> {
         let (a, b) = (self.a.observed, self.b.observed);
@@ -281,7 +270,6 @@ impl<'a> Tangents<'a> {
                     time_a: a.times[frame as usize],
                     time_b: b.seconds(moment),
                     weight: m.surprise,
-                    frame,
                 }
             })
             .collect()
@@ -316,20 +304,13 @@ impl<'a> Tangents<'a> {
 const EXPECTED: f64 = 2.0 / 3.0;
 
 impl Score {
-    fn add(&mut self, excess: f64, below: f64) {
-        self.excess += excess;
-        self.of_class[usize::from(below < 0.0)] += excess;
-    }
-
     /// The sum of two.
     #[must_use]
     pub fn plus(self, other: &Self) -> Self {
         Self {
             ends: self.ends + other.ends,
-            met: self.met + other.met,
             whole: self.whole + other.whole,
             excess: self.excess + other.excess,
-            of_class: [self.of_class[0] + other.of_class[0], self.of_class[1] + other.of_class[1]],
         }
     }
 }

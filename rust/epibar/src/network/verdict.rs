@@ -52,8 +52,8 @@ pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec
         let others = stand.iter().filter(|c| !largest.contains(c));
         return others.map(|&camera| out(camera, CameraStatus::Apart, None)).collect();
     }
-    let knocked = knocked(survey, network).into_iter().enumerate().find_map(|(c, k)| Some((c, k?)));
-    knocked.map(|(camera, knock)| out(camera, CameraStatus::Knocked, Some(knock.at))).into_iter().collect()
+    let knocked = knocked(survey, network).into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
+    knocked.map(|(camera, at)| out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
 }
 
 /// The most cameras that confirmed pairs join; of equals those with the most pairs, then the first.

@@ -19,12 +19,6 @@ pub struct Figure {
     pub top: [[f64; 2]; 2],
     /// Bottom in A, in B.
     pub bottom: [[f64; 2]; 2],
-    /// Seconds of A's clock.
-    pub time_a: f64,
-    /// Silhouette of A.
-    pub silhouette_a: u32,
-    /// Silhouette of B in the frame before.
-    pub silhouette_b: u32,
 }
 
 /// Figures of a pair of cameras.
@@ -62,14 +56,8 @@ pub fn figures(tangents: &Tangents, met: &[Met]) -> Vec<Figure> {
         } else {
             continue;
         };
-        let [t, b] = [top, bottom].map(|m| tangents.pixels(m));
-        found.push(Figure {
-            top: t,
-            bottom: b,
-            time_a: tangents.time_a(low),
-            silhouette_a: low.a,
-            silhouette_b: low.b.first,
-        });
+        let [top, bottom] = [top, bottom].map(|m| tangents.pixels(m));
+        found.push(Figure { top, bottom });
     }
     found
 }
