@@ -77,10 +77,13 @@ pub fn check_network(
     let stored = now.cameras.clone();
     let case = Case { survey: &survey, few: &few, beliefs: &beliefs };
     let mut moved: Vec<Option<Move>> = vec![None; cameras.len()];
+    // What was found of the others in the last round, beside all that moved.
+    let mut still: Vec<Option<Move>> = vec![None; cameras.len()];
     for round in 0..cameras.len() {
         report(watch, Stage::Network, round as f64 / cameras.len() as f64)?;
-        let still = (0..cameras.len()).filter(|&c| moved[c].is_none());
-        let found = still.filter_map(|c| Some((c, case.elsewhere(&now, c)?)));
+        let elsewhere = |c: usize| if moved[c].is_some() { None } else { case.elsewhere(&now, c) };
+        still = (0..cameras.len()).map(elsewhere).collect();
+        let found = still.iter().enumerate().filter_map(|(c, found)| Some((c, (*found)?)));
         let best = found.filter(|(_, m)| m.is_clear()).max_by(|p, q| p.1.gain.total_cmp(&q.1.gain));
         let Some((camera, found)) = best else { break };
         now.cameras[camera] = found.camera;
@@ -90,7 +93,7 @@ pub fn check_network(
     Ok((0..cameras.len())
         .map(|c| {
             let deviate = support.cameras[c].tangents;
-            let found = moved[c].or_else(|| case.elsewhere(&now, c));
+            let found = moved[c].or(still[c]);
             said(
                 &cameras[c],
                 &observed[c],
