@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::graph::{ALL_PAIRS, all_pairs};
 use crate::clock::{find_offset, score_at_offset};
 use crate::error::Result;
 use crate::recording::Recording;
@@ -51,8 +52,6 @@ impl Offsets {
     }
 }
 
-/// Up to so many cameras, all pairs are asked.
-const ALL_PAIRS: usize = 6;
 /// Neighbours that each of more cameras is asked with.
 const NEIGHBOURS: usize = 3;
 /// Offsets agree within so many seconds.
@@ -66,11 +65,8 @@ const MOST: f64 = 0.6;
 
 /// Pairs of `count` cameras whose offsets are asked for.
 pub fn asked(count: usize) -> Vec<(usize, usize)> {
-    let all = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
-    if count <= ALL_PAIRS {
-        return all.collect();
-    }
-    all.filter(|(a, b)| (b - a) <= NEIGHBOURS || count - (b - a) <= NEIGHBOURS).collect()
+    let near = |a: usize, b: usize| b - a <= NEIGHBOURS || count - (b - a) <= NEIGHBOURS;
+    all_pairs(count).filter(|&(a, b)| count <= ALL_PAIRS || near(a, b)).collect()
 }
 
 /// What the barcodes of two recordings say of their clocks, within so many seconds; `None` where nothing.

@@ -8,6 +8,7 @@
 use rayon::prelude::*;
 
 use super::camera::Camera;
+use super::graph::all_pairs;
 use super::joint::Beliefs;
 use super::pose::{placed_beside, relative_pose};
 use super::residual::Pair;
@@ -40,9 +41,7 @@ pub struct Placed {
 impl Placed {
     /// Pairs among the cameras that stand.
     pub fn pairs(&self) -> Vec<(usize, usize)> {
-        let n = self.cameras.len();
-        let all = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
-        all.filter(|&(a, b)| self.placed[a] && self.placed[b]).collect()
+        all_pairs(self.cameras.len()).filter(|&(a, b)| self.placed[a] && self.placed[b]).collect()
     }
 
     /// By how much each pair of cameras that stand is turned otherwise in another network, radians.

@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::case::{Case, Finished, Out};
 use super::covariance::Expected;
-use super::graph::PairFound;
+use super::graph::{PairFound, all_pairs};
 use super::relocate::Placed;
 use super::residual::Pair;
 use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
@@ -106,7 +106,8 @@ impl Case<'_> {
                 }
             })
             .collect();
-        let pairs = self.all_pairs().map(|(a, b)| self.pair(a, b, &cameras, finished)).collect::<Vec<_>>();
+        let pairs =
+            all_pairs(self.count()).map(|(a, b)| self.pair(a, b, &cameras, finished)).collect::<Vec<_>>();
         let radius = finished.solved.settled.radius;
         let accepted = cameras.iter().all(NetworkCamera::accepted);
         let reason = words::of_network(&cameras, &pairs, &ground);
@@ -135,11 +136,6 @@ impl Case<'_> {
             size: input.recording.size(),
             offset_error: f64::NAN,
         }
-    }
-
-    fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let n = self.count();
-        (0..n).flat_map(move |a| (a + 1..n).map(move |b| (a, b)))
     }
 
     fn pairs_of(&self, camera: usize) -> Vec<&PairFound> {
@@ -188,7 +184,7 @@ impl Case<'_> {
                 self.unplaced(c, status, found, &Expected::UNKNOWN, 1.0)
             })
             .collect();
-        let pairs: Vec<NetworkPair> = self.all_pairs().map(outside).collect();
+        let pairs: Vec<NetworkPair> = all_pairs(self.count()).map(outside).collect();
         let reason = words::of_network(&cameras, &pairs, &world::Ground::Cameras);
         Network { cameras, pairs, accepted: false, reason, ground: world::Ground::Cameras, radius: f64::NAN }
     }
