@@ -6,6 +6,7 @@
 
 use super::camera::Camera;
 use super::joint::{Beliefs, PairMeetings, Problem, standing};
+use super::median::deviation;
 use super::residual::Pair;
 use super::survey::Survey;
 
@@ -102,19 +103,12 @@ fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f6
 }
 
 /// Robust standard deviation of all residuals, pixels; NaN of none.
-pub fn spread(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
-    let mut all: Vec<f64> = pairs
-        .iter()
-        .flat_map(|p| {
-            let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
-            p.meetings.iter().filter_map(move |m| pair.residual(m)).map(f64::abs)
-        })
-        .collect();
-    if all.is_empty() {
-        return f64::NAN;
-    }
-    let middle = all.len() / 2;
-    1.4826 * *all.select_nth_unstable_by(middle, f64::total_cmp).1
+fn spread(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
+    let residuals = pairs.iter().flat_map(|p| {
+        let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+        p.meetings.iter().filter_map(move |m| pair.residual(m))
+    });
+    deviation(residuals).unwrap_or(f64::NAN)
 }
 
 /// By how much residuals change between two networks, root mean square, pixels.

@@ -9,7 +9,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::camera::Camera;
-use super::median::median;
+use super::median::{deviation, median};
 use super::tangents::{Met, Tangents};
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
@@ -154,9 +154,6 @@ impl Floor {
             return None;
         }
         let tall = median(standing.iter().map(|[t, _]| up.dot(t) - level))?;
-        let deviation = |values: &dyn Fn(&[Vector3<f64>; 2]) -> f64| {
-            median(standing.iter().map(|s| values(s).abs())).map(|m| 1.4826 * m)
-        };
         let mean: Vector3<f64> = standing.iter().map(|[t, b]| (t - b) / tall).sum();
         let middle = standing.iter().map(|s| s[1]).sum::<Vector3<f64>>() / standing.len() as f64;
         let scatter: Matrix3<f64> =
@@ -167,8 +164,8 @@ impl Floor {
             up,
             level,
             height: tall,
-            unevenness: deviation(&|[_, b]| (up.dot(b) - level) / tall)?,
-            diversity: deviation(&|[t, _]| (up.dot(t) - level) / tall - 1.0)?,
+            unevenness: deviation(standing.iter().map(|[_, b]| (up.dot(b) - level) / tall))?,
+            diversity: deviation(standing.iter().map(|[t, _]| (up.dot(t) - level) / tall - 1.0))?,
             lean: mean.normalize().dot(&up).clamp(-1.0, 1.0).acos(),
             reach: (spreads[1].max(0.0) / standing.len() as f64).sqrt(),
             figures: standing.len(),
