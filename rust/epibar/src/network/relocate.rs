@@ -161,7 +161,11 @@ fn evidence(
         .map(|&other| {
             let (a, b) = (other.min(camera), other.max(camera));
             let of = |i: usize| if i == camera { &rays_now[i] } else { &rays[i] };
-            survey.tangents_of(&cameras, of(a), of(b), a, b).score(RADIUS * survey.scale(a, b), 0).excess
+            survey
+                .tangents_of(&cameras, of(a), of(b), a, b)
+                .scorer(RADIUS * survey.scale(a, b))
+                .score(0)
+                .excess
         })
         .sum()
 }

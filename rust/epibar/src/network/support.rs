@@ -66,11 +66,12 @@ impl Support {
             .par_iter()
             .map(|&(a, b)| {
                 let tangents = survey.tangents(&network.cameras, &rays, a, b);
-                let (n, radius) = (tangents.moments(), COMPARED * survey.scale(a, b));
+                let n = tangents.moments();
                 if n <= SHIFTS {
                     return vec![Score::default(); SHIFTS + 1];
                 }
-                (0..=SHIFTS).map(|k| tangents.score(radius, k * n / (SHIFTS + 1))).collect()
+                let scorer = tangents.scorer(COMPARED * survey.scale(a, b));
+                (0..=SHIFTS).map(|k| scorer.score(k * n / (SHIFTS + 1))).collect()
             })
             .collect();
         let deviates = |of: &dyn Fn(&(usize, usize)) -> bool| {
@@ -148,11 +149,11 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
         .par_iter()
         .map(|&(a, b)| {
             let tangents = survey.tangents(&network.cameras, &rays, a, b);
-            let radius = COMPARED * survey.scale(a, b);
+            let scorer = tangents.scorer(COMPARED * survey.scale(a, b));
             let mut sums = [(0.0, 0.0); PARTS];
             for shift in 0..=CHANCE {
                 let by = shift * tangents.moments() / (CHANCE + 1);
-                let scores = tangents.scores_by_moment(radius, by);
+                let scores = scorer.by_moment(by);
                 for (k, score) in scores.iter().enumerate() {
                     let part = &mut sums[k * PARTS / scores.len()];
                     if shift == 0 {

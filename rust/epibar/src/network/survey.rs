@@ -138,10 +138,10 @@ impl<'a> Survey<'a> {
             .par_iter()
             .map(|&(a, b)| {
                 let tangents = self.tangents(cameras, &rays, a, b);
-                let radius = radius * self.scale(a, b);
-                let mut score = tangents.score(radius, 0);
+                let scorer = tangents.scorer(radius * self.scale(a, b));
+                let mut score = scorer.score(0);
                 for k in 1..=shifts {
-                    let by_chance = tangents.score(radius, k * tangents.moments() / (shifts + 1));
+                    let by_chance = scorer.score(k * tangents.moments() / (shifts + 1));
                     score.excess -= by_chance.excess.max(0.0) / shifts as f64;
                 }
                 score
@@ -160,7 +160,7 @@ impl<'a> Survey<'a> {
         let mut sums = [0.0; PARTS];
         for &(a, b) in pairs {
             let tangents = self.tangents(cameras, &rays, a, b);
-            let scores = tangents.scores_by_moment(radius * self.scale(a, b), 0);
+            let scores = tangents.scorer(radius * self.scale(a, b)).by_moment(0);
             for (k, score) in scores.iter().enumerate() {
                 sums[k * PARTS / scores.len()] += score.excess;
             }

@@ -198,16 +198,10 @@ impl<'a> Tangents<'a> {
         }
     }
 
-    /// What the two cameras have in common at a radius, with B's moments moved on by `shift`.
-    pub fn score(&self, radius: f64, shift: usize) -> Score {
-        self.scores_by_moment(radius, shift).into_iter().fold(Score::default(), |sum, s| sum.plus(&s))
-    }
-
-    /// The same moment by moment.
-    pub fn scores_by_moment(&self, radius: f64, shift: usize) -> Vec<Score> {
-        let mut scores = vec![Score::default(); self.moments.len()];
-        // Whoever meets none costs what it would get by chance.
-        for (i, (frame, _)) in self.moments.iter().enumerate() {
+    /// What scores them at a radius, pixels.
+    pub fn scorer(&self, radius: f64) -> Scorer<'_> {
+        let mut unmet = vec![Score::default(); self.moments.len()];
+        for (score, (frame, _)) in unmet.iter_mut().zip(&self.moments) {
             for a in self.a.observed.of_frame(*frame) {
                 for side in 0..2 {
                     let end = &self.ends_a[a as usize][side];
@@ -217,23 +211,12 @@ impl<'a> Tangents<'a> {
                     // B's pixels are about as large as those of B's tangents on average.
                     let chance =
                         self.chance(side, end.angle, radius * end.per_pixel * std::f64::consts::SQRT_2);
-                    scores[i].ends += 1;
-                    scores[i].excess += -EXPECTED * chance * -chance.ln();
+                    score.ends += 1;
+                    score.excess += -EXPECTED * chance * -chance.ln();
                 }
             }
         }
-        let met = self.meet(radius, shift);
-        for (k, m) in met.iter().enumerate() {
-            let score = &mut scores[m.moment as usize];
-            score.excess += (1.0 - (m.distance / radius).powi(2)) * m.surprise;
-            let whole = m.side == 0
-                && met[k + 1..]
-                    .iter()
-                    .take_while(|o| o.moment == m.moment)
-                    .any(|o| o.side == 1 && o.a == m.a && o.b == m.b);
-            score.whole += usize::from(whole);
-        }
-        scores
+        Scorer { tangents: self, radius, unmet }
     }
 
     /// Where the object lies from both tangents of a meeting, along the images' `y` axes: 1 below, −1 above.
@@ -302,6 +285,38 @@ impl<'a> Tangents<'a> {
 
 /// Mean quality of a meeting by chance: of `1 − d²/r²` for `d` uniform below `r`.
 const EXPECTED: f64 = 2.0 / 3.0;
+
+/// What two cameras have in common at one radius, by as many shifts of their clocks as one likes.
+pub struct Scorer<'t> {
+    tangents: &'t Tangents<'t>,
+    radius: f64,
+    /// Moment by moment what it costs that no end meets any: what each would get by chance, whatever the shift.
+    unmet: Vec<Score>,
+}
+
+impl Scorer<'_> {
+    /// What the two cameras have in common with B's moments moved on by `shift`.
+    pub fn score(&self, shift: usize) -> Score {
+        self.by_moment(shift).into_iter().fold(Score::default(), |sum, s| sum.plus(&s))
+    }
+
+    /// The same moment by moment.
+    pub fn by_moment(&self, shift: usize) -> Vec<Score> {
+        let mut scores = self.unmet.clone();
+        let met = self.tangents.meet(self.radius, shift);
+        for (k, m) in met.iter().enumerate() {
+            let score = &mut scores[m.moment as usize];
+            score.excess += (1.0 - (m.distance / self.radius).powi(2)) * m.surprise;
+            let whole = m.side == 0
+                && met[k + 1..]
+                    .iter()
+                    .take_while(|o| o.moment == m.moment)
+                    .any(|o| o.side == 1 && o.a == m.a && o.b == m.b);
+            score.whole += usize::from(whole);
+        }
+        scores
+    }
+}
 
 impl Score {
     /// The sum of two.
