@@ -12,7 +12,7 @@ use super::support::{Deviates, Support, knocked};
 use super::survey::Survey;
 use super::thresholds as limits;
 use super::words;
-use super::world;
+use super::world::{self, World};
 
 /// Whether another network has about the same evidence, and another geometry.
 pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
@@ -77,9 +77,7 @@ impl Case<'_> {
     /// What is said of a network.
     pub(super) fn network(&self, finished: &Finished, out: &[Out], rivalled: bool) -> Network {
         let network = &finished.solved.network;
-        let (placed, ground) = world::placed(network, finished.floor.as_ref());
-        let stand: Vec<usize> = (0..self.count()).filter(|&c| network.placed[c]).collect();
-        let unit = (network.cameras[stand[1]].position - network.cameras[stand[0]].position).norm();
+        let World { cameras: placed, ground, unit } = world::placed(network, finished.floor.as_ref());
         let rig = network
             .pairs()
             .iter()

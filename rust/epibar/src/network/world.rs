@@ -53,8 +53,18 @@ pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
     (floor.unevenness < UNEVEN && floor.lean < LEANING).then_some(floor)
 }
 
+/// Cameras in a world of their own.
+pub struct World {
+    /// The cameras.
+    pub cameras: Vec<Camera>,
+    /// Where its vertical comes from.
+    pub ground: Ground,
+    /// Its unit in that of the network before.
+    pub unit: f64,
+}
+
 /// The same cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
-pub fn placed(network: &Placed, floor: Option<&Floor>) -> (Vec<Camera>, Ground) {
+pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
     let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
     let of = |c: usize| &network.cameras[stand[c]];
     let up = floor.map_or_else(
@@ -101,5 +111,5 @@ pub fn placed(network: &Placed, floor: Option<&Floor>) -> (Vec<Camera>, Ground) 
             diversity: floor.diversity,
         }
     });
-    (cameras, ground)
+    World { cameras, ground, unit }
 }
