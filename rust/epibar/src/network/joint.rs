@@ -48,6 +48,16 @@ pub struct Beliefs {
     pub posed: bool,
 }
 
+/// A focal length is known where the standard deviation of its log is below this; otherwise others are tried as well.
+const KNOWN_FOCAL: f64 = 0.1;
+
+impl Beliefs {
+    /// Whether the focal length is known so well that no other needs to be tried.
+    pub fn has_focal(&self) -> bool {
+        self.intrinsic[0].deviation < KNOWN_FOCAL
+    }
+}
+
 /// `k₂ / k₁²` and `k₃ / k₁³` of real wide lenses: 1.4 to 1.7 and 1.4 to 1.8 of three in one recording, 2 and 5 of the
 /// division model, 0 of a `k₁` by itself.
 const BEND: f64 = 1.2;

@@ -172,9 +172,8 @@ fn evidence(
 
 /// Wherever a pair would have a camera.
 fn guesses(network: &Placed, beliefs: &[Beliefs], pairs: &[PairHypotheses], camera: usize) -> Vec<Camera> {
-    let known = beliefs[camera].intrinsic[0].deviation < 0.1;
     let now = network.cameras[camera];
-    let focals: Vec<f64> = if known {
+    let focals: Vec<f64> = if beliefs[camera].has_focal() {
         vec![now.log_focal]
     } else if network.placed[camera] {
         [0.7, 1.0, 1.4].map(|f: f64| now.log_focal + f.ln()).to_vec()

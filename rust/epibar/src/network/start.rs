@@ -93,13 +93,8 @@ impl<'p> Starter<'p> {
         Self { cameras, beliefs, pairs, thinned }
     }
 
-    /// Whether the focal length of a camera is known.
-    fn known(&self, camera: usize) -> bool {
-        self.beliefs[camera].intrinsic[0].deviation < 0.1
-    }
-
     fn guessed(&self, camera: usize, widths: f64) -> Camera {
-        if self.known(camera) {
+        if self.beliefs[camera].has_focal() {
             return self.cameras[camera];
         }
         let given = self.cameras[camera];
@@ -347,7 +342,7 @@ impl<'p> Starter<'p> {
         placed[camera] = true;
         let mut moving = vec![false; placed.len()];
         moving[camera] = true;
-        let focals: &[f64] = if self.known(camera) { &[1.0] } else { &FOCALS };
+        let focals: &[f64] = if self.beliefs[camera].has_focal() { &[1.0] } else { &FOCALS };
         let size = spread(network);
         let tried = neighbours.iter().flat_map(|&(other, pair)| {
             focals.iter().flat_map(move |&f| LENGTHS.map(|length| (other, pair, f, length * size)))
