@@ -137,7 +137,15 @@ fn refuse(cameras: &[StoredCamera], clocks: &Offsets) -> Result<()> {
 
 /// The stored cameras with the clocks and insets of the new footage, and what is believed of each.
 fn by_new_clocks(cameras: &[StoredCamera], clocks: &Offsets, survey: &Survey) -> (Placed, Vec<Beliefs>) {
-    let stored = |(c, seconds): (&StoredCamera, &f64)| {
+    let beliefs: Vec<Beliefs> = (0..cameras.len())
+        .map(|c| Beliefs {
+            intrinsic: [Belief::fixed(0.0); 7],
+            clock: clocks.beliefs(c),
+            inset: INSET,
+            posed: true,
+        })
+        .collect();
+    let stored = |(c, beliefs): (&StoredCamera, &Beliefs)| {
         let rotation = Rotation3::from_matrix_unchecked(c.rotation);
         let [k1, k2, _, _, k3] = c.distortions;
         Camera {
@@ -146,26 +154,12 @@ fn by_new_clocks(cameras: &[StoredCamera], clocks: &Offsets, survey: &Survey) ->
             lens: Lens { k: [k1, k2, k3] },
             rotation,
             position: -(rotation.inverse() * c.translation),
-            offset: if seconds.is_finite() { *seconds } else { 0.0 },
+            offset: beliefs.clock[0].mean,
             inset: INSET.mean,
             ..Camera::new(c.recording.size(), c.matrix.m11)
         }
     };
-    let at: Vec<Camera> = cameras.iter().zip(&clocks.seconds).map(stored).collect();
-    let [offset, drift] = if clocks.given {
-        [0.0; 2]
-    } else {
-        [if clocks.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]
-    };
-    let beliefs: Vec<Beliefs> = at
-        .iter()
-        .map(|c| Beliefs {
-            intrinsic: [Belief::fixed(0.0); 7],
-            clock: [Belief::about(c.offset, offset), Belief::about(0.0, drift)],
-            inset: INSET,
-            posed: true,
-        })
-        .collect();
+    let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
     let placed = vec![true; at.len()];
     let pairs = Placed { cameras: at.clone(), placed: placed.clone() }.pairs();
     let settled = settle(survey, &at, &beliefs, &pairs, &placed, None);

@@ -7,6 +7,8 @@
 use rayon::prelude::*;
 
 use super::graph::{ALL_PAIRS, all_pairs};
+use super::joint::Belief;
+use super::thresholds as limits;
 use crate::clock::{find_offset, score_at_offset};
 use crate::error::Result;
 use crate::recording::Recording;
@@ -49,6 +51,17 @@ impl Offsets {
     /// Given offsets, seconds.
     pub fn given(seconds: Vec<f64>) -> Self {
         Self { seconds, together: false, given: true }
+    }
+
+    /// What is believed of the offset and the drift of a camera's clock.
+    pub(super) fn beliefs(&self, camera: usize) -> [Belief; 2] {
+        let seconds = self.seconds[camera];
+        let [offset, drift] = if self.given {
+            [0.0; 2]
+        } else {
+            [if self.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]
+        };
+        [Belief::about(if seconds.is_finite() { seconds } else { 0.0 }, offset), Belief::about(0.0, drift)]
     }
 }
 
