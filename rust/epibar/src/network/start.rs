@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use rayon::prelude::*;
 
 use super::camera::Camera;
+use super::evenly::evenly;
 use super::joint::{Beliefs, PairMeetings, Problem, standing};
 use super::pose::{placed_beside, relative_pose};
 use super::residual::{Meeting, Pair};
@@ -71,12 +72,6 @@ const GROWN: usize = 3;
 /// What a standard deviation of a prior is worth against the tangents.
 const PRIOR_WEIGHT: f64 = 30.0;
 
-/// The same meetings thinned evenly.
-fn thinned(meetings: &[Meeting], limit: usize) -> Vec<Meeting> {
-    let n = meetings.len();
-    (0..n.min(limit)).map(|k| meetings[if n > limit { k * n / limit } else { k }]).collect()
-}
-
 /// Starts for networks of these cameras, the most supported first.
 pub struct Starter<'p> {
     cameras: &'p [Camera],
@@ -89,7 +84,8 @@ pub struct Starter<'p> {
 impl<'p> Starter<'p> {
     /// `cameras` with focal lengths where they are known, and clocks.
     pub fn new(cameras: &'p [Camera], beliefs: &'p [Beliefs], pairs: &'p [PairHypotheses]) -> Self {
-        let thinned = pairs.iter().map(|p| thinned(&p.hypotheses[0].meetings, MEETINGS)).collect();
+        let thinned = |meetings: &[Meeting]| evenly(meetings.len(), MEETINGS).map(|k| meetings[k]).collect();
+        let thinned = pairs.iter().map(|p| thinned(&p.hypotheses[0].meetings)).collect();
         Self { cameras, beliefs, pairs, thinned }
     }
 

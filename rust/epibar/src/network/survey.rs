@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::camera::Camera;
 use super::ends::Seen;
+use super::evenly::evenly;
 use super::joint::PairMeetings;
 use super::observed::Observed;
 use super::tangents::{Score, Tangents};
@@ -37,10 +38,7 @@ impl<'a> Survey<'a> {
                 let kept: Vec<u32> = (0..o.frames() as u32)
                     .filter(|&i| keep(camera, o.times[i as usize]) && !o.of_frame(i).is_empty())
                     .collect();
-                if kept.len() <= limit {
-                    return kept;
-                }
-                (0..limit).map(|k| kept[k * kept.len() / limit]).collect()
+                evenly(kept.len(), limit).map(|k| kept[k]).collect()
             })
             .collect();
         Self { observed, frames }

@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::camera::Camera;
+use super::evenly::evenly;
 use super::relocate::Placed;
 use super::survey::Survey;
 use super::walkers::{Floor, segment};
@@ -44,9 +45,8 @@ pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
     let most = (FIGURES / pairs.len().max(1)).max(20);
     let mut segments = Vec::new();
     for found in survey.figures(&network.cameras, &pairs, radius) {
-        let n = found.figures.len();
         let (a, b) = (&network.cameras[found.a], &network.cameras[found.b]);
-        let some = (0..n.min(most)).map(|k| &found.figures[if n > most { k * n / most } else { k }]);
+        let some = evenly(found.figures.len(), most).map(|k| &found.figures[k]);
         segments.extend(some.filter_map(|figure| segment(a, b, figure)));
     }
     let floor = Floor::of(&segments)?;
