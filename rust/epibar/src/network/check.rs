@@ -54,8 +54,6 @@ const ROLLS: [f64; 3] = [-2.5, 0.0, 2.5];
 const ROUGH: f64 = 8.0;
 /// The best of them that are solved for.
 const SOLVED: usize = 3;
-/// Blocks of time whose tangents share errors, seconds.
-const BLOCK: f64 = 2.0;
 /// Parts of the footage by which poses are compared.
 const PARTS: usize = 48;
 
@@ -233,7 +231,7 @@ impl Case<'_> {
             moving,
         };
         // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
-        let Covariance { active, matrix } = covariance(&problem, &settled.cameras, BLOCK, 0.0)?;
+        let Covariance { active, matrix } = covariance(&problem, &settled.cameras, 0.0)?;
         let block = |from: usize| {
             let at: Option<Vec<usize>> =
                 (from..from + 3).map(|k| active.iter().position(|p| *p == (camera, k))).collect();

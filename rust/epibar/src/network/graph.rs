@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use super::residual::Meeting;
+use super::residual::{LEAST_MEETINGS, Meeting};
 use super::start::{Hypothesis, PairHypotheses};
 use crate::calibration::Calibration;
 use crate::clock::{Aligned, Clock};
@@ -87,8 +87,6 @@ impl PairFound {
 const FRAMES: usize = 400;
 /// Radius within which tangents meet, pixels of a 640×480 image.
 const RADIUS: f64 = 4.0;
-/// Fewer meetings say nothing.
-const LEAST_MEETINGS: usize = 20;
 
 /// Up to so many cameras, all pairs are searched, and asked for their clocks.
 pub const ALL_PAIRS: usize = 6;

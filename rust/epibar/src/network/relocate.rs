@@ -15,6 +15,7 @@ use super::residual::Pair;
 use super::settle::settle;
 use super::start::{FOCALS, PairHypotheses};
 use super::survey::{Rays, Survey};
+use super::thresholds::AGREE;
 
 /// Lengths of the baseline that are tried, in mean distances of the cameras.
 const LENGTHS: [f64; 7] = [0.12, 0.25, 0.5, 0.8, 1.2, 1.8, 3.0];
@@ -22,8 +23,6 @@ const LENGTHS: [f64; 7] = [0.12, 0.25, 0.5, 0.8, 1.2, 1.8, 3.0];
 const RADIUS: f64 = 8.0;
 /// The best guesses, which are solved for.
 const SOLVED: usize = 4;
-/// A tangent of a pair agrees with the network below this residual, pixels of a 640×480 image.
-const AGREE: f64 = 4.0;
 /// A camera is looked at again where less than this share of its pairs' tangents agree.
 const CONTENT: f64 = 0.6;
 /// A place is better with so many times the evidence.

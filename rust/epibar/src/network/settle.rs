@@ -7,7 +7,7 @@
 use super::camera::Camera;
 use super::joint::{Beliefs, PairMeetings, Problem, standing};
 use super::median::deviation;
-use super::residual::Pair;
+use super::residual::{LEAST_MEETINGS, Pair};
 use super::survey::Survey;
 
 /// Radii, pixels of a 640×480 image, within which tangents meet: the first, and the least.
@@ -23,8 +23,6 @@ const STEPS: usize = 8;
 const ROUNDS: usize = 24;
 /// Nothing changes where no pixel moves by more than this, pixels.
 const STILL: f64 = 0.02;
-/// Fewer meetings than this say nothing of a pair.
-pub const LEAST_MEETINGS: usize = 20;
 /// Tangents of neighbouring frames and of one outline say the same: so many count as one measurement.
 const DEPENDENT: f64 = 30.0;
 /// Spread that is not believed to be smaller, pixels.
