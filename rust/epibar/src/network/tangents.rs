@@ -53,6 +53,14 @@ pub struct Met {
     pub surprise: f64,
 }
 
+/// Of a lower end among those that met, in the order of [`Tangents::meet`], the upper end of the same silhouettes, where that met
+/// too.
+pub fn other_end(met: &[Met], lower: usize) -> Option<&Met> {
+    let low = met.get(lower).filter(|m| m.side == 0)?;
+    let mut same_moment = met[lower + 1..].iter().take_while(|m| m.moment == low.moment);
+    same_moment.find(|m| m.side == 1 && m.a == low.a && m.b == low.b)
+}
+
 /// Sum of what met, of one pair.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Score {
@@ -307,12 +315,7 @@ impl Scorer<'_> {
         for (k, m) in met.iter().enumerate() {
             let score = &mut scores[m.moment as usize];
             score.excess += (1.0 - (m.distance / self.radius).powi(2)) * m.surprise;
-            let whole = m.side == 0
-                && met[k + 1..]
-                    .iter()
-                    .take_while(|o| o.moment == m.moment)
-                    .any(|o| o.side == 1 && o.a == m.a && o.b == m.b);
-            score.whole += usize::from(whole);
+            score.whole += usize::from(other_end(&met, k).is_some());
         }
         scores
     }

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::camera::Camera;
 use super::median::{deviation, median};
-use super::tangents::{Met, Tangents};
+use super::tangents::{Met, Tangents, other_end};
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,11 +40,8 @@ const NARROW: f64 = 0.05;
 /// The silhouettes of which both ends meet those of one silhouette of the other camera, top to top.
 pub fn figures(tangents: &Tangents, met: &[Met]) -> Vec<Figure> {
     let mut found = Vec::new();
-    for (k, low) in met.iter().enumerate().filter(|(_, m)| m.side == 0) {
-        let same_moment = met[k + 1..].iter().take_while(|o| o.moment == low.moment);
-        let Some(high) = same_moment.into_iter().find(|o| o.side == 1 && o.a == low.a && o.b == low.b) else {
-            continue;
-        };
+    for (k, low) in met.iter().enumerate() {
+        let Some(high) = other_end(met, k) else { continue };
         let below = |m: &Met| tangents.below(m);
         let top_first =
             |[a, b]: [f64; 2], [c, d]: [f64; 2]| a > STEEP && b > STEEP && c < -STEEP && d < -STEEP;
