@@ -44,7 +44,8 @@ __all__ = [
 PathLike = str | os.PathLike[str]
 
 FEW = 6
-"""Of so many cameras every pair is searched; of more those that are likeliest to see the same."""
+"""Of so many cameras every pair is searched, as `ALL_PAIRS` of the core has it; of more those that are
+likeliest to see the same."""
 
 RESULT = "calibration.json"
 REPORT = "report.html"

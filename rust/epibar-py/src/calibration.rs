@@ -6,9 +6,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{PythonMatrices, camera_matrices, matrix, rows, to_python_error};
+use crate::convert::{PythonMatrices, camera_matrices, matrix, rows};
 use crate::recording::Recording;
-use crate::watch::PythonWatch;
+use crate::watch::watched;
 
 type ErrorMaps<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<f64>>);
 
@@ -60,14 +60,9 @@ pub fn calibrate(
         .draws(draws)
         .max_expected_error(max_expected_error);
     options.cameras = cameras;
-    let mut watch = PythonWatch::new(progress);
     let (a, b) = (&a.inner, &b.inner);
-    let found = py.detach(|| epibar::calibrate_watched(a, b, &options, &mut watch));
-    match (found, watch.raised) {
-        (Ok(inner), None) => Ok(Calibration { inner }),
-        (_, Some(raised)) => Err(raised),
-        (Err(error), None) => Err(to_python_error(&error)),
-    }
+    let inner = watched(py, progress, |watch| epibar::calibrate_watched(a, b, &options, watch))?;
+    Ok(Calibration { inner })
 }
 
 impl Calibration {

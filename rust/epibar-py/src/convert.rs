@@ -15,7 +15,8 @@ pub fn to_python_error(error: &epibar::Error) -> PyErr {
     }
 }
 
-/// Releases the GIL, runs `work`, maps its error: every call into the crate goes through here.
+/// Releases the GIL, runs `work`, maps its error: every call into the crate goes through here, or through
+/// [`watched`](crate::watch::watched) where it is long.
 pub fn enter<T: Send>(py: Python<'_>, work: impl FnOnce() -> epibar::Result<T> + Send) -> PyResult<T> {
     py.detach(work).map_err(|error| to_python_error(&error))
 }
@@ -23,6 +24,11 @@ pub fn enter<T: Send>(py: Python<'_>, work: impl FnOnce() -> epibar::Result<T> +
 /// A 3×3 matrix, rows first (nalgebra stores columns first).
 pub fn matrix(m: &Matrix3<f64>) -> Array2<f64> {
     Array2::from_shape_fn((3, 3), |(i, j)| m[(i, j)])
+}
+
+/// A 3×3 matrix of nested lists, rows first.
+pub fn matrix_of_rows(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
+    Matrix3::from_fn(|i, j| rows[i][j])
 }
 
 /// A 3×3 matrix of Python's.

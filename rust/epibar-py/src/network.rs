@@ -1,6 +1,6 @@
 //! Networks of cameras: their clocks, which pairs to search, and all pairs joined.
 
-use epibar::nalgebra::{Matrix3, Vector3};
+use epibar::nalgebra::Vector3;
 use epibar::network::{
     Aspect, CameraInput, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime, Offsets,
     PairFound, StoredCamera,
@@ -10,9 +10,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{enter, matrix, to_python_error};
+use crate::convert::{enter, matrix, matrix_of_rows};
 use crate::recording::Recording;
-use crate::watch::PythonWatch;
+use crate::watch::watched;
 
 /// What is known of a camera before.
 #[derive(FromPyObject)]
@@ -34,7 +34,7 @@ impl PythonKnowledge {
             Some(ratio) => Aspect::Known(ratio),
         };
         Knowledge {
-            matrix: self.matrix.map(|rows| Matrix3::from_fn(|i, j| rows[i][j])),
+            matrix: self.matrix.as_ref().map(matrix_of_rows),
             distortions: self.distortions,
             focal: self.focal,
             principal: self.principal,
@@ -59,7 +59,7 @@ pub struct PythonPair {
 
 impl PythonPair {
     fn found(&self) -> PairFound {
-        let geometry = |(rows, share): &([[f64; 3]; 3], f64)| (Matrix3::from_fn(|i, j| rows[i][j]), *share);
+        let geometry = |(rows, share): &([[f64; 3]; 3], f64)| (matrix_of_rows(rows), *share);
         PairFound {
             a: self.a,
             b: self.b,
@@ -87,15 +87,9 @@ pub fn clock_offsets(
     seconds: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PythonClocks> {
-    let mut watch = PythonWatch::new(progress);
     let inner: Vec<_> = recordings.iter().map(|r| &r.inner).collect();
-    let found =
-        py.detach(|| epibar::network::clock_offsets(&inner, &NetworkTime::Search { seconds }, &mut watch));
-    let found = match (found, watch.raised) {
-        (Ok(found), None) => found,
-        (_, Some(raised)) => return Err(raised),
-        (Err(error), None) => return Err(to_python_error(&error)),
-    };
+    let time = NetworkTime::Search { seconds };
+    let found = watched(py, progress, |watch| epibar::network::clock_offsets(&inner, &time, watch))?;
     Ok((found.seconds, found.together, found.given))
 }
 
@@ -129,7 +123,6 @@ pub fn join_network<'py>(
     if pairs.iter().any(|p| p.a >= p.b || p.b >= n || p.geometries.is_empty()) {
         return Err(PyValueError::new_err("pairs a < b of cameras, each with a geometry"));
     }
-    let mut watch = PythonWatch::new(progress);
     let inputs: Vec<CameraInput> = recordings
         .iter()
         .zip(&names)
@@ -138,12 +131,8 @@ pub fn join_network<'py>(
         .collect();
     let pairs: Vec<PairFound> = pairs.iter().map(PythonPair::found).collect();
     let clocks = offsets(clocks);
-    let found = py.detach(|| epibar::network::join(&inputs, &pairs, &clocks, &mut watch));
-    match (found, watch.raised) {
-        (Ok(network), None) => dict_of(py, &network),
-        (_, Some(raised)) => Err(raised),
-        (Err(error), None) => Err(to_python_error(&error)),
-    }
+    let network = watched(py, progress, |watch| epibar::network::join(&inputs, &pairs, &clocks, watch))?;
+    dict_of(py, &network)
 }
 
 fn dict_of<'py>(py: Python<'py>, network: &Network) -> PyResult<Bound<'py, PyDict>> {
@@ -228,7 +217,6 @@ pub fn check_network<'py>(
     if names.len() != recordings.len() || cameras.len() != recordings.len() {
         return Err(PyValueError::new_err("a name and a stored camera for each recording"));
     }
-    let rows = |m: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| m[i][j]);
     let stored: Vec<StoredCamera> = recordings
         .iter()
         .zip(&names)
@@ -236,20 +224,14 @@ pub fn check_network<'py>(
         .map(|((r, name), c)| StoredCamera {
             name,
             recording: &r.inner,
-            matrix: rows(&c.matrix),
+            matrix: matrix_of_rows(&c.matrix),
             distortions: c.distortions,
-            rotation: rows(&c.rotation),
+            rotation: matrix_of_rows(&c.rotation),
             translation: Vector3::from(c.translation),
         })
         .collect();
     let clocks = offsets(clocks);
-    let mut watch = PythonWatch::new(progress);
-    let found = py.detach(|| epibar::network::check_network(&stored, &clocks, &mut watch));
-    let found = match (found, watch.raised) {
-        (Ok(found), None) => found,
-        (_, Some(raised)) => return Err(raised),
-        (Err(error), None) => return Err(to_python_error(&error)),
-    };
+    let found = watched(py, progress, |watch| epibar::network::check_network(&stored, &clocks, watch))?;
     let number = |v: f64| Some(v).filter(|v| v.is_finite());
     found
         .iter()

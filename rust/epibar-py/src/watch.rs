@@ -5,20 +5,30 @@ use std::time::{Duration, Instant};
 use epibar::{Stage, Watch};
 use pyo3::prelude::*;
 
+use crate::convert::to_python_error;
+
 /// Time between two calls of Python's progress function.
 const QUIET: Duration = Duration::from_millis(100);
 
 /// Takes the GIL back between batches, on the calling thread, to look for signals and to report progress.
-pub struct PythonWatch {
+struct PythonWatch {
     progress: Option<Py<PyAny>>,
     last: Option<(Stage, Instant)>,
-    /// What Python raised, to be raised again by the caller.
-    pub raised: Option<PyErr>,
+    /// What Python raised meanwhile.
+    raised: Option<PyErr>,
 }
 
-impl PythonWatch {
-    pub fn new(progress: Option<Py<PyAny>>) -> Self {
-        Self { progress, last: None, raised: None }
+/// Releases the GIL, runs `work` under Python's eyes, raises again what Python raised meanwhile, and maps its error otherwise.
+pub fn watched<T: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&mut dyn Watch) -> epibar::Result<T> + Send,
+) -> PyResult<T> {
+    let mut watch = PythonWatch { progress, last: None, raised: None };
+    let found = py.detach(|| work(&mut watch));
+    match watch.raised {
+        Some(raised) => Err(raised),
+        None => found.map_err(|error| to_python_error(&error)),
     }
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::clocks::{Offsets, agreed, likeness, pair_offsets};
-use super::graph::{PairFound, chosen};
+use super::graph::{ALL_PAIRS, PairFound, all_pairs, chosen};
 use super::input::CameraInput;
 use super::join::join;
 use super::result::Network;
@@ -139,11 +139,8 @@ pub fn clock_offsets(
 pub fn pairs_to_search(recordings: &[&Recording], offsets: &Offsets) -> Result<Vec<(usize, usize)>> {
     let n = recordings.len();
     let reachable = |c: usize| offsets.seconds[c].is_finite();
-    let all: Vec<(usize, usize)> = (0..n)
-        .flat_map(|a| (a + 1..n).map(move |b| (a, b)))
-        .filter(|&(a, b)| reachable(a) && reachable(b))
-        .collect();
-    let likely: Vec<(usize, usize, f64)> = if n <= super::graph::ALL_PAIRS {
+    let all: Vec<(usize, usize)> = all_pairs(n).filter(|&(a, b)| reachable(a) && reachable(b)).collect();
+    let likely: Vec<(usize, usize, f64)> = if n <= ALL_PAIRS {
         Vec::new()
     } else {
         let of = |&(a, b): &(usize, usize)| {

@@ -5,13 +5,12 @@ use super::clocks::Offsets;
 use super::covariance::Expected;
 use super::graph::PairFound;
 use super::input::CameraInput;
-use super::joint::{Belief, Beliefs};
+use super::joint::Beliefs;
 use super::observed::Observed;
 use super::result::CameraStatus;
 use super::solve::Solved;
 use super::start::PairHypotheses;
 use super::support::{Deviates, Support};
-use super::thresholds as limits;
 use super::walkers::Floor;
 
 /// What is given.
@@ -31,13 +30,8 @@ impl<'a> Case<'a> {
         let (mut cameras, mut beliefs): (Vec<Camera>, Vec<Beliefs>) =
             inputs.iter().map(|i| i.known.beliefs(i.recording)).unzip();
         for (i, (camera, beliefs)) in cameras.iter_mut().zip(&mut beliefs).enumerate() {
-            camera.offset = if clocks.seconds[i].is_finite() { clocks.seconds[i] } else { 0.0 };
-            let [offset, drift] = if clocks.given {
-                [0.0; 2]
-            } else {
-                [if clocks.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]
-            };
-            beliefs.clock = [Belief::about(camera.offset, offset), Belief::about(0.0, drift)];
+            beliefs.clock = clocks.beliefs(i);
+            camera.offset = beliefs.clock[0].mean;
         }
         let hypotheses = pairs
             .iter()

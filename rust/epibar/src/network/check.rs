@@ -54,8 +54,6 @@ const ROLLS: [f64; 3] = [-2.5, 0.0, 2.5];
 const ROUGH: f64 = 8.0;
 /// The best of them that are solved for.
 const SOLVED: usize = 3;
-/// Blocks of time whose tangents share errors, seconds.
-const BLOCK: f64 = 2.0;
 /// Parts of the footage by which poses are compared.
 const PARTS: usize = 48;
 
@@ -77,10 +75,13 @@ pub fn check_network(
     let stored = now.cameras.clone();
     let case = Case { survey: &survey, few: &few, beliefs: &beliefs };
     let mut moved: Vec<Option<Move>> = vec![None; cameras.len()];
+    // What was found of the others in the last round, beside all that moved.
+    let mut still: Vec<Option<Move>> = vec![None; cameras.len()];
     for round in 0..cameras.len() {
         report(watch, Stage::Network, round as f64 / cameras.len() as f64)?;
-        let still = (0..cameras.len()).filter(|&c| moved[c].is_none());
-        let found = still.filter_map(|c| Some((c, case.elsewhere(&now, c)?)));
+        let elsewhere = |c: usize| if moved[c].is_some() { None } else { case.elsewhere(&now, c) };
+        still = (0..cameras.len()).map(elsewhere).collect();
+        let found = still.iter().enumerate().filter_map(|(c, found)| Some((c, (*found)?)));
         let best = found.filter(|(_, m)| m.is_clear()).max_by(|p, q| p.1.gain.total_cmp(&q.1.gain));
         let Some((camera, found)) = best else { break };
         now.cameras[camera] = found.camera;
@@ -90,7 +91,7 @@ pub fn check_network(
     Ok((0..cameras.len())
         .map(|c| {
             let deviate = support.cameras[c].tangents;
-            let found = moved[c].or_else(|| case.elsewhere(&now, c));
+            let found = moved[c].or(still[c]);
             said(
                 &cameras[c],
                 &observed[c],
@@ -134,7 +135,15 @@ fn refuse(cameras: &[StoredCamera], clocks: &Offsets) -> Result<()> {
 
 /// The stored cameras with the clocks and insets of the new footage, and what is believed of each.
 fn by_new_clocks(cameras: &[StoredCamera], clocks: &Offsets, survey: &Survey) -> (Placed, Vec<Beliefs>) {
-    let stored = |(c, seconds): (&StoredCamera, &f64)| {
+    let beliefs: Vec<Beliefs> = (0..cameras.len())
+        .map(|c| Beliefs {
+            intrinsic: [Belief::fixed(0.0); 7],
+            clock: clocks.beliefs(c),
+            inset: INSET,
+            posed: true,
+        })
+        .collect();
+    let stored = |(c, beliefs): (&StoredCamera, &Beliefs)| {
         let rotation = Rotation3::from_matrix_unchecked(c.rotation);
         let [k1, k2, _, _, k3] = c.distortions;
         Camera {
@@ -143,26 +152,12 @@ fn by_new_clocks(cameras: &[StoredCamera], clocks: &Offsets, survey: &Survey) ->
             lens: Lens { k: [k1, k2, k3] },
             rotation,
             position: -(rotation.inverse() * c.translation),
-            offset: if seconds.is_finite() { *seconds } else { 0.0 },
+            offset: beliefs.clock[0].mean,
             inset: INSET.mean,
             ..Camera::new(c.recording.size(), c.matrix.m11)
         }
     };
-    let at: Vec<Camera> = cameras.iter().zip(&clocks.seconds).map(stored).collect();
-    let [offset, drift] = if clocks.given {
-        [0.0; 2]
-    } else {
-        [if clocks.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]
-    };
-    let beliefs: Vec<Beliefs> = at
-        .iter()
-        .map(|c| Beliefs {
-            intrinsic: [Belief::fixed(0.0); 7],
-            clock: [Belief::about(c.offset, offset), Belief::about(0.0, drift)],
-            inset: INSET,
-            posed: true,
-        })
-        .collect();
+    let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
     let placed = vec![true; at.len()];
     let pairs = Placed { cameras: at.clone(), placed: placed.clone() }.pairs();
     let settled = settle(survey, &at, &beliefs, &pairs, &placed, None);
@@ -236,7 +231,7 @@ impl Case<'_> {
             moving,
         };
         // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
-        let Covariance { active, matrix } = covariance(&problem, &settled.cameras, BLOCK, 0.0)?;
+        let Covariance { active, matrix } = covariance(&problem, &settled.cameras, 0.0)?;
         let block = |from: usize| {
             let at: Option<Vec<usize>> =
                 (from..from + 3).map(|k| active.iter().position(|p| *p == (camera, k))).collect();
@@ -265,18 +260,7 @@ impl Case<'_> {
         camera: usize,
         pairs: &[(usize, usize)],
     ) -> (f64, f64) {
-        let parts = |cameras: &[Camera]| {
-            let rays = self.survey.all_rays(cameras);
-            let mut sums = [0.0; PARTS];
-            for &(a, b) in pairs {
-                let tangents = self.survey.tangents(cameras, &rays, a, b);
-                let scores = tangents.scores_by_moment(COMPARED * self.survey.scale(a, b), 0);
-                for (k, score) in scores.iter().enumerate() {
-                    sums[k * PARTS / scores.len()] += score.excess;
-                }
-            }
-            sums
-        };
+        let parts = |cameras: &[Camera]| self.survey.evidence_by_part::<PARTS>(cameras, pairs, COMPARED);
         // By the same clock and inset, which are of the footage and not of the pose.
         let mut held = network.cameras.clone();
         held[camera] =

@@ -6,6 +6,9 @@
 
 use rayon::prelude::*;
 
+use super::graph::{ALL_PAIRS, all_pairs};
+use super::joint::Belief;
+use super::thresholds as limits;
 use crate::clock::{find_offset, score_at_offset};
 use crate::error::Result;
 use crate::recording::Recording;
@@ -33,8 +36,6 @@ pub struct PairOffset {
 pub struct Offsets {
     /// For each camera: what is at `t` in the first camera is at `t + seconds` in this one; NaN where nothing tells.
     pub seconds: Vec<f64>,
-    /// Pairs that agree with this.
-    pub agreeing: usize,
     /// All cameras started together, as far as barcodes tell.
     pub together: bool,
     /// They were given, and are not solved for.
@@ -44,17 +45,26 @@ pub struct Offsets {
 impl Offsets {
     /// Found offsets, seconds, to a frame or two.
     pub fn found(seconds: Vec<f64>) -> Self {
-        Self { seconds, agreeing: 0, together: false, given: false }
+        Self { seconds, together: false, given: false }
     }
 
     /// Given offsets, seconds.
     pub fn given(seconds: Vec<f64>) -> Self {
-        Self { seconds, agreeing: 0, together: false, given: true }
+        Self { seconds, together: false, given: true }
+    }
+
+    /// What is believed of the offset and the drift of a camera's clock.
+    pub(super) fn beliefs(&self, camera: usize) -> [Belief; 2] {
+        let seconds = self.seconds[camera];
+        let [offset, drift] = if self.given {
+            [0.0; 2]
+        } else {
+            [if self.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]
+        };
+        [Belief::about(if seconds.is_finite() { seconds } else { 0.0 }, offset), Belief::about(0.0, drift)]
     }
 }
 
-/// Up to so many cameras, all pairs are asked.
-const ALL_PAIRS: usize = 6;
 /// Neighbours that each of more cameras is asked with.
 const NEIGHBOURS: usize = 3;
 /// Offsets agree within so many seconds.
@@ -68,11 +78,8 @@ const MOST: f64 = 0.6;
 
 /// Pairs of `count` cameras whose offsets are asked for.
 pub fn asked(count: usize) -> Vec<(usize, usize)> {
-    let all = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
-    if count <= ALL_PAIRS {
-        return all.collect();
-    }
-    all.filter(|(a, b)| (b - a) <= NEIGHBOURS || count - (b - a) <= NEIGHBOURS).collect()
+    let near = |a: usize, b: usize| b - a <= NEIGHBOURS || count - (b - a) <= NEIGHBOURS;
+    all_pairs(count).filter(|&(a, b)| count <= ALL_PAIRS || near(a, b)).collect()
 }
 
 /// What the barcodes of two recordings say of their clocks, within so many seconds; `None` where nothing.
@@ -131,7 +138,7 @@ pub fn likeness(a: &Recording, b: &Recording, seconds: f64) -> Result<f64> {
 /// One offset a camera from those of pairs.
 pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
     if started_together(pairs) {
-        return Offsets { seconds: vec![0.0; count], agreeing: pairs.len(), together: true, given: false };
+        return Offsets { seconds: vec![0.0; count], together: true, given: false };
     }
     let between = |a: usize, b: usize| {
         pairs.iter().find_map(|p| match (p.a, p.b) {
@@ -173,8 +180,7 @@ pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
             }
         }
     }
-    let agreeing = pairs.iter().filter(|p| (seconds[p.b] - seconds[p.a] - p.seconds).abs() < AGREE).count();
-    Offsets { seconds, agreeing, together: false, given: false }
+    Offsets { seconds, together: false, given: false }
 }
 
 /// Whether most pairs agree without an offset about as well as with the best, and none of the clear ones contradicts.

@@ -13,6 +13,8 @@ use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTAT
 use super::joint::{PairMeetings, Problem};
 use super::residual::{Meeting, Pair, Row};
 
+/// Blocks of time whose tangents share errors, seconds.
+const BLOCK: f64 = 2.0;
 /// Cells along each side of an image.
 const CELLS: usize = 4;
 
@@ -78,8 +80,8 @@ fn places(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)]) -> D
     })
 }
 
-/// Gradients of blocks of so many seconds of the network's time.
-fn blocks(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)], seconds: f64) -> DMatrix<f64> {
+/// Gradients of blocks of the network's time.
+fn blocks(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)]) -> DMatrix<f64> {
     let time = |number: usize, m: &Meeting| cameras[problem.pairs[number].a].time_of(m.time_a);
     let times = problem
         .pairs
@@ -87,9 +89,9 @@ fn blocks(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)], seco
         .enumerate()
         .flat_map(|(number, p)| p.meetings.iter().map(move |m| time(number, m)));
     let (first, last) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
-    let count = if last > first { ((last - first) / seconds).ceil() as usize + 1 } else { 1 };
+    let count = if last > first { ((last - first) / BLOCK).ceil() as usize + 1 } else { 1 };
     gathered(problem, cameras, active, count, |number, m, r, _| {
-        [((((time(number, m) - first) / seconds) as usize).min(count - 1), r)]
+        [((((time(number, m) - first) / BLOCK) as usize).min(count - 1), r)]
     })
 }
 
@@ -102,17 +104,12 @@ pub struct Covariance {
 }
 
 /// Covariance of the active parameters; `None` where the normal matrix is not usable.
-pub fn covariance(
-    problem: &Problem,
-    cameras: &[Camera],
-    seconds: f64,
-    outline_error: f64,
-) -> Option<Covariance> {
+pub fn covariance(problem: &Problem, cameras: &[Camera], outline_error: f64) -> Option<Covariance> {
     let active = problem.active();
     let linear = problem.linear(cameras, &active);
     let n = active.len();
     let all = linear.normal.nrows();
-    let found = blocks(problem, cameras, &active, seconds);
+    let found = blocks(problem, cameras, &active);
     // What nothing determines is held by next to nothing, in proportion to the diagonal.
     let scale = DVector::from_fn(all, |k, _| 1.0 / linear.normal[(k, k)].max(1e-300).sqrt());
     let scaled = DMatrix::from_fn(all, all, |i, j| linear.normal[(i, j)] * scale[i] * scale[j]);

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use super::residual::Meeting;
+use super::residual::{LEAST_MEETINGS, Meeting};
 use super::start::{Hypothesis, PairHypotheses};
 use crate::calibration::Calibration;
 use crate::clock::{Aligned, Clock};
@@ -73,7 +73,6 @@ impl PairFound {
                     time_a: a.times()[common[m.frame.index()].a as usize] - a.times()[0],
                     time_b: 0.0,
                     weight: 1.0,
-                    frame: common[m.frame.index()].a,
                 })
                 .collect();
             if meetings.len() >= LEAST_MEETINGS {
@@ -88,20 +87,23 @@ impl PairFound {
 const FRAMES: usize = 400;
 /// Radius within which tangents meet, pixels of a 640×480 image.
 const RADIUS: f64 = 4.0;
-/// Fewer meetings say nothing.
-const LEAST_MEETINGS: usize = 20;
 
-/// Up to so many cameras, all pairs are searched.
-pub(super) const ALL_PAIRS: usize = 6;
+/// Up to so many cameras, all pairs are searched, and asked for their clocks.
+pub const ALL_PAIRS: usize = 6;
 /// Pairs that each of more cameras is part of, where there are so many that are likely.
 const EACH: usize = 5;
+
+/// All pairs `a < b` of so many cameras.
+pub fn all_pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |a| (a + 1..count).map(move |b| (a, b)))
+}
 
 /// Which pairs of cameras to search, by how likely each pair is to show the same, a score for each: all pairs of few
 /// cameras; of many the tree of the likeliest, and further ones until every camera has some. About `5/2` for each camera,
 /// however many there are.
 pub fn chosen(count: usize, likeness: &[(usize, usize, f64)]) -> Vec<(usize, usize)> {
     if count <= ALL_PAIRS {
-        return (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b))).collect();
+        return all_pairs(count).collect();
     }
     let mut order: Vec<&(usize, usize, f64)> = likeness.iter().collect();
     order.sort_by(|p, q| q.2.total_cmp(&p.2).then((p.0, p.1).cmp(&(q.0, q.1))));
@@ -139,7 +141,7 @@ mod tests {
         for count in [7, 12, 20, 60] {
             // Cameras along a street see what their neighbours see.
             let likeness: Vec<(usize, usize, f64)> =
-                (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b, 10.0 / (b - a) as f64))).collect();
+                all_pairs(count).map(|(a, b)| (a, b, 10.0 / (b - a) as f64)).collect();
             let taken = chosen(count, &likeness);
             assert!(taken.len() <= 3 * count, "{count}: {}", taken.len());
             let mut reached = vec![false; count];

@@ -22,8 +22,6 @@ use crate::watch::{Stage, Watch, report};
 
 /// Frames of each camera that are looked at in the end.
 const FRAMES: usize = 900;
-/// Blocks of time whose tangents share errors, seconds.
-const BLOCK: f64 = 2.0;
 
 /// One network of some cameras from what their pairs brought, by clocks that are known to a frame or two, or exactly.
 ///
@@ -145,7 +143,7 @@ impl Case<'_> {
             moving: finished.network.placed.clone(),
         };
         let outline_error = outline_error(settled.scale, strained);
-        let found = covariance(&problem, &finished.network.cameras, BLOCK, outline_error);
+        let found = covariance(&problem, &finished.network.cameras, outline_error);
         let (expected, offsets) = match found {
             Some(Covariance { active, matrix: covariance }) => {
                 let offset = |c: usize| {

@@ -5,7 +5,7 @@
 //! Cauchy loss and what is known of each camera before as a prior. Where the whole stands in the world, and how large it
 //! is, nothing says; damping holds what nothing determines where it is.
 
-use nalgebra::{DMatrix, DVector, SMatrix};
+use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 use rayon::prelude::*;
 
 use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, Step};
@@ -46,6 +46,16 @@ pub struct Beliefs {
     pub inset: Belief,
     /// Where it stands and looks is given, and not solved for.
     pub posed: bool,
+}
+
+/// A focal length is known where the standard deviation of its log is below this; otherwise others are tried as well.
+const KNOWN_FOCAL: f64 = 0.1;
+
+impl Beliefs {
+    /// Whether the focal length is known so well that no other needs to be tried.
+    pub fn has_focal(&self) -> bool {
+        self.intrinsic[0].deviation < KNOWN_FOCAL
+    }
 }
 
 /// `k₂ / k₁²` and `k₃ / k₁³` of real wide lenses: 1.4 to 1.7 and 1.4 to 1.8 of three in one recording, 2 and 5 of the
@@ -316,22 +326,15 @@ pub fn stepped(cameras: &[Camera], active: &[(usize, usize)], step: &DVector<f64
     cameras.iter().zip(&steps).map(|(camera, step)| camera.stepped(step)).collect()
 }
 
-/// The same network about the mean of its cameras, the root of the mean square of their distances from it being 1.
-pub fn normalised(cameras: &[Camera]) -> Vec<Camera> {
-    let n = cameras.len() as f64;
-    let mean = cameras.iter().map(|c| c.position).sum::<nalgebra::Vector3<f64>>() / n;
-    let size = (cameras.iter().map(|c| (c.position - mean).norm_squared()).sum::<f64>() / n).sqrt();
-    let size = if size > 0.0 && size.is_finite() { size } else { 1.0 };
-    cameras.iter().map(|c| Camera { position: (c.position - mean) / size, ..*c }).collect()
-}
-
-/// The same of those that stand; the others stay as they are.
+/// The same network about the mean of those of its cameras that stand, the root of the mean square of their distances from it
+/// being 1; the others stay as they are.
 pub fn standing(cameras: &[Camera], placed: &[bool]) -> Vec<Camera> {
-    let stand: Vec<usize> = (0..cameras.len()).filter(|&c| placed[c]).collect();
-    let some: Vec<Camera> = stand.iter().map(|&c| cameras[c]).collect();
-    let mut all = cameras.to_vec();
-    for (c, camera) in stand.into_iter().zip(normalised(&some)) {
-        all[c] = camera;
-    }
-    all
+    let stand =
+        || cameras.iter().zip(placed).filter(|(_, placed)| **placed).map(|(camera, _)| camera.position);
+    let n = stand().count() as f64;
+    let mean = stand().sum::<Vector3<f64>>() / n;
+    let size = (stand().map(|p| (p - mean).norm_squared()).sum::<f64>() / n).sqrt();
+    let size = if size > 0.0 && size.is_finite() { size } else { 1.0 };
+    let normalised = |c: &Camera| Camera { position: (c.position - mean) / size, ..*c };
+    cameras.iter().zip(placed).map(|(c, placed)| if *placed { normalised(c) } else { *c }).collect()
 }

@@ -34,6 +34,7 @@ mod check;
 mod clocks;
 mod covariance;
 mod ends;
+mod evenly;
 mod graph;
 mod input;
 mod join;

@@ -8,12 +8,14 @@
 use rayon::prelude::*;
 
 use super::camera::Camera;
+use super::graph::all_pairs;
 use super::joint::Beliefs;
 use super::pose::{placed_beside, relative_pose};
 use super::residual::Pair;
 use super::settle::settle;
 use super::start::{FOCALS, PairHypotheses};
 use super::survey::{Rays, Survey};
+use super::thresholds::AGREE;
 
 /// Lengths of the baseline that are tried, in mean distances of the cameras.
 const LENGTHS: [f64; 7] = [0.12, 0.25, 0.5, 0.8, 1.2, 1.8, 3.0];
@@ -21,8 +23,6 @@ const LENGTHS: [f64; 7] = [0.12, 0.25, 0.5, 0.8, 1.2, 1.8, 3.0];
 const RADIUS: f64 = 8.0;
 /// The best guesses, which are solved for.
 const SOLVED: usize = 4;
-/// A tangent of a pair agrees with the network below this residual, pixels of a 640×480 image.
-const AGREE: f64 = 4.0;
 /// A camera is looked at again where less than this share of its pairs' tangents agree.
 const CONTENT: f64 = 0.6;
 /// A place is better with so many times the evidence.
@@ -40,9 +40,13 @@ pub struct Placed {
 impl Placed {
     /// Pairs among the cameras that stand.
     pub fn pairs(&self) -> Vec<(usize, usize)> {
-        let n = self.cameras.len();
-        let all = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b)));
-        all.filter(|&(a, b)| self.placed[a] && self.placed[b]).collect()
+        all_pairs(self.cameras.len()).filter(|&(a, b)| self.placed[a] && self.placed[b]).collect()
+    }
+
+    /// By how much each pair of cameras that stand is turned otherwise in another network, radians.
+    pub fn turns(&self, other: &Self) -> impl Iterator<Item = f64> {
+        let between = |n: &Self, a: usize, b: usize| n.cameras[a].rotation * n.cameras[b].rotation.inverse();
+        self.pairs().into_iter().map(move |(a, b)| between(self, a, b).angle_to(&between(other, a, b)))
     }
 
     /// Mean distance between the cameras that stand.
@@ -66,7 +70,7 @@ pub fn agreement(network: &Placed, pairs: &[PairHypotheses], camera: usize, surv
         let geometry = Pair::new(&network.cameras[p.a], &network.cameras[p.b]);
         let within = AGREE * survey.scale(p.a, p.b);
         let meetings = &p.hypotheses[0].meetings;
-        let near = meetings.iter().filter(|m| geometry.residual(m).is_some_and(|r| r.abs() < within)).count();
+        let near = geometry.agreeing(meetings, within);
         // A pair with much evidence weighs more.
         let weight = p.hypotheses[0].evidence.max(0.0);
         agreeing += weight * near as f64 / meetings.len().max(1) as f64;
@@ -156,16 +160,19 @@ fn evidence(
         .map(|&other| {
             let (a, b) = (other.min(camera), other.max(camera));
             let of = |i: usize| if i == camera { &rays_now[i] } else { &rays[i] };
-            survey.tangents_of(&cameras, of(a), of(b), a, b).score(RADIUS * survey.scale(a, b), 0).excess
+            survey
+                .tangents_of(&cameras, of(a), of(b), a, b)
+                .scorer(RADIUS * survey.scale(a, b))
+                .score(0)
+                .excess
         })
         .sum()
 }
 
 /// Wherever a pair would have a camera.
 fn guesses(network: &Placed, beliefs: &[Beliefs], pairs: &[PairHypotheses], camera: usize) -> Vec<Camera> {
-    let known = beliefs[camera].intrinsic[0].deviation < 0.1;
     let now = network.cameras[camera];
-    let focals: Vec<f64> = if known {
+    let focals: Vec<f64> = if beliefs[camera].has_focal() {
         vec![now.log_focal]
     } else if network.placed[camera] {
         [0.7, 1.0, 1.4].map(|f: f64| now.log_focal + f.ln()).to_vec()

@@ -28,9 +28,10 @@ pub struct Meeting {
     pub time_b: f64,
     /// How much it counts.
     pub weight: f64,
-    /// Frame of A.
-    pub frame: u32,
 }
+
+/// Fewer meetings say nothing of a pair.
+pub const LEAST_MEETINGS: usize = 20;
 
 /// Derivatives of a residual to the parameters of A and then those of B.
 pub type Row = SVector<f64, { 2 * PARAMETERS }>;
@@ -99,12 +100,19 @@ impl<'c> Pair<'c> {
         self.parts(meeting).map(|p| p.residual)
     }
 
-    /// How well meetings agree within `ρ` pixels: the sum of `1 − r²/ρ²` of those that do, and their share.
-    pub fn agreement(&self, meetings: &[Meeting], within: f64) -> (f64, f64) {
-        let residuals = meetings.iter().filter_map(|m| self.residual(m)).filter(|r| r.abs() < within);
-        let add = |(sum, count): (f64, f64), r: f64| (sum + 1.0 - (r / within).powi(2), count + 1.0);
-        let (sum, count) = residuals.fold((0.0, 0.0), add);
-        (sum, count / meetings.len().max(1) as f64)
+    /// Residuals of those of some meetings that agree within so many pixels.
+    fn near(&self, meetings: &[Meeting], within: f64) -> impl Iterator<Item = f64> {
+        meetings.iter().filter_map(move |m| self.residual(m)).filter(move |r| r.abs() < within)
+    }
+
+    /// How well meetings agree within `ρ` pixels: the sum of `1 − r²/ρ²` of those that do.
+    pub fn agreement(&self, meetings: &[Meeting], within: f64) -> f64 {
+        self.near(meetings, within).fold(0.0, |sum, r| sum + 1.0 - (r / within).powi(2))
+    }
+
+    /// How many meetings agree within so many pixels.
+    pub fn agreeing(&self, meetings: &[Meeting], within: f64) -> usize {
+        self.near(meetings, within).count()
     }
 
     /// The residual with its derivatives.
@@ -210,7 +218,6 @@ mod tests {
             time_a: 3.0,
             time_b: 3.4,
             weight: 1.0,
-            frame: 0,
         };
         let (_, row) = Pair::new(&a, &b).row(&meeting).unwrap();
         for k in 0..2 * PARAMETERS {
@@ -249,7 +256,6 @@ mod tests {
             time_a: 0.0,
             time_b: 0.0,
             weight: 1.0,
-            frame: 0,
         };
         assert!(Pair::new(&a, &b).residual(&meeting).unwrap().abs() < 1e-9);
     }

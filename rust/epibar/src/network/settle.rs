@@ -6,7 +6,8 @@
 
 use super::camera::Camera;
 use super::joint::{Beliefs, PairMeetings, Problem, standing};
-use super::residual::Pair;
+use super::median::deviation;
+use super::residual::{LEAST_MEETINGS, Pair};
 use super::survey::Survey;
 
 /// Radii, pixels of a 640×480 image, within which tangents meet: the first, and the least.
@@ -22,8 +23,6 @@ const STEPS: usize = 8;
 const ROUNDS: usize = 24;
 /// Nothing changes where no pixel moves by more than this, pixels.
 const STILL: f64 = 0.02;
-/// Fewer meetings than this say nothing of a pair.
-pub const LEAST_MEETINGS: usize = 20;
 /// Tangents of neighbouring frames and of one outline say the same: so many count as one measurement.
 const DEPENDENT: f64 = 30.0;
 /// Spread that is not believed to be smaller, pixels.
@@ -102,19 +101,12 @@ fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f6
 }
 
 /// Robust standard deviation of all residuals, pixels; NaN of none.
-pub fn spread(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
-    let mut all: Vec<f64> = pairs
-        .iter()
-        .flat_map(|p| {
-            let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
-            p.meetings.iter().filter_map(move |m| pair.residual(m)).map(f64::abs)
-        })
-        .collect();
-    if all.is_empty() {
-        return f64::NAN;
-    }
-    let middle = all.len() / 2;
-    1.4826 * *all.select_nth_unstable_by(middle, f64::total_cmp).1
+fn spread(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
+    let residuals = pairs.iter().flat_map(|p| {
+        let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+        p.meetings.iter().filter_map(move |m| pair.residual(m))
+    });
+    deviation(residuals).unwrap_or(f64::NAN)
 }
 
 /// By how much residuals change between two networks, root mean square, pixels.

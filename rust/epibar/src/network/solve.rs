@@ -113,9 +113,7 @@ pub fn settled(
 
 /// Whether all cameras that stand in one network do so in another, and look the same ways.
 fn is_part_of(one: &Placed, other: &Placed) -> bool {
-    let turned = |c: usize, d: usize, n: &Placed| n.cameras[c].rotation * n.cameras[d].rotation.inverse();
-    one.placed.iter().zip(&other.placed).all(|(p, q)| !p || *q)
-        && one.pairs().iter().all(|&(c, d)| turned(c, d, one).angle_to(&turned(c, d, other)) < ALIKE)
+    one.placed.iter().zip(&other.placed).all(|(p, q)| !p || *q) && one.turns(other).all(|turn| turn < ALIKE)
 }
 
 /// Evidence of a network, less that of shifted clocks.
@@ -127,19 +125,7 @@ fn evidence(survey: &Survey, network: &Placed) -> f64 {
 /// the recording.
 pub fn gain(survey: &Survey, than: &Placed, network: &Placed) -> (f64, f64) {
     let pairs = than.pairs();
-    let of = |network: &Placed| {
-        let mut sums = [0.0; PARTS];
-        let rays = survey.all_rays(&network.cameras);
-        for &(a, b) in &pairs {
-            let tangents = survey.tangents(&network.cameras, &rays, a, b);
-            let scores = tangents.scores_by_moment(COMPARED * survey.scale(a, b), 0);
-            let n = scores.len().max(1);
-            for (i, score) in scores.iter().enumerate() {
-                sums[i * PARTS / n] += score.excess;
-            }
-        }
-        sums
-    };
+    let of = |network: &Placed| survey.evidence_by_part::<PARTS>(&network.cameras, &pairs, COMPARED);
     let (one, other) = (of(than), of(network));
     let differences: Vec<f64> = one.iter().zip(&other).map(|(p, q)| q - p).collect();
     let mean = differences.iter().sum::<f64>() / PARTS as f64;

@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use rayon::prelude::*;
 
 use super::camera::Camera;
+use super::evenly::evenly;
 use super::joint::{Beliefs, PairMeetings, Problem, standing};
 use super::pose::{placed_beside, relative_pose};
 use super::residual::{Meeting, Pair};
@@ -71,12 +72,6 @@ const GROWN: usize = 3;
 /// What a standard deviation of a prior is worth against the tangents.
 const PRIOR_WEIGHT: f64 = 30.0;
 
-/// The same meetings thinned evenly.
-fn thinned(meetings: &[Meeting], limit: usize) -> Vec<Meeting> {
-    let n = meetings.len();
-    (0..n.min(limit)).map(|k| meetings[if n > limit { k * n / limit } else { k }]).collect()
-}
-
 /// Starts for networks of these cameras, the most supported first.
 pub struct Starter<'p> {
     cameras: &'p [Camera],
@@ -89,17 +84,13 @@ pub struct Starter<'p> {
 impl<'p> Starter<'p> {
     /// `cameras` with focal lengths where they are known, and clocks.
     pub fn new(cameras: &'p [Camera], beliefs: &'p [Beliefs], pairs: &'p [PairHypotheses]) -> Self {
-        let thinned = pairs.iter().map(|p| thinned(&p.hypotheses[0].meetings, MEETINGS)).collect();
+        let thinned = |meetings: &[Meeting]| evenly(meetings.len(), MEETINGS).map(|k| meetings[k]).collect();
+        let thinned = pairs.iter().map(|p| thinned(&p.hypotheses[0].meetings)).collect();
         Self { cameras, beliefs, pairs, thinned }
     }
 
-    /// Whether the focal length of a camera is known.
-    fn known(&self, camera: usize) -> bool {
-        self.beliefs[camera].intrinsic[0].deviation < 0.1
-    }
-
     fn guessed(&self, camera: usize, widths: f64) -> Camera {
-        if self.known(camera) {
+        if self.beliefs[camera].has_focal() {
             return self.cameras[camera];
         }
         let given = self.cameras[camera];
@@ -137,7 +128,7 @@ impl<'p> Starter<'p> {
     fn support(&self, cameras: &[Camera], placed: &[bool]) -> f64 {
         let of_pair = |(p, m): (&PairHypotheses, &Vec<Meeting>)| {
             if placed[p.a] && placed[p.b] {
-                Pair::new(&cameras[p.a], &cameras[p.b]).agreement(m, AGREE).0
+                Pair::new(&cameras[p.a], &cameras[p.b]).agreement(m, AGREE)
             } else {
                 0.0
             }
@@ -236,10 +227,7 @@ impl<'p> Starter<'p> {
         let started = guesses.iter().take(SOLVED).map(|(_, at)| {
             let cameras = self.solved(at, &placed, &placed, STEPS);
             // The pair that agrees least decides.
-            let shares = sides.iter().map(|&s| {
-                let side = &self.pairs[s];
-                Pair::new(&cameras[side.a], &cameras[side.b]).agreement(&self.thinned[s], AGREE).1
-            });
+            let shares = sides.iter().map(|&s| self.share(s, &cameras));
             let least = shares.fold(f64::INFINITY, f64::min);
             let support = least * self.support(&cameras, &placed);
             Started { cameras, placed: placed.clone(), support }
@@ -280,6 +268,13 @@ impl<'p> Starter<'p> {
             (sides.iter().map(|&side| self.rough_cost(side, &at)).sum::<f64>(), at)
         };
         ratios.into_iter().map(with).min_by(|x, y| x.0.total_cmp(&y.0))
+    }
+
+    /// Share of the tangents of a pair that agree with cameras.
+    fn share(&self, pair: usize, cameras: &[Camera]) -> f64 {
+        let (side, meetings) = (&self.pairs[pair], &self.thinned[pair]);
+        let agreeing = Pair::new(&cameras[side.a], &cameras[side.b]).agreeing(meetings, AGREE);
+        agreeing as f64 / meetings.len().max(1) as f64
     }
 
     /// What the tangents of a pair cost, generously, for the guess of a focal length may be far off.
@@ -343,7 +338,7 @@ impl<'p> Starter<'p> {
         placed[camera] = true;
         let mut moving = vec![false; placed.len()];
         moving[camera] = true;
-        let focals: &[f64] = if self.known(camera) { &[1.0] } else { &FOCALS };
+        let focals: &[f64] = if self.beliefs[camera].has_focal() { &[1.0] } else { &FOCALS };
         let size = spread(network);
         let tried = neighbours.iter().flat_map(|&(other, pair)| {
             focals.iter().flat_map(move |&f| LENGTHS.map(|length| (other, pair, f, length * size)))
@@ -367,18 +362,14 @@ impl<'p> Starter<'p> {
                     .iter()
                     .map(|&(other, pair)| {
                         let (p, q) = (other.min(camera), other.max(camera));
-                        Pair::new(&at[p], &at[q]).agreement(&self.thinned[pair], AGREE).0
+                        Pair::new(&at[p], &at[q]).agreement(&self.thinned[pair], AGREE)
                     })
                     .sum();
                 (support, at)
             })
             .collect();
         let (_, cameras) = found.into_iter().rev().max_by(|p, q| p.0.total_cmp(&q.0))?;
-        let agrees = neighbours.iter().any(|&(other, pair)| {
-            let (p, q) = (other.min(camera), other.max(camera));
-            Pair::new(&cameras[p], &cameras[q]).agreement(&self.thinned[pair], AGREE).1 > LEAST_SHARE
-        });
-        if !agrees {
+        if !neighbours.iter().any(|&(_, pair)| self.share(pair, &cameras) > LEAST_SHARE) {
             return None;
         }
         let cameras = self.solved(&cameras, &placed, &placed, STEPS / 2);

@@ -66,11 +66,12 @@ impl Support {
             .par_iter()
             .map(|&(a, b)| {
                 let tangents = survey.tangents(&network.cameras, &rays, a, b);
-                let (n, radius) = (tangents.moments(), COMPARED * survey.scale(a, b));
+                let n = tangents.moments();
                 if n <= SHIFTS {
                     return vec![Score::default(); SHIFTS + 1];
                 }
-                (0..=SHIFTS).map(|k| tangents.score(radius, k * n / (SHIFTS + 1))).collect()
+                let scorer = tangents.scorer(COMPARED * survey.scale(a, b));
+                (0..=SHIFTS).map(|k| scorer.score(k * n / (SHIFTS + 1))).collect()
             })
             .collect();
         let deviates = |of: &dyn Fn(&(usize, usize)) -> bool| {
@@ -125,15 +126,6 @@ impl<'c> Aside<'c> {
     }
 }
 
-/// When a camera was knocked, and how little it has in common with the others on the other side of that moment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Knock {
-    /// Share of its recording at which it happened, about.
-    pub at: f64,
-    /// Whether the network has it as it stood before.
-    pub stands_before: bool,
-}
-
 /// Parts of the recording between which a knock is looked for.
 const PARTS: usize = 8;
 /// Shifts whose evidence is what chance has.
@@ -147,8 +139,9 @@ const CLEAR: f64 = 60.0;
 /// Pairs that it has no part in keep at least this share.
 const OTHERS_KEEP: f64 = 0.4;
 
-/// Cameras that see what the others see only before or only after some moment.
-pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<Knock>> {
+/// The share of its recording at which a camera was knocked, about, of each that sees what the others see only before or only
+/// after some moment.
+pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
     let pairs = network.pairs();
     let rays = survey.all_rays(&network.cameras);
     // Evidence, and what could meet, of each part of the network's time as camera A of the pair has it.
@@ -156,11 +149,11 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<Knock>> {
         .par_iter()
         .map(|&(a, b)| {
             let tangents = survey.tangents(&network.cameras, &rays, a, b);
-            let radius = COMPARED * survey.scale(a, b);
+            let scorer = tangents.scorer(COMPARED * survey.scale(a, b));
             let mut sums = [(0.0, 0.0); PARTS];
             for shift in 0..=CHANCE {
                 let by = shift * tangents.moments() / (CHANCE + 1);
-                let scores = tangents.scores_by_moment(radius, by);
+                let scores = scorer.by_moment(by);
                 for (k, score) in scores.iter().enumerate() {
                     let part = &mut sums[k * PARTS / scores.len()];
                     if shift == 0 {
@@ -193,7 +186,7 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<Knock>> {
     (0..network.cameras.len())
         .map(|c| {
             let own = |p: &(usize, usize)| p.0 == c || p.1 == c;
-            let mut worst: Option<(f64, Knock)> = None;
+            let mut worst: Option<(f64, f64)> = None;
             for boundary in 2..PARTS - 1 {
                 let of_own = sides(&own, boundary);
                 let (share, stands_before) = kept(of_own);
@@ -207,8 +200,7 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<Knock>> {
                     && better > CLEAR
                     && shows;
                 if found && worst.is_none_or(|w| share < w.0) {
-                    let at = boundary as f64 / PARTS as f64;
-                    worst = Some((share, Knock { at, stands_before }));
+                    worst = Some((share, boundary as f64 / PARTS as f64));
                 }
             }
             worst.map(|w| w.1)

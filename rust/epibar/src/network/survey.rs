@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::camera::Camera;
 use super::ends::Seen;
+use super::evenly::evenly;
 use super::joint::PairMeetings;
 use super::observed::Observed;
 use super::tangents::{Score, Tangents};
@@ -37,10 +38,7 @@ impl<'a> Survey<'a> {
                 let kept: Vec<u32> = (0..o.frames() as u32)
                     .filter(|&i| keep(camera, o.times[i as usize]) && !o.of_frame(i).is_empty())
                     .collect();
-                if kept.len() <= limit {
-                    return kept;
-                }
-                (0..limit).map(|k| kept[k * kept.len() / limit]).collect()
+                evenly(kept.len(), limit).map(|k| kept[k]).collect()
             })
             .collect();
         Self { observed, frames }
@@ -138,15 +136,34 @@ impl<'a> Survey<'a> {
             .par_iter()
             .map(|&(a, b)| {
                 let tangents = self.tangents(cameras, &rays, a, b);
-                let radius = radius * self.scale(a, b);
-                let mut score = tangents.score(radius, 0);
+                let scorer = tangents.scorer(radius * self.scale(a, b));
+                let mut score = scorer.score(0);
                 for k in 1..=shifts {
-                    let by_chance = tangents.score(radius, k * tangents.moments() / (shifts + 1));
+                    let by_chance = scorer.score(k * tangents.moments() / (shifts + 1));
                     score.excess -= by_chance.excess.max(0.0) / shifts as f64;
                 }
                 score
             })
             .collect()
+    }
+
+    /// Evidence of some pairs at a radius, pixels of a 640×480 image, in each of so many parts of the recording.
+    pub fn evidence_by_part<const PARTS: usize>(
+        &self,
+        cameras: &[Camera],
+        pairs: &[(usize, usize)],
+        radius: f64,
+    ) -> [f64; PARTS] {
+        let rays = self.all_rays(cameras);
+        let mut sums = [0.0; PARTS];
+        for &(a, b) in pairs {
+            let tangents = self.tangents(cameras, &rays, a, b);
+            let scores = tangents.scorer(radius * self.scale(a, b)).by_moment(0);
+            for (k, score) in scores.iter().enumerate() {
+                sums[k * PARTS / scores.len()] += score.excess;
+            }
+        }
+        sums
     }
 
     /// Pixels of an 800-pixel diagonal (640×480) in the images of a pair.

@@ -53,19 +53,23 @@ pub struct Met {
     pub surprise: f64,
 }
 
+/// Of a lower end among those that met, in the order of [`Tangents::meet`], the upper end of the same silhouettes, where that met
+/// too.
+pub fn other_end(met: &[Met], lower: usize) -> Option<&Met> {
+    let low = met.get(lower).filter(|m| m.side == 0)?;
+    let mut same_moment = met[lower + 1..].iter().take_while(|m| m.moment == low.moment);
+    same_moment.find(|m| m.side == 1 && m.a == low.a && m.b == low.b)
+}
+
 /// Sum of what met, of one pair.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Score {
     /// Ends of A that could meet one.
     pub ends: usize,
-    /// Those that did.
-    pub met: usize,
     /// Silhouettes of A of which both ends met those of one silhouette of B.
     pub whole: usize,
     /// Evidence over chance, each meeting weighed by how unlikely it was.
     pub excess: f64,
-    /// Evidence of ends with the object below, and with it above, in A.
-    pub of_class: [f64; 2],
 }
 
 impl<'a> Tangents<'a> {
@@ -202,16 +206,10 @@ impl<'a> Tangents<'a> {
         }
     }
 
-    /// What the two cameras have in common at a radius, with B's moments moved on by `shift`.
-    pub fn score(&self, radius: f64, shift: usize) -> Score {
-        self.scores_by_moment(radius, shift).into_iter().fold(Score::default(), |sum, s| sum.plus(&s))
-    }
-
-    /// The same moment by moment.
-    pub fn scores_by_moment(&self, radius: f64, shift: usize) -> Vec<Score> {
-        let mut scores = vec![Score::default(); self.moments.len()];
-        // Whoever meets none costs what it would get by chance.
-        for (i, (frame, _)) in self.moments.iter().enumerate() {
+    /// What scores them at a radius, pixels.
+    pub fn scorer(&self, radius: f64) -> Scorer<'_> {
+        let mut unmet = vec![Score::default(); self.moments.len()];
+        for (score, (frame, _)) in unmet.iter_mut().zip(&self.moments) {
             for a in self.a.observed.of_frame(*frame) {
                 for side in 0..2 {
                     let end = &self.ends_a[a as usize][side];
@@ -221,25 +219,12 @@ impl<'a> Tangents<'a> {
                     // B's pixels are about as large as those of B's tangents on average.
                     let chance =
                         self.chance(side, end.angle, radius * end.per_pixel * std::f64::consts::SQRT_2);
-                    scores[i].ends += 1;
-                    scores[i].add(-EXPECTED * chance * -chance.ln(), end.below());
+                    score.ends += 1;
+                    score.excess += -EXPECTED * chance * -chance.ln();
                 }
             }
         }
-        let met = self.meet(radius, shift);
-        for (k, m) in met.iter().enumerate() {
-            let score = &mut scores[m.moment as usize];
-            let end = &self.ends_a[m.a as usize][m.side as usize];
-            score.met += 1;
-            score.add((1.0 - (m.distance / radius).powi(2)) * m.surprise, end.below());
-            let whole = m.side == 0
-                && met[k + 1..]
-                    .iter()
-                    .take_while(|o| o.moment == m.moment)
-                    .any(|o| o.side == 1 && o.a == m.a && o.b == m.b);
-            score.whole += usize::from(whole);
-        }
-        scores
+        Scorer { tangents: self, radius, unmet }
     }
 
     /// Where the object lies from both tangents of a meeting, along the images' `y` axes: 1 below, −1 above.
@@ -259,11 +244,6 @@ impl<'a> Tangents<'a> {
         ]
     }
 
-    /// Seconds of A's clock at a meeting.
-    pub fn time_a(&self, met: &Met) -> f64 {
-        self.a.observed.times[self.moments[met.moment as usize].0 as usize]
-    }
-
     /// Meetings as measurements for the joint problem.
     pub fn measurements(&self, met: &[Met]) -> Vec<Meeting> {
         let (a, b) = (self.a.observed, self.b.observed);
@@ -281,7 +261,6 @@ impl<'a> Tangents<'a> {
                     time_a: a.times[frame as usize],
                     time_b: b.seconds(moment),
                     weight: m.surprise,
-                    frame,
                 }
             })
             .collect()
@@ -315,21 +294,41 @@ impl<'a> Tangents<'a> {
 /// Mean quality of a meeting by chance: of `1 − d²/r²` for `d` uniform below `r`.
 const EXPECTED: f64 = 2.0 / 3.0;
 
-impl Score {
-    fn add(&mut self, excess: f64, below: f64) {
-        self.excess += excess;
-        self.of_class[usize::from(below < 0.0)] += excess;
+/// What two cameras have in common at one radius, by as many shifts of their clocks as one likes.
+pub struct Scorer<'t> {
+    tangents: &'t Tangents<'t>,
+    radius: f64,
+    /// Moment by moment what it costs that no end meets any: what each would get by chance, whatever the shift.
+    unmet: Vec<Score>,
+}
+
+impl Scorer<'_> {
+    /// What the two cameras have in common with B's moments moved on by `shift`.
+    pub fn score(&self, shift: usize) -> Score {
+        self.by_moment(shift).into_iter().fold(Score::default(), |sum, s| sum.plus(&s))
     }
 
+    /// The same moment by moment.
+    pub fn by_moment(&self, shift: usize) -> Vec<Score> {
+        let mut scores = self.unmet.clone();
+        let met = self.tangents.meet(self.radius, shift);
+        for (k, m) in met.iter().enumerate() {
+            let score = &mut scores[m.moment as usize];
+            score.excess += (1.0 - (m.distance / self.radius).powi(2)) * m.surprise;
+            score.whole += usize::from(other_end(&met, k).is_some());
+        }
+        scores
+    }
+}
+
+impl Score {
     /// The sum of two.
     #[must_use]
     pub fn plus(self, other: &Self) -> Self {
         Self {
             ends: self.ends + other.ends,
-            met: self.met + other.met,
             whole: self.whole + other.whole,
             excess: self.excess + other.excess,
-            of_class: [self.of_class[0] + other.of_class[0], self.of_class[1] + other.of_class[1]],
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::camera::Camera;
 use super::case::{Case, Finished, Out};
 use super::covariance::Expected;
-use super::graph::PairFound;
+use super::graph::{PairFound, all_pairs};
 use super::relocate::Placed;
 use super::residual::Pair;
 use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
@@ -12,7 +12,7 @@ use super::support::{Deviates, Support, knocked};
 use super::survey::Survey;
 use super::thresholds as limits;
 use super::words;
-use super::world;
+use super::world::{self, World};
 
 /// Whether another network has about the same evidence, and another geometry.
 pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
@@ -20,10 +20,7 @@ pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
     if of_best.iter().zip(&rival.network.placed).any(|(best, rival)| *best && !rival) {
         return false;
     }
-    let turned = |c: usize, d: usize, n: &Placed| n.cameras[c].rotation * n.cameras[d].rotation.inverse();
-    let differs = best.network.pairs().iter().any(|&(c, d)| {
-        turned(c, d, &best.network).angle_to(&turned(c, d, &rival.network)) > limits::RIVAL_TURN
-    });
+    let differs = best.network.turns(&rival.network).any(|turn| turn > limits::RIVAL_TURN);
     let (share, z) = gain(survey, &best.network, &rival.network);
     differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
 }
@@ -55,8 +52,8 @@ pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec
         let others = stand.iter().filter(|c| !largest.contains(c));
         return others.map(|&camera| out(camera, CameraStatus::Apart, None)).collect();
     }
-    let knocked = knocked(survey, network).into_iter().enumerate().find_map(|(c, k)| Some((c, k?)));
-    knocked.map(|(camera, knock)| out(camera, CameraStatus::Knocked, Some(knock.at))).into_iter().collect()
+    let knocked = knocked(survey, network).into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
+    knocked.map(|(camera, at)| out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
 }
 
 /// The most cameras that confirmed pairs join; of equals those with the most pairs, then the first.
@@ -80,9 +77,7 @@ impl Case<'_> {
     /// What is said of a network.
     pub(super) fn network(&self, finished: &Finished, out: &[Out], rivalled: bool) -> Network {
         let network = &finished.solved.network;
-        let (placed, ground) = world::placed(network, finished.floor.as_ref());
-        let stand: Vec<usize> = (0..self.count()).filter(|&c| network.placed[c]).collect();
-        let unit = (network.cameras[stand[1]].position - network.cameras[stand[0]].position).norm();
+        let World { cameras: placed, ground, unit } = world::placed(network, finished.floor.as_ref());
         let rig = network
             .pairs()
             .iter()
@@ -90,7 +85,6 @@ impl Case<'_> {
             .fold(0.0, f64::max);
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
-                let input = &self.inputs[c];
                 let found = out.iter().find(|o| o.camera == c);
                 let stands = network.placed[c];
                 let expected =
@@ -101,30 +95,45 @@ impl Case<'_> {
                     None if rivalled => CameraStatus::Ambiguous,
                     None => status_by_errors(&expected, rig),
                 };
-                let seconds = self.observed[c].times.last().copied().unwrap_or(0.0);
-                let knocked_at = found.and_then(|o| o.at).map(|share| share * seconds);
                 NetworkCamera {
-                    name: input.name.to_owned(),
-                    status,
-                    reason: words::of_camera(status, &expected, rig, knocked_at, input, &self.pairs_of(c)),
                     camera: stands.then_some(placed[c]),
                     expected: stands.then_some(expected),
                     deviates: found.map_or(finished.support.cameras[c], |o| o.deviates),
-                    size: input.recording.size(),
                     offset_error: finished.offsets[c],
+                    ..self.unplaced(c, status, found, &expected, rig)
                 }
             })
             .collect();
-        let pairs = self.all_pairs().map(|(a, b)| self.pair(a, b, &cameras, finished)).collect::<Vec<_>>();
+        let pairs =
+            all_pairs(self.count()).map(|(a, b)| self.pair(a, b, &cameras, finished)).collect::<Vec<_>>();
         let radius = finished.solved.settled.radius;
         let accepted = cameras.iter().all(NetworkCamera::accepted);
         let reason = words::of_network(&cameras, &pairs, &ground);
         Network { cameras, pairs, accepted, reason, ground, radius }
     }
 
-    fn all_pairs(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let n = self.count();
-        (0..n).flat_map(move |a| (a + 1..n).map(move |b| (a, b)))
+    /// A camera with what is said of it, and without a place.
+    fn unplaced(
+        &self,
+        camera: usize,
+        status: CameraStatus,
+        out: Option<&Out>,
+        expected: &Expected,
+        rig: f64,
+    ) -> NetworkCamera {
+        let input = &self.inputs[camera];
+        let seconds = self.observed[camera].times.last().copied().unwrap_or(0.0);
+        let knocked_at = out.and_then(|o| o.at).map(|share| share * seconds);
+        NetworkCamera {
+            name: input.name.to_owned(),
+            status,
+            reason: words::of_camera(status, expected, rig, knocked_at, input, &self.pairs_of(camera)),
+            camera: None,
+            expected: None,
+            deviates: out.map_or(Deviates::default(), |o| o.deviates),
+            size: input.recording.size(),
+            offset_error: f64::NAN,
+        }
     }
 
     fn pairs_of(&self, camera: usize) -> Vec<&PairFound> {
@@ -133,14 +142,7 @@ impl Case<'_> {
 
     fn pair(&self, a: usize, b: usize, cameras: &[NetworkCamera], finished: &Finished) -> NetworkPair {
         let (Some(one), Some(other)) = (&cameras[a].camera, &cameras[b].camera) else {
-            return NetworkPair {
-                a,
-                b,
-                status: PairStatus::Outside,
-                accepted: false,
-                fundamental: None,
-                deviates: Deviates::default(),
-            };
+            return outside((a, b));
         };
         let support = finished.support.pairs.iter().find(|(pair, _)| *pair == (a, b));
         let deviates = support.map_or(Deviates::default(), |s| s.1);
@@ -162,8 +164,7 @@ impl Case<'_> {
         let geometry = Pair::new(one, other);
         let meetings = &pair.hypotheses[0].meetings;
         let within = limits::AGREE * (one.size.diagonal() + other.size.diagonal()) / 1600.0;
-        let near = meetings.iter().filter(|m| geometry.residual(m).is_some_and(|r| r.abs() < within)).count();
-        (near as f64) < limits::CONTRADICTS * meetings.len() as f64
+        (geometry.agreeing(meetings, within) as f64) < limits::CONTRADICTS * meetings.len() as f64
     }
 
     /// No camera stands.
@@ -176,34 +177,26 @@ impl Case<'_> {
     pub(super) fn without(&self, out: &[Out]) -> Network {
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
-                let input = &self.inputs[c];
                 let found = out.iter().find(|o| o.camera == c);
                 let status = found.map_or(CameraStatus::NothingInCommon, |o| o.status);
-                let seconds = self.observed[c].times.last().copied().unwrap_or(0.0);
-                let at = found.and_then(|o| o.at).map(|share| share * seconds);
-                NetworkCamera {
-                    name: input.name.to_owned(),
-                    status,
-                    reason: words::of_camera(status, &Expected::UNKNOWN, 1.0, at, input, &self.pairs_of(c)),
-                    camera: None,
-                    expected: None,
-                    deviates: found.map_or(Deviates::default(), |o| o.deviates),
-                    size: input.recording.size(),
-                    offset_error: f64::NAN,
-                }
+                self.unplaced(c, status, found, &Expected::UNKNOWN, 1.0)
             })
             .collect();
-        let outside = |(a, b)| NetworkPair {
-            a,
-            b,
-            status: PairStatus::Outside,
-            accepted: false,
-            fundamental: None,
-            deviates: Deviates::default(),
-        };
-        let pairs: Vec<NetworkPair> = self.all_pairs().map(outside).collect();
+        let pairs: Vec<NetworkPair> = all_pairs(self.count()).map(outside).collect();
         let reason = words::of_network(&cameras, &pairs, &world::Ground::Cameras);
         Network { cameras, pairs, accepted: false, reason, ground: world::Ground::Cameras, radius: f64::NAN }
+    }
+}
+
+/// A pair of which a camera does not stand.
+fn outside((a, b): (usize, usize)) -> NetworkPair {
+    NetworkPair {
+        a,
+        b,
+        status: PairStatus::Outside,
+        accepted: false,
+        fundamental: None,
+        deviates: Deviates::default(),
     }
 }
 

@@ -9,8 +9,8 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::camera::Camera;
-use super::median::median;
-use super::tangents::{Met, Tangents};
+use super::median::{deviation, median};
+use super::tangents::{Met, Tangents, other_end};
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,12 +19,6 @@ pub struct Figure {
     pub top: [[f64; 2]; 2],
     /// Bottom in A, in B.
     pub bottom: [[f64; 2]; 2],
-    /// Seconds of A's clock.
-    pub time_a: f64,
-    /// Silhouette of A.
-    pub silhouette_a: u32,
-    /// Silhouette of B in the frame before.
-    pub silhouette_b: u32,
 }
 
 /// Figures of a pair of cameras.
@@ -46,11 +40,8 @@ const NARROW: f64 = 0.05;
 /// The silhouettes of which both ends meet those of one silhouette of the other camera, top to top.
 pub fn figures(tangents: &Tangents, met: &[Met]) -> Vec<Figure> {
     let mut found = Vec::new();
-    for (k, low) in met.iter().enumerate().filter(|(_, m)| m.side == 0) {
-        let same_moment = met[k + 1..].iter().take_while(|o| o.moment == low.moment);
-        let Some(high) = same_moment.into_iter().find(|o| o.side == 1 && o.a == low.a && o.b == low.b) else {
-            continue;
-        };
+    for (k, low) in met.iter().enumerate() {
+        let Some(high) = other_end(met, k) else { continue };
         let below = |m: &Met| tangents.below(m);
         let top_first =
             |[a, b]: [f64; 2], [c, d]: [f64; 2]| a > STEEP && b > STEEP && c < -STEEP && d < -STEEP;
@@ -62,14 +53,8 @@ pub fn figures(tangents: &Tangents, met: &[Met]) -> Vec<Figure> {
         } else {
             continue;
         };
-        let [t, b] = [top, bottom].map(|m| tangents.pixels(m));
-        found.push(Figure {
-            top: t,
-            bottom: b,
-            time_a: tangents.time_a(low),
-            silhouette_a: low.a,
-            silhouette_b: low.b.first,
-        });
+        let [top, bottom] = [top, bottom].map(|m| tangents.pixels(m));
+        found.push(Figure { top, bottom });
     }
     found
 }
@@ -166,9 +151,6 @@ impl Floor {
             return None;
         }
         let tall = median(standing.iter().map(|[t, _]| up.dot(t) - level))?;
-        let deviation = |values: &dyn Fn(&[Vector3<f64>; 2]) -> f64| {
-            median(standing.iter().map(|s| values(s).abs())).map(|m| 1.4826 * m)
-        };
         let mean: Vector3<f64> = standing.iter().map(|[t, b]| (t - b) / tall).sum();
         let middle = standing.iter().map(|s| s[1]).sum::<Vector3<f64>>() / standing.len() as f64;
         let scatter: Matrix3<f64> =
@@ -179,8 +161,8 @@ impl Floor {
             up,
             level,
             height: tall,
-            unevenness: deviation(&|[_, b]| (up.dot(b) - level) / tall)?,
-            diversity: deviation(&|[t, _]| (up.dot(t) - level) / tall - 1.0)?,
+            unevenness: deviation(standing.iter().map(|[_, b]| (up.dot(b) - level) / tall))?,
+            diversity: deviation(standing.iter().map(|[t, _]| (up.dot(t) - level) / tall - 1.0))?,
             lean: mean.normalize().dot(&up).clamp(-1.0, 1.0).acos(),
             reach: (spreads[1].max(0.0) / standing.len() as f64).sqrt(),
             figures: standing.len(),

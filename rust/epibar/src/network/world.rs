@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::camera::Camera;
+use super::evenly::evenly;
 use super::relocate::Placed;
 use super::survey::Survey;
 use super::walkers::{Floor, segment};
@@ -44,17 +45,26 @@ pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
     let most = (FIGURES / pairs.len().max(1)).max(20);
     let mut segments = Vec::new();
     for found in survey.figures(&network.cameras, &pairs, radius) {
-        let n = found.figures.len();
         let (a, b) = (&network.cameras[found.a], &network.cameras[found.b]);
-        let some = (0..n.min(most)).map(|k| &found.figures[if n > most { k * n / most } else { k }]);
+        let some = evenly(found.figures.len(), most).map(|k| &found.figures[k]);
         segments.extend(some.filter_map(|figure| segment(a, b, figure)));
     }
     let floor = Floor::of(&segments)?;
     (floor.unevenness < UNEVEN && floor.lean < LEANING).then_some(floor)
 }
 
+/// Cameras in a world of their own.
+pub struct World {
+    /// The cameras.
+    pub cameras: Vec<Camera>,
+    /// Where its vertical comes from.
+    pub ground: Ground,
+    /// Its unit in that of the network before.
+    pub unit: f64,
+}
+
 /// The same cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
-pub fn placed(network: &Placed, floor: Option<&Floor>) -> (Vec<Camera>, Ground) {
+pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
     let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
     let of = |c: usize| &network.cameras[stand[c]];
     let up = floor.map_or_else(
@@ -101,5 +111,5 @@ pub fn placed(network: &Placed, floor: Option<&Floor>) -> (Vec<Camera>, Ground) 
             diversity: floor.diversity,
         }
     });
-    (cameras, ground)
+    World { cameras, ground, unit }
 }
