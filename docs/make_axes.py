@@ -27,7 +27,7 @@ VIEW = np.array(
 )
 """World to picture: x to the right, y away, z up; from above."""
 PLACES = {"OpenCV": (3.0, 0.9, 1.7), "OpenGL, glTF": (7.2, 0.9, 1.7)}
-LOOKS_ALONG = np.array([1.0, 0.35, -0.3])
+LOOKS_ALONG = np.array([0.9, 0.6, -0.35])
 
 
 def picture(points: object) -> np.ndarray:
@@ -57,7 +57,8 @@ def line(start: object, end: object, colour: str, width: float, arrow: str = "")
 def text(place: object, words: str, colour: str = GREY, size: int = 15) -> str:
     """Words at a world point."""
     x, y = picture(place)[0]
-    return f'<text x="{x:.1f}" y="{y:.1f}" fill="{colour}" font-size="{size}" text-anchor="middle">{words}</text>'
+    look = f'fill="{colour}" font-size="{size}" text-anchor="middle"'
+    return f'<text x="{x:.1f}" y="{y:.1f}" {look}>{words}</text>'
 
 
 def axes(place: np.ndarray, columns: np.ndarray, names: tuple[str, str, str]) -> list[str]:

@@ -15,6 +15,7 @@ from camera_formats_input import HOSTILE, POINTS, assert_projects, expected, ins
 from network_input import made_up
 
 from epibar import EpibarError
+from epibar.camera_files import losses
 from epibar.camera_files.formats import ALIASES
 from epibar.camera_files.formats import FORMATS as CAMERAS
 from epibar.cli import main
@@ -97,6 +98,34 @@ def test_units_that_are_not_the_programs_are_told(tmp_path, caplog):
     caplog.clear()
     net.export(tmp_path / "a.toml", format="anipose")
     assert caplog.text == ""
+
+
+@pytest.mark.parametrize(
+    ("lens", "fisheye", "share"),
+    [
+        ((-0.3, 0.1, 0, 0, 0), False, 1.0),
+        ((-0.6, 0.4, 0.01, -0.01, 0.2), False, 1.0),
+        ((0.1, 0.02, 0, 0.01), True, 1.0),
+        ((-0.9, 0, 0, 0, 0), False, 0.35),  # it folds over before the corners, which no ray comes to
+    ],
+)
+def test_what_is_lost_is_looked_for_in_the_whole_image(lens, fisheye, share):
+    K = np.array([[500.0, 0, 320], [0, 500, 240], [0, 0, 1]])
+    rays, seen = losses._view(Intrinsics("a", (640, 480), K, lens, fisheye=fisheye))
+    assert len(seen) >= share * losses.GRID**2
+    zero = np.zeros(3)
+    if fisheye:
+        true = cv2.fisheye.distortPoints(rays[:, None], K, np.array(lens))
+    else:
+        true = cv2.projectPoints(np.column_stack([rays, np.ones(len(rays))]), zero, zero, K, np.array(lens))[
+            0
+        ]
+    np.testing.assert_allclose(seen, true[:, 0], atol=1e-6)
+    if share < 1:
+        assert len(seen) < losses.GRID**2
+    else:
+        assert seen.min() < 0.01
+        np.testing.assert_allclose(seen.max(axis=0), (639, 479), atol=0.01)
 
 
 # --- EasyMocap ---

@@ -1,8 +1,8 @@
 """What docs/exports.md tells to do in each program is done, by its own reader where that is installed.
 
-The command of a section below *Use it in* writes the files, from a run whose network has twelve cameras; its
-Python then runs as it stands, and what it read is projected. Programs that need other libraries than epibar's
-(`make readers` installs them) run in an environment of their own, or are skipped.
+The command of a section below *Use it in the program* writes the files, from a run whose network has twelve
+cameras; its Python then runs as it stands, and what it read is projected. Programs that need other libraries
+than epibar's (`make readers` installs them) run in an environment of their own, or are skipped.
 """
 
 import importlib.util

@@ -18,10 +18,14 @@ __all__ = ["fewer_coefficients", "off_as_pinhole", "plain_names", "tell", "told"
 
 logger = logging.getLogger("epibar")
 
-GRID = 41
+GRID = 21
 """Pixels each way at which lenses are compared."""
-ROUND_TRIP = 0.5
-"""Pixels: where undistorting and distorting again ends further away, a lens says nothing of that pixel."""
+OUTWARDS = 16
+"""Steps from the principal point to a pixel."""
+TINY = 1e-5
+"""For slopes, in the plane at depth 1."""
+ROUND_TRIP = 1e-3
+"""Pixels: a ray that does not come as close is none of that pixel."""
 
 
 def fewer_coefficients(camera: Intrinsics, count: int, program: str) -> tuple[Array, float]:
@@ -86,8 +90,12 @@ def off_as_pinhole(camera: Intrinsics, matrix: Array) -> float:
 
 def told(what: str, off: Mapping[str, float]) -> list[str]:
     """Say what is lost, and how far it is off in which camera; nothing where none is."""
-    lost = [f"{pixels:.2g} px in {name}" for name, pixels in off.items() if pixels > 0]
+    lost = [f"{_two_digits(pixels)} px in {name}" for name, pixels in off.items() if pixels > 0]
     return [f"lost: {what}; off inside the image by up to {', '.join(lost)}"] if lost else []
+
+
+def _two_digits(pixels: float) -> str:
+    return f"{pixels:.0f}" if pixels >= 10 else f"{pixels:.2g}"
 
 
 def tell(path: Path, losses: Sequence[str]) -> None:
@@ -97,25 +105,40 @@ def tell(path: Path, losses: Sequence[str]) -> None:
 
 
 def _view(camera: Intrinsics) -> tuple[Array, Array]:
-    """Rays (n, 2), in the plane at depth 1, of a grid of pixels, and these pixels."""
-    cv2 = opencv()
+    """Rays (n, 2), in the plane at depth 1, of a grid of pixels, and these pixels.
+
+    Newton's steps towards pixels that move from the principal point outwards, so that each ends on its own
+    side of where a lens folds over; a pixel that no ray comes to has no lens that could be lost.
+    """
     width, height = camera.size
     across, down = np.meshgrid(np.linspace(0, width - 1, GRID), np.linspace(0, height - 1, GRID))
-    pixels = np.stack([across.ravel(), down.ravel()], axis=1).reshape(-1, 1, 2)
-    K, D = camera.matrix, camera.distortions
-    fisheye = camera.fisheye and len(D) > 0
-    if fisheye:
-        rays = cv2.fisheye.undistortPoints(pixels, K, D)
-        seen = cv2.fisheye.distortPoints(rays, K, D)
-    else:
-        rays = cv2.undistortPoints(pixels, K, D)
-        flat = np.concatenate([rays, np.ones((len(rays), 1, 1))], axis=2)
-        seen = cv2.projectPoints(flat, np.zeros(3), np.zeros(3), K, D)[0]
-    # The inverse of a lens is approximate: what it ends at is what is compared.
-    good = np.hypot(*(seen - pixels)[:, 0].T) < ROUND_TRIP
-    if good.sum() < 10:
+    pixels = np.column_stack([across.ravel(), down.ravel()])
+    centre = camera.matrix[:2, 2]
+    rays = np.full_like(pixels, TINY)
+    for share in np.append(np.repeat(np.linspace(0, 1, OUTWARDS + 1)[1:], 2), np.ones(4)):
+        off = _through(camera, rays) - (centre + share * (pixels - centre))
+        slopes = [
+            (_through(camera, rays + step) - _through(camera, rays - step)) for step in TINY * np.eye(2)
+        ]
+        jacobian = np.stack(slopes, axis=2) / (2 * TINY)
+        good = np.linalg.det(jacobian) > 0
+        rays[good] -= np.linalg.solve(jacobian[good], off[good, :, None])[..., 0]
+    seen = _through(camera, rays)
+    good = np.hypot(*(seen - pixels).T) < ROUND_TRIP
+    if not good.any():
         raise EpibarError(f"{camera.name}: its distortion coefficients cannot be inverted inside its image")
-    return np.asarray(rays[good, 0], np.float64), np.asarray(seen[good, 0], np.float64)
+    return rays[good], seen[good]
+
+
+def _through(camera: Intrinsics, rays: Array) -> Array:
+    """Pixels (n, 2) of rays (n, 2), through the lens."""
+    cv2 = opencv()
+    K, D = camera.matrix, camera.distortions
+    if camera.fisheye:
+        D = np.pad(D, (0, 4 - len(D)))
+        return np.asarray(cv2.fisheye.distortPoints(rays[:, None], K, D)[:, 0], np.float64)
+    flat = np.column_stack([rays, np.ones(len(rays))])
+    return np.asarray(cv2.projectPoints(flat, np.zeros(3), np.zeros(3), K, D)[0][:, 0], np.float64)
 
 
 def _pinhole(matrix: Array, rays: Array) -> Array:
