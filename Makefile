@@ -2,6 +2,7 @@
 #
 #   make demo      render videos of a crowd, calibrate them, compare with the known answer
 #   make test      every test, Rust and Python
+#   make readers   programs that read exports, into .readers: tests then ask them
 #   make fuzz      ten thousand hostile inputs for every reader and public function, in both languages
 #   make audit     known holes in what epibar depends on, and licences
 #   make docs      the documentation site, into build/docs; warnings are errors
@@ -33,7 +34,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test fuzz audit docs check semver coverage bench paper dist clean
+.PHONY: help build demo test readers fuzz audit docs check semver coverage bench paper dist clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -60,6 +61,21 @@ demo: build
 test: build
 	cargo test --workspace --locked
 	$(BIN)/python -m pytest
+
+# Most of these need another OpenCV or more than their readers do, so they come without what they depend on. Blender has
+# a NumPy of its own, and wheels for some Pythons only.
+READERS := .readers
+
+$(READERS)/.made: $(VENV)/.created
+	$(BIN)/python -m venv $(READERS)
+	$(READERS)/bin/python -m pip install anytree c3d matplotlib numba numpy opencv-python-headless pandas platformdirs pydantic rich rtoml scipy toml tqdm
+	$(READERS)/bin/python -m pip install --no-deps aniposelib caliscope freemocap pose2sim
+	$(BIN)/python -m venv $(READERS)/blender
+	$(READERS)/blender/bin/python -m pip install --only-binary :all: bpy || echo "Blender cannot be installed" >&2
+	touch $@
+
+readers: build $(READERS)/.made
+	$(BIN)/python -m pytest tests/test_readers.py
 
 # Memory is limited, so that what grows without limit fails instead of taking the machine along.
 FUZZ ?= 10000
@@ -145,4 +161,4 @@ dist: $(VENV)/.tools
 	ls $(DIST)
 
 clean:
-	rm -rf target $(VENV) demo build
+	rm -rf target $(VENV) $(READERS) demo build

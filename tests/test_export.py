@@ -356,3 +356,26 @@ def test_the_run_itself_is_not_overwritten(folder, capsys):
         assert main(["export", str(folder), "--format", "csv", "--out", str(folder / name)]) == 2
         assert "part of the run" in capsys.readouterr().err
         assert (folder / name).read_bytes() == before
+
+
+def test_cameras_without_a_network_are_placed_for_any_program(folder, scene, tmp_path, capsys):
+    """The first camera is the world; its up is that of glTF."""
+    json_of = {}
+    for name, file in (("pose2sim", "Calib.toml"), ("gltf", "c.gltf"), ("nerfstudio", "transforms.json")):
+        out = tmp_path / file
+        assert main(["export", str(folder), "--format", name, "--out", str(out)]) == 0
+        assert str(out) in capsys.readouterr().out
+        json_of[name] = json.loads(out.read_text()) if name != "pose2sim" else None
+    cameras = load_cameras(tmp_path / "Calib.toml")
+    placed = {camera.name: (camera.posed().R, camera.posed().t) for camera in cameras}
+    rotation, direction, _ = world_error(scene, placed, [0, 1, 2])
+    assert max(rotation, direction) < DEGREES
+    nodes = json_of["gltf"]["nodes"]
+    assert nodes[0]["rotation"] == [1, 0, 0, 0]
+    assert [node["name"] for node in nodes if "camera" in node] == ["cam1", "cam2", "cam3"]
+    assert not any("grid" in node["name"] for node in nodes)
+    (frame, *_) = json_of["nerfstudio"]["frames"]
+    np.testing.assert_allclose(frame["transform_matrix"], np.diag([1, -1, -1, 1]), atol=1e-12)
+    assert main(["export", str(folder), "--format", "easymocap", "--out", str(tmp_path / "data"), "-q"]) == 0
+    assert sorted(path.name for path in (tmp_path / "data").iterdir()) == ["extri.yml", "intri.yml"]
+    assert capsys.readouterr().err == ""

@@ -7,7 +7,7 @@ Pitfall: COLMAP counts pixels from the corner of the image, so that the centre o
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,9 @@ import numpy as np
 
 from ..errors import EpibarError, printable
 from ..files.atomic import write_atomically
+from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
+from .world import World
 
 __all__ = ["write_colmap"]
 
@@ -24,9 +26,7 @@ MODELS = ((4, "OPENCV"), (8, "FULL_OPENCV"))
 """COLMAP's models that are OpenCV's with so many coefficients."""
 
 
-def write_colmap(
-    cameras: Sequence[Intrinsics], path: Path, metadata: Mapping[str, str | list[str]]
-) -> list[Path]:
+def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
     """Write a model through ``pycolmap``, in its text files, and ``README.txt`` with the metadata.
 
     Raises
@@ -43,13 +43,9 @@ def write_colmap(
     model = pycolmap.Reconstruction()
     for number, camera in enumerate(cameras, 1):
         _add(pycolmap, model, number, camera)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise EpibarError(f"{path}: cannot be made ({error.strerror or error})") from error
+    make_folder(path)
     model.write_text(str(path))
-    texts = {key: value if isinstance(value, str) else "; ".join(value) for key, value in metadata.items()}
-    text = "\n".join(f"{key}: {_line(value)}" for key, value in texts.items())
+    text = "\n".join(f"{key}: {_line(value)}" for key, value in world.lines().items())
     write_atomically(path / "README.txt", lambda stream: stream.write(text.encode() + b"\n"))
     return [path]
 

@@ -1,8 +1,9 @@
 """The programs that cameras in one world are written for, one module of this package each.
 
-To add one: a module with a function that takes a sequence of :class:`~epibar.Intrinsics` with rotations
-and translations, a path and what the file is to say of itself, writes, and returns the files it wrote; and
-a line in :data:`FORMATS`. Standard library only: the command line reads it before anything heavy is imported.
+To add one: a module with a function that takes a sequence of :class:`~epibar.Intrinsics` with rotations and
+translations, a path and the :class:`~epibar.camera_files.world.World` they stand in, writes, and returns the
+files it wrote; and a line in :data:`FORMATS`. The command line, its help and ``epibar formats`` follow the
+table. Standard library only: the command line reads it before anything heavy is imported.
 """
 
 from __future__ import annotations
@@ -14,43 +15,170 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["FORMATS", "CameraFormat"]
+__all__ = ["ALIASES", "FORMATS", "OPENCV_AXES", "Format"]
 
 
-class CameraFormat(NamedTuple):
+class Format(NamedTuple):
     """One format.
 
     Attributes
     ----------
     name : str
-        The program.
-    module, function : str
-        What writes it.
-    what : str
-        For the help.
+        The program, as it is called on the command line.
+    program : str
+        Its full name, or who else reads this.
+    files : str
+        What is written, and where the program looks for it.
+    unit : str
+        "metre", "millimetre", or "network" for that of the network.
+    axes : str
+        Those of the world, and of a camera.
+    loses : str
+        Besides verdicts, expected errors and clocks, for which no program has a place.
+    function : str
+        What writes it, ``module:name``.
+    extra : str
+        Extra of the package that it needs.
+    reads : bool
+        Whether ``epibar`` reads it too, as camera file.
+    package : str
+        Where the module is.
     """
 
     name: str
-    module: str
+    program: str
+    files: str
+    unit: str
+    axes: str
+    loses: str
     function: str
-    what: str
+    extra: str = ""
+    reads: bool = False
+    package: str = __package__
 
     @property
     def write(self) -> Callable[..., list[Path]]:
         """The function."""
-        module = import_module(f".{self.module}", __package__)
-        found: Any = getattr(module, self.function)
+        module, _, name = self.function.partition(":")
+        found: Any = getattr(import_module(f".{module}", self.package), name)
         write: Callable[..., list[Path]] = found
         return write
 
 
+OPENCV_AXES = "world z up; camera x right, y down, z forward"
+OPENGL_AXES = "world z up; camera x right, y up, z back"
+GLTF_AXES = "world y up; camera x right, y up, z back"
+
 FORMATS = {
     one.name: one
     for one in (
-        CameraFormat("anipose", "toml", "write_anipose", "TOML of aniposelib, which epibar reads too"),
-        CameraFormat("caliscope", "toml", "write_caliscope", "TOML of Caliscope"),
-        CameraFormat("opencv", "opencv", "write_opencv", "FileStorage YAML of OpenCV"),
-        CameraFormat("colmap", "colmap", "write_colmap", "a COLMAP model, in a folder"),
-        CameraFormat("npz", "npz", "write_npz", "NumPy arrays"),
+        Format(
+            "anipose",
+            "aniposelib, Anipose",
+            "a .toml file",
+            "network",
+            OPENCV_AXES,
+            "nothing more",
+            "toml:write_anipose",
+            reads=True,
+        ),
+        Format(
+            "caliscope",
+            "Caliscope",
+            "camera_array.toml",
+            "network",
+            OPENCV_AXES,
+            "names: Caliscope numbers its cameras",
+            "toml:write_caliscope",
+            reads=True,
+        ),
+        Format(
+            "freemocap",
+            "FreeMoCap",
+            "NAME_camera_calibration.toml, in the folder of the recording",
+            "millimetre",
+            OPENCV_AXES,
+            "nothing more",
+            "toml:write_freemocap",
+            reads=True,
+        ),
+        Format(
+            "pose2sim",
+            "Pose2Sim",
+            "Calib.toml, in the folder calibration",
+            "metre",
+            OPENCV_AXES,
+            "distortion coefficients after the fourth (k3), to which k1 k2 p1 p2 are fitted anew; no fisheye",
+            "toml:write_pose2sim",
+            reads=True,
+        ),
+        Format(
+            "easymocap",
+            "EasyMocap",
+            "a folder with intri.yml and extri.yml",
+            "metre",
+            OPENCV_AXES,
+            "distortion coefficients after the fifth; no fisheye; names but for letters, digits, - and _",
+            "easymocap:write_easymocap",
+        ),
+        Format(
+            "opencv",
+            "OpenCV",
+            "a YAML file of FileStorage",
+            "network",
+            OPENCV_AXES,
+            "nothing more",
+            "opencv:write_opencv",
+        ),
+        Format(
+            "colmap",
+            "COLMAP",
+            "a folder with a model in text files, without points, and README.txt",
+            "network",
+            OPENCV_AXES,
+            "distortion coefficients after the eighth",
+            "colmap:write_colmap",
+            extra="colmap",
+        ),
+        Format(
+            "nerfstudio",
+            "nerfstudio, MultiNeRF",
+            "transforms.json, beside a folder images with a picture of each camera",
+            "network",
+            OPENGL_AXES,
+            "distortion coefficients after the fifth; MultiNeRF knows one lens for all, and no k3",
+            "nerfstudio:write_nerfstudio",
+        ),
+        Format(
+            "gltf",
+            "Blender, game engines, viewers",
+            "a .gltf or .glb file: cameras, frusta, grid of the floor",
+            "metre",
+            GLTF_AXES,
+            "the lens, and a principal point off the middle; both stand in extras",
+            "gltf:write_gltf",
+        ),
+        Format(
+            "rerun",
+            "Rerun",
+            "an .rrd file: cameras with names, grid of the floor",
+            "network",
+            OPENCV_AXES,
+            "the lens",
+            "rerun:write_rerun",
+            extra="live",
+        ),
+        Format(
+            "npz",
+            "NumPy",
+            "an .npz file, without pickle",
+            "network",
+            OPENCV_AXES,
+            "nothing more",
+            "npz:write_npz",
+        ),
     )
 }
+
+ALIASES = {"toml": "anipose"}
+"""What a format was called before."""

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ..files.archive import write_archive
 from ..lens.intrinsics import Intrinsics
+from .world import World
 
 __all__ = ["write_npz"]
 
 
-def write_npz(
-    cameras: Sequence[Intrinsics], path: Path, metadata: Mapping[str, str | list[str]]
-) -> list[Path]:
+def write_npz(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
     """Write arrays without pickle.
 
     ``names`` (n,), ``sizes`` (n, 2), ``matrices`` (n, 3, 3), ``distortions`` (n, k) filled up with zeros,
@@ -37,7 +36,7 @@ def write_npz(
             "fisheye": np.array([camera.fisheye for camera in cameras]),
             "rotations": np.array([pose.R for pose in posed]),
             "translations": np.array([pose.t for pose in posed]),
-            "metadata": np.array(json.dumps(metadata, ensure_ascii=False)),
+            "metadata": np.array(json.dumps(world.metadata(), ensure_ascii=False)),
         },
     )
     return [path]

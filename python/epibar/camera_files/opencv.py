@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,13 +12,12 @@ from ..files.atomic import write_atomically
 from ..files.opencv_text import opencv_text
 from ..lens.intrinsics import Intrinsics
 from ..sources.opencv import opencv
+from .world import World
 
-__all__ = ["write_opencv"]
+__all__ = ["write_metadata", "write_opencv"]
 
 
-def write_opencv(
-    cameras: Sequence[Intrinsics], path: Path, metadata: Mapping[str, str | list[str]]
-) -> list[Path]:
+def write_opencv(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
     """Write YAML that ``cv2.FileStorage`` reads: the metadata, and a node ``cameras``, a sequence of maps.
 
     A camera has ``name``, ``width``, ``height``, ``camera_matrix``, ``distortion_coefficients`` (1 × n),
@@ -25,8 +25,7 @@ def write_opencv(
     """
     cv2 = opencv()
     storage = cv2.FileStorage(".yml", cv2.FILE_STORAGE_WRITE | cv2.FILE_STORAGE_MEMORY)
-    for key, value in metadata.items():
-        storage.write(key, opencv_text(value if isinstance(value, str) else "; ".join(value)))
+    write_metadata(storage, world)
     storage.startWriteStruct("cameras", cv2.FILE_NODE_SEQ)
     for camera in cameras:
         pose = camera.posed()
@@ -44,3 +43,9 @@ def write_opencv(
     text = storage.releaseAndGetString()
     write_atomically(path, lambda stream: stream.write(text.encode()))
     return [path]
+
+
+def write_metadata(storage: Any, world: World) -> None:
+    """Write what a file says of itself as texts."""
+    for key, value in world.lines().items():
+        storage.write(key, opencv_text(value))

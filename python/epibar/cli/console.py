@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import logging
 import platform
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
 from typing import IO, Any
 
@@ -50,6 +52,19 @@ class Console(Watch):
         for bar in self._bars.values():
             bar.close()
         self._bars.clear()
+
+    @contextmanager
+    def warnings(self) -> Iterator[None]:
+        """Print what the package logs as a warning, as one of ours."""
+        logger, handler = logging.getLogger("epibar"), _Warnings(self)
+        propagate = logger.propagate
+        logger.addHandler(handler)
+        logger.propagate = False
+        try:
+            yield
+        finally:
+            logger.removeHandler(handler)
+            logger.propagate = propagate
 
     @property
     def interactive(self) -> bool:
@@ -160,3 +175,14 @@ def _versions() -> str:
         except PackageNotFoundError:
             found[package] = "not installed"
     return ", ".join(f"{name} {number}" for name, number in found.items())
+
+
+class _Warnings(logging.Handler):
+    """Hands on what is logged."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__(logging.WARNING)
+        self._console = console
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._console.warning(record.getMessage())

@@ -1,12 +1,12 @@
-"""``epibar export``: the results of a run for other tools."""
+"""``epibar export``: the results of a run for other programs."""
 
 from __future__ import annotations
 
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from ..camera_files.formats import FORMATS as CAMERA_FORMATS
-from ..export.formats import FORMATS
+from ..camera_files.formats import ALIASES
+from ..export.formats import CAMERA_FORMATS, PAIR_FORMATS
 from .exit_codes import DONE
 from .options import CommandParser, add_output_options
 
@@ -19,29 +19,29 @@ if TYPE_CHECKING:
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
 NAME = "export"
-HELP = "write the results for OpenCV, NumPy, COLMAP, aniposelib, Caliscope, or as CSV"
-OF_CAMERAS = {"anipose": "anipose", "toml": "anipose", "caliscope": "caliscope"}
-"""Formats that hold cameras and nothing else, and what each is called among those of cameras."""
+HELP = "write the cameras or the pairs of a run for another program; 'epibar formats' lists them"
 
 DESCRIPTION = (
-    "Write what 'epibar calibrate' found in a form that other tools read. "
-    + " ".join(f"{name}: {one.what}." for name, one in FORMATS.items())
-    + " Where there is a network, camera files hold its accepted cameras, which --cameras writes as well: "
-    + "; ".join(f"{name}: {one.what}" for name, one in CAMERA_FORMATS.items())
-    + ". Without one poses need intrinsics."
+    "Write what 'epibar calibrate' found in a form that another program reads. "
+    f"Pairs: {', '.join(PAIR_FORMATS)}. Cameras: {', '.join(CAMERA_FORMATS)}; a name of both stands "
+    "for the pairs, unless --cameras is given. 'epibar formats' tells what each writes and what it loses. "
+    "Where there is a network, its accepted cameras are written; else those of the pairs, put into one "
+    "world, which needs intrinsics."
 )
 
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
+    names = tuple(dict.fromkeys([*CAMERA_FORMATS, *PAIR_FORMATS, *ALIASES]))
+    both = ", ".join(name for name in PAIR_FORMATS if name in CAMERA_FORMATS)
     command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
-    command.add_argument("--format", required=True, choices=tuple(FORMATS), help="of the file")
+    command.add_argument("--format", required=True, choices=names, help="the program")
     command.add_argument(
         "--cameras",
         action="store_true",
-        help="the cameras of the network, also where the format has pairs: opencv, npz, colmap",
+        help=f"the cameras of the network, also where the format has pairs: {both}",
     )
-    command.add_argument("-o", "--out", required=True, metavar="PATH", help="the file to write")
+    command.add_argument("-o", "--out", required=True, metavar="PATH", help="the file or folder to write")
     command.add_argument(
         "--all",
         action="store_true",
@@ -50,7 +50,7 @@ def add_options(command: CommandParser) -> None:
     command.add_argument(
         "--intrinsics",
         metavar="FILE.toml",
-        help="camera matrices, where the run was made without; lenses for toml and caliscope "
+        help="camera matrices, where the run was made without; lenses for the files of cameras "
         "(default: the file that the run was made with)",
     )
     add_output_options(command)
@@ -66,42 +66,54 @@ def run(args: Namespace) -> int:
     from ..runs.run import Run
     from .console import Console
 
-    console = Console(args.quiet, verbose=args.verbose)
     found = Run.load(args.folder)
     out = Path(args.out)
     network = found.files[0].parent / NETWORK_FILE
     if out.resolve() in [file.resolve() for file in (*found.files, network)]:
         raise EpibarError(f"--out {out}: this is part of the run itself")
-    if args.cameras or (args.format in OF_CAMERAS and network.exists()):
-        return _export_cameras(args, found, network, out, console)
-    selected = found.selected(every=args.all)
-    if args.intrinsics:
-        selected = selected.with_intrinsics(load_cameras(args.intrinsics), args.intrinsics)
-    chosen = FORMATS[args.format]
-    known = any(camera.matrix is not None for camera in selected.cameras)
-    if known and chosen.poses:
-        for reason in selected.poses()[1]:
-            console.warning(f"without a pose: {reason}")
-    if chosen.lenses:
-        written = chosen.write(selected, out, args.intrinsics)
-        if len(written) > 1 or written[0] != out:
-            console.warning("the pairs cannot be put into one world: a file for each; [metadata] says why")
-    else:
-        written = chosen.write(selected, out)
-    left_out = len(found.pairs) - len(selected.pairs)
-    if left_out:
-        console.note(f"left out: {left_out} of {len(found.pairs)} pairs, not accepted; --all takes them too")
-    for path in written:
-        console.result(f"written: {path}")
+    chosen = ALIASES.get(args.format, args.format)
+    of_cameras = args.cameras or chosen not in PAIR_FORMATS
+    with Console(args.quiet, verbose=args.verbose) as console, console.warnings():
+        if args.cameras or (of_cameras and network.exists()):
+            written = _export_network(args, chosen, found, network, console)
+        else:
+            selected = found.selected(every=args.all)
+            if args.intrinsics:
+                selected = selected.with_intrinsics(load_cameras(args.intrinsics), args.intrinsics)
+            written = _export_pairs(args, chosen, selected, of_cameras, console)
+            left_out = len(found.pairs) - len(selected.pairs)
+            if left_out:
+                told = f"left out: {left_out} of {len(found.pairs)} pairs, not accepted"
+                console.note(f"{told}; --all takes them too")
+        for path in written:
+            console.result(f"written: {path}")
     return DONE
 
 
-def _export_cameras(args: Namespace, run: Run, file: Path, out: Path, console: Console) -> int:
+def _export_pairs(args: Namespace, chosen: str, run: Run, of_cameras: bool, console: Console) -> list[Path]:
+    """Write the pairs, or the cameras as the pairs place them."""
+    from pathlib import Path
+
+    from ..export.placed import write_placed
+
+    known = any(camera.matrix is not None for camera in run.cameras)
+    if known and chosen != "csv":
+        for reason in run.poses()[1]:
+            console.warning(f"without a pose: {reason}")
+    out = Path(args.out)
+    if not of_cameras:
+        return PAIR_FORMATS[chosen].write(run, out)
+    written = write_placed(run, out, chosen, args.intrinsics)
+    if out not in written and out not in [path.parent for path in written]:
+        console.warning("the pairs cannot be put into one world: a file for each, which says why")
+    return written
+
+
+def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console: Console) -> list[Path]:
     """Write the accepted cameras of the network."""
     from ..errors import EpibarError
     from ..network import Network
 
-    chosen = OF_CAMERAS.get(args.format, args.format)
     if chosen not in CAMERA_FORMATS:
         raise EpibarError(
             f"--format {args.format} has no cameras; --cameras is for {', '.join(CAMERA_FORMATS)}"
@@ -111,12 +123,7 @@ def _export_cameras(args: Namespace, run: Run, file: Path, out: Path, console: C
             f"{file}: there is no network in this run; calibrate three cameras, or two with intrinsics"
         )
     network = Network.load(file)
-    lenses = run.lenses(args.intrinsics)
-    written = network.export(out, chosen, lenses)
-    for name in network.left_out:
-        console.warning(f"left out: {name}: {network.cameras[name].reason}")
+    written = network.export(args.out, chosen, run.lenses(args.intrinsics))
     if network.unit != "metre":
         console.note("lengths are not in metres: 'epibar scale' makes them so")
-    for path in written:
-        console.result(f"written: {path}")
-    return DONE
+    return written

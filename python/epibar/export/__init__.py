@@ -1,11 +1,12 @@
-"""Results for other tools: OpenCV, NumPy, COLMAP, CSV, and the camera files of aniposelib and Caliscope.
+"""Results for other programs: pairs for OpenCV, NumPy and COLMAP or as CSV, and the cameras for many more.
 
 >>> from epibar import export
 >>> run = export.Run.load("calibrated").selected()
 >>> written = export.write_colmap(run, "database.db")
 
 ``selected()`` keeps the accepted pairs, ``selected(every=True)`` all of them. The same from the command
-line is ``epibar export``. :mod:`epibar.export.formats` lists the formats, and says how to add one.
+line is ``epibar export``. :mod:`epibar.export.formats` lists the formats, and says how to add one. Cameras of
+a network are written by :meth:`epibar.Network.export`; :func:`write_placed` places those of a run without.
 
 Names are imported when they are first used: the command line asks for the formats alone.
 """
@@ -15,20 +16,21 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .formats import FORMATS, Format
+from .formats import CAMERA_FORMATS, FORMATS, PAIR_FORMATS, Format
 
 if TYPE_CHECKING:
     from ..runs.run import Camera, Pair, Run
-    from .anipose import write_toml
-    from .caliscope import write_caliscope
     from .colmap import write_colmap
     from .csv import write_csv
     from .npz import write_npz
     from .opencv import write_opencv
+    from .placed import write_caliscope, write_placed, write_toml
     from .placing import place_cameras
 
 __all__ = [
+    "CAMERA_FORMATS",
     "FORMATS",
+    "PAIR_FORMATS",
     "Camera",
     "Format",
     "Pair",
@@ -39,6 +41,7 @@ __all__ = [
     "write_csv",
     "write_npz",
     "write_opencv",
+    "write_placed",
     "write_toml",
 ]
 
@@ -47,12 +50,13 @@ _HOME = {
     "Pair": "..runs",
     "Run": "..runs",
     "place_cameras": ".placing",
-    "write_caliscope": ".caliscope",
+    "write_caliscope": ".placed",
     "write_colmap": ".colmap",
     "write_csv": ".csv",
     "write_npz": ".npz",
     "write_opencv": ".opencv",
-    "write_toml": ".anipose",
+    "write_placed": ".placed",
+    "write_toml": ".placed",
 }
 
 

@@ -1,66 +1,66 @@
-"""The formats of ``epibar export``, one module of this package each.
+"""The formats of ``epibar export``: what holds pairs of cameras, one module of this package each, and all.
 
-To add one: a module with a function that takes a :class:`~epibar.runs.Run` and a path, writes, and returns
-the files it wrote; and a line in :data:`FORMATS`. The command line and its help follow the table.
+To add one for pairs: a module with a function that takes a :class:`~epibar.runs.Run` and a path, writes, and
+returns the files it wrote; and a line in :data:`PAIR_FORMATS`. Cameras in one world have a table of their
+own, :mod:`epibar.camera_files.formats`. The command line, its help and ``epibar formats`` follow the tables.
 Standard library only: the command line reads it before anything heavy is imported.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, NamedTuple
+from ..camera_files.formats import FORMATS as CAMERA_FORMATS
+from ..camera_files.formats import Format
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
+__all__ = ["CAMERA_FORMATS", "FORMATS", "PAIR_FORMATS", "Format"]
 
-__all__ = ["FORMATS", "Format"]
+AXES = "pixels, pixel centres at integers; X_b = R X_a + t, where matrices are known"
 
-
-class Format(NamedTuple):
-    """One format.
-
-    Attributes
-    ----------
-    name : str
-        As it is called on the command line.
-    module, function : str
-        What writes it.
-    what : str
-        For the help.
-    poses : bool
-        Relative poses are part of it, where camera matrices are known.
-    lenses : bool
-        It needs lenses: its function takes a camera file as third argument.
-    """
-
-    name: str
-    module: str
-    function: str
-    what: str
-    poses: bool = True
-    lenses: bool = False
-
-    @property
-    def write(self) -> Callable[..., list[Path]]:
-        """The function."""
-        module = import_module(f".{self.module}", __package__)
-        found: Any = getattr(module, self.function)
-        write: Callable[..., list[Path]] = found
-        return write
-
-
-FORMATS = {
+PAIR_FORMATS = {
     one.name: one
     for one in (
-        Format("opencv", "opencv", "write_opencv", "FileStorage YAML of OpenCV"),
-        Format("npz", "npz", "write_npz", "NumPy arrays"),
-        Format("colmap", "colmap", "write_colmap", "a database with the frontier points as verified matches"),
-        Format("csv", "csv", "write_csv", "the frontier points", poses=False),
-        Format("anipose", "anipose", "write_toml", "camera file of aniposelib, with poses", lenses=True),
-        Format("toml", "anipose", "write_toml", "the same, as it was called before", lenses=True),
         Format(
-            "caliscope", "caliscope", "write_caliscope", "camera file of Caliscope, with poses", lenses=True
+            "opencv",
+            "OpenCV",
+            "a YAML file of FileStorage: F and frontier points",
+            "none: t has length 1",
+            AXES,
+            "frames of the points",
+            "opencv:write_opencv",
+            package=__package__,
+        ),
+        Format(
+            "npz",
+            "NumPy",
+            "an .npz file, without pickle",
+            "none: t has length 1",
+            AXES,
+            "nothing more",
+            "npz:write_npz",
+            package=__package__,
+        ),
+        Format(
+            "colmap",
+            "COLMAP",
+            "a database with the frontier points as verified matches",
+            "none: t has length 1",
+            "pixels, centre of the first pixel at (0.5, 0.5)",
+            "frames of the points; verdicts but for accepted or not",
+            "colmap:write_colmap",
+            extra="colmap",
+            package=__package__,
+        ),
+        Format(
+            "csv",
+            "any calibration, spreadsheets",
+            "a .csv file of the frontier points",
+            "none",
+            "pixels, pixel centres at integers",
+            "F and poses",
+            "csv:write_csv",
+            package=__package__,
         ),
     )
 }
+
+FORMATS = {"cameras": CAMERA_FORMATS, "pairs": PAIR_FORMATS}
+"""Every format by what it holds."""

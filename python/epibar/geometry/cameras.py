@@ -63,6 +63,11 @@ def projection_matrix(camera: PosedCamera) -> Array:
     return camera.K @ np.column_stack([camera.R, camera.t])
 
 
+def opengl_pose(camera: PosedCamera) -> tuple[Array, Array]:
+    """Rotation (3, 3) and position (3,) of camera to world in OpenGL's axes: x right, y up, z back."""
+    return camera.R.T * (1.0, -1.0, -1.0), -camera.R.T @ camera.t
+
+
 def project(camera: PosedCamera, points3d: ArrayLike) -> tuple[Array, Array]:
     """Project world points: (n, 2) pixels, NaN behind the camera, and (n,) depths."""
     local = as_finite("points3d", points3d, 3) @ camera.R.T + camera.t

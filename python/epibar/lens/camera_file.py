@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import as_numbers
+from ..arguments import Array, as_numbers
 from ..errors import UNPRINTABLE, EpibarError
 from ..files.atomic import write_atomically
 from .intrinsics import Intrinsics
@@ -136,6 +136,7 @@ def write_cameras(
     cameras: Iterable[Intrinsics],
     metadata: Mapping[str, str | list[str]] | None = None,
     caliscope: bool = False,
+    more: Sequence[Mapping[str, Array]] | None = None,
 ) -> None:
     """Write cameras the way :func:`load_cameras` reads them, and aniposelib or Caliscope.
 
@@ -147,6 +148,8 @@ def write_cameras(
         For the table ``metadata``, which readers keep or skip.
     caliscope : bool
         Tables as Caliscope reads them, ``[cameras.0]``, rather than as aniposelib does, ``[cam_0]``.
+    more : sequence of mapping of str to array, optional
+        Of each camera, what else its table holds.
 
     Raises
     ------
@@ -167,6 +170,7 @@ def write_cameras(
         for key in ("rotation", "translation"):
             value = getattr(camera, key)
             rows += [] if value is None else [f"{key} = {value.tolist()}"]
+        rows += [f"{key} = {value.tolist()}" for key, value in (more[index] if more else {}).items()]
         tables.append("\n".join(rows) + "\n")
     if metadata:
         rows = [f"{key} = {_toml(value)}" for key, value in metadata.items()]

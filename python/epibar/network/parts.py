@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..arguments import Array
+from ..camera_files.world import METRE
 from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics
 from ..sources.opencv import opencv
@@ -26,8 +27,6 @@ __all__ = [
 
 BASELINE = "baseline"
 """Unit of length where the scale is not known: the distance between the first two cameras that stand."""
-
-METRE = "metre"
 
 
 @dataclass(frozen=True, eq=False)

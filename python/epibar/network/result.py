@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..camera_files.formats import FORMATS
+from ..camera_files.world import World
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
 from ..lens.intrinsics import Intrinsics
@@ -139,9 +140,10 @@ class Network(NetworkParts):
         Parameters
         ----------
         path : str or path
-            A file; for "colmap" a folder.
+            A file; for "colmap" and "easymocap" a folder.
         format : str
-            "anipose", "caliscope", "opencv", "colmap" or "npz".
+            "anipose", "caliscope", "freemocap", "pose2sim", "easymocap", "opencv", "colmap", "nerfstudio",
+            "gltf", "rerun" or "npz". What one loses is logged, and stands in the file.
         lenses : mapping of str to Intrinsics, optional
             Lenses that were taken out of recordings, to be written with the cameras of their names.
 
@@ -153,7 +155,8 @@ class Network(NetworkParts):
         Raises
         ------
         EpibarError
-            No camera is accepted, the format is unknown, or a file cannot be written.
+            No camera is accepted, the format is unknown or has no place for a lens, or a file cannot be
+            written.
         """
         if format not in FORMATS:
             raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
@@ -164,20 +167,26 @@ class Network(NetworkParts):
             logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].reason)
         lenses = lenses or {}
         cameras = [camera.intrinsics(lenses.get(camera.name)) for camera in accepted]
-        return FORMATS[format].write(cameras, Path(path), self._metadata())
+        chosen = FORMATS[format]
+        if chosen.unit != "network" and self.unit != METRE:
+            logger.warning(
+                "%s: %s counts in %ss, and the scale of this network is not known: bring it to metres first",
+                os.fspath(path),
+                chosen.program,
+                chosen.unit,
+            )
+        return chosen.write(cameras, Path(path), self._world())
 
-    def _metadata(self) -> dict[str, str | list[str]]:
+    def _world(self) -> World:
         """What a camera file says of itself, beside its cameras."""
         unit = self.unit
         if self.unit == BASELINE:
             first, second = [name for name, camera in self.cameras.items() if camera.rotation is not None][:2]
             unit = f"the distance between {first} and {second}, not metres"
-        up = "z is up; z = 0 is " + (
-            "the floor" if self.ground.source == "floor" else "the mean height of the cameras"
-        )
+        zero = "the floor" if self.ground.source == "floor" else "the mean height of the cameras"
         notes = [self.reason, *(self.scale.sources if self.scale else ())]
         notes += [f"left out: {name}: {self.cameras[name].reason}" for name in self.left_out]
-        return {"software": "epibar", "unit": unit, "world": up, "notes": notes}
+        return World(unit, zero, tuple(notes))
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as it stands in ``network.json`` and under ``network`` in ``calibration.json``."""

@@ -1,0 +1,81 @@
+"""Cameras as a recording of the Rerun viewer: pinholes with their names, and a grid where z is 0.
+
+``world/NAME`` holds a ``Transform3D`` of camera to world and a ``Pinhole``, whose image has pixel centres at
+integers and whose axes are x right, y down, z forward, as the reference of ``rerun.Pinhole`` says; it has no
+distortion. What stands in other files as metadata is a ``TextDocument``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import EpibarError, printable
+from ..files.atomic import write_atomically
+from ..lens.intrinsics import Intrinsics
+from .losses import off_as_pinhole, tell, told
+from .shapes import frustum_depth, ground_grid, positions
+from .world import World
+
+__all__ = ["write_rerun"]
+
+APPLICATION = "epibar"
+ROOT = "world"
+
+
+def write_rerun(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
+    """Write an ``.rrd`` file through ``rerun-sdk``; all is static, for the cameras stand still.
+
+    Raises
+    ------
+    EpibarError
+        ``rerun-sdk`` is missing, or the file cannot be written.
+    """
+    try:
+        import rerun
+    except ImportError as error:
+        raise EpibarError(
+            "rerun-sdk is missing, which writes files of Rerun: pip install 'epibar[live]'"
+        ) from error
+    off = {camera.name: off_as_pinhole(camera, camera.matrix) for camera in cameras}
+    losses = told("a camera of Rerun has no lens", off)
+    stream = rerun.RecordingStream(APPLICATION)
+    memory = stream.memory_recording()
+    _log(rerun, stream, cameras, world.with_notes(losses))
+    content = memory.drain_as_bytes()
+    write_atomically(path, lambda file: file.write(content))
+    tell(path, losses)
+    return [path]
+
+
+def _log(rerun: Any, stream: Any, cameras: Sequence[Intrinsics], world: World) -> None:
+    axes = rerun.ViewCoordinates
+    up = axes.RDF if world.zero is None else axes.RIGHT_HAND_Z_UP
+    stream.log(ROOT, up, static=True)
+    depth = frustum_depth(cameras)
+    for camera in cameras:
+        pose = camera.posed()
+        entity = rerun.new_entity_path([ROOT, printable(camera.name)])
+        place = rerun.Transform3D(translation=-pose.R.T @ pose.t, mat3x3=pose.R.T)
+        stream.log(entity, place, static=True)
+        lens = rerun.Pinhole(
+            image_from_camera=camera.matrix,
+            resolution=camera.size,
+            camera_xyz=axes.RDF,
+            image_plane_distance=depth,
+        )
+        stream.log(entity, lens, static=True)
+    names = [printable(camera.name) for camera in cameras]
+    stream.log(
+        f"{ROOT}/names", rerun.Points3D(positions(cameras), labels=names, radii=depth / 20), static=True
+    )
+    if world.zero is not None:
+        segments, spacing = ground_grid(cameras)
+        grid = rerun.LineStrips3D(np.asarray(segments), colors=[(128, 128, 128)] * len(segments))
+        stream.log(f"{ROOT}/grid", grid, static=True)
+        world = world.with_notes([f"the grid is of {spacing:g}"])
+    text = "\n\n".join(f"{key}: {printable(value)}" for key, value in world.lines().items())
+    stream.log("about", rerun.TextDocument(text), static=True)

@@ -1,0 +1,52 @@
+"""What the cameras of a file stand in: the unit of length, what is up, and what else is to be said."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+__all__ = ["METRE", "World"]
+
+METRE = "metre"
+
+
+@dataclass(frozen=True)
+class World:
+    """A world that cameras stand in.
+
+    Attributes
+    ----------
+    unit : str
+        "metre", or in words what a length of 1 is.
+    zero : str or None
+        What z = 0 is, where z is up: that of a network. None where the axes are those of the first camera.
+    notes : tuple of str
+        What a file says of itself besides.
+    """
+
+    unit: str
+    zero: str | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def in_metres(self) -> bool:
+        """Whether lengths are metres."""
+        return self.unit == METRE
+
+    def with_notes(self, notes: Iterable[str]) -> World:
+        """Return it with more to say."""
+        return replace(self, notes=(*self.notes, *notes))
+
+    def metadata(self) -> dict[str, str | list[str]]:
+        """Return what a camera file says of itself, beside its cameras."""
+        found: dict[str, str | list[str]] = {"unit": self.unit, "notes": list(self.notes)}
+        if self.zero is None:
+            return found
+        return {"software": "epibar", "world": f"z is up; z = 0 is {self.zero}", **found}
+
+    def lines(self) -> dict[str, str]:
+        """Return :meth:`metadata` as one text each."""
+        return {
+            key: value if isinstance(value, str) else "; ".join(value)
+            for key, value in self.metadata().items()
+        }

@@ -1,0 +1,53 @@
+"""A network in metres, and what its cameras project, for the tests of camera files."""
+
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from network_input import made_up
+
+METRES = 1.7 / 0.35
+"""Of the made-up network, once people measure 1.7 m."""
+POINTS = METRES * np.random.default_rng(0).uniform((-0.4, -0.4, 0.65), (0.4, 0.4, 1.35), (1000, 3))
+HOSTILE = [
+    "cam 1",
+    'a "b"',
+    "it's",
+    "two\nlines",
+    "../up",
+    "=cmd",
+    "Küche 東",
+    "none",
+    "a]b = 1",
+    "\u202eb\x1b[31m",
+]
+
+
+def network(count=12, distortions=None, names=None):
+    """A network in metres; its k3 is not 0."""
+    net = made_up(count, refused=(), lost=()).scaled(person_height=1.7)
+    cameras = {}
+    for k, (name, camera) in enumerate(net.cameras.items()):
+        lens = camera.distortions if distortions is None else np.array(distortions)
+        new = names[k] if names else name
+        cameras[new] = replace(camera, name=new, distortions=lens)
+    return replace(net, cameras=cameras)
+
+
+def pixels(K, distortions, R, t, points=POINTS):
+    return cv2.projectPoints(points, cv2.Rodrigues(R)[0], np.asarray(t), K, np.asarray(distortions))[0][:, 0]
+
+
+def expected(camera, distortions=None):
+    lens = camera.distortions if distortions is None else np.array(distortions)
+    return pixels(camera.matrix, lens, camera.rotation, camera.translation)
+
+
+def inside(found, camera):
+    return (found >= 0).all(axis=1) & (found < np.array(camera.size) - 1).all(axis=1)
+
+
+def assert_projects(net, found, atol=1e-3):
+    assert list(found) == list(net.cameras)
+    for name, values in found.items():
+        np.testing.assert_allclose(pixels(*values), expected(net.cameras[name]), atol=atol, err_msg=name)
