@@ -27,6 +27,7 @@ __all__ = [
     "NETWORK_FILE",
     "REPORT",
     "RESULT",
+    "TRACKS_FILE",
     "CameraInput",
     "Job",
     "Pair",
@@ -50,6 +51,7 @@ RESULT = "calibration.json"
 REPORT = "report.html"
 NETWORK_FILE = "network.json"
 CAMERAS_FILE = "cameras.toml"
+TRACKS_FILE = "tracks.csv"
 CLOCKS_FILE = "recordings/clocks.json"
 
 
