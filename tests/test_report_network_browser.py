@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from network_report_input import cameras, network, network_report, renamed
+from network_report_input import cameras, network, network_report, renamed, walkers
+from report_input import make_report_input
 
 from epibar.report import NetworkReport
 from epibar.report.page import write_report
@@ -130,6 +131,19 @@ def test_pairs_have_the_colour_of_their_verdict(watched, report):
     page.get_by_label("walkers").uncheck()
     settled(page)
     assert page.locator(f"{VIEW} .tracks path").count() == 0
+
+
+def test_a_line_leads_to_its_pair(watched, tmp_path):
+    shown, pairs = make_report_input(tmp_path)
+    made = network(3, refused=(), lost=())
+    path = write_report(tmp_path / "r.html", shown, pairs, network=NetworkReport(made, None, walkers()))
+    page = drawn(watched(path.as_uri(), DESKTOP))
+    assert page.locator(f"{VIEW} .to-pair").count() == 3
+    page.locator(f"{VIEW} .to-pair").nth(1).dispatch_event("click")
+    page.locator("a.cell[href='#pair-2'][aria-current]").wait_for()
+    assert page.locator("#pair-title .who").all_inner_texts() == ["A cam1", "B cam3"]
+    assert page.get_by_text("of 3 cameras accepted", exact=False).first.is_visible()
+    assert page.get_by_text("refused here does not speak against the network").is_visible()
 
 
 def test_a_ball_is_the_stated_error_enlarged(watched, report):

@@ -20,7 +20,7 @@ FRUSTUM = 0.11
 """Depth of a frustum: share of the extent of what is shown."""
 
 BALL = 0.03
-"""The median stated position error is drawn about so large, as a share of that extent, and magnified to it."""
+"""The median stated position error is drawn about so large: share of that extent."""
 
 CELLS = 12
 """Cells of the grid along its longer side, at most."""
