@@ -22,7 +22,7 @@ def staging():
 
 
 def test_lenses_and_clocks_differ(staging):
-    cameras, clocks = staging.scene.cameras, staging.clocks
+    cameras, clocks = staging.cameras, staging.clocks
     assert [camera.name for camera in cameras] == ["cam1", "cam2", "cam3", "cam4"]
     assert len({camera.K[0, 0] for camera in cameras}) == 4
     assert all(BARREL[0] <= camera.distortions[0] <= BARREL[1] for camera in cameras)
@@ -33,7 +33,7 @@ def test_lenses_and_clocks_differ(staging):
     assert all(len(clock.moments) == 2 * clock.fps for clock in clocks)
     together = stage(3, seconds=2.0, size=SIZE, barrel=False, unsynchronised=False)
     assert len({(clock.start, clock.fps, clock.drift) for clock in together.clocks}) == 1
-    assert not any(camera.distorted for camera in together.scene.cameras)
+    assert not any(camera.distorted for camera in together.cameras)
 
 
 def test_an_offset_leads_to_the_same_moment(staging):
@@ -66,7 +66,7 @@ def as_found(staging, scale=0.1):
             translation=scale * true.t,
             expected={"focal": 0.01, "rotation": 1.0, "position": 0.1},
         )
-        for true in staging.scene.cameras
+        for true in staging.cameras
     }
     clocks = {name: NetworkClock(staging.offset(k), 0.0, 0.001) for k, name in enumerate(cameras)}
     return replace(made, cameras=cameras, clocks=clocks)

@@ -109,7 +109,7 @@ def run(args: Namespace) -> int:
     )
     sources = _rendered(staging, out / "videos", console)
     known = out / "known_cameras.toml"
-    write_cameras(known, [_known(camera) for camera in staging.scene.cameras])
+    write_cameras(known, [_known(camera) for camera in staging.cameras])
 
     words = ["calibrate", *map(str, sources), "--out", str(out), "--seed", str(args.seed)]
     if not args.unsynchronised:
@@ -161,7 +161,7 @@ def _compare(out: Path, known: Path, staging: Staging, console: Console) -> None
     if network.exists():
         for line in compared(Network.load(network), staging):
             console.result(line)
-    if not any(camera.distorted for camera in staging.scene.cameras):
+    if not any(camera.distorted for camera in staging.cameras):
         evaluate.run(
             Namespace(
                 calibration=str(out / "calibration.json"),

@@ -30,8 +30,8 @@ def compared(network: Network, staging: Staging) -> list[str]:
 
     size, unit = _lengths(network, staging, list(found))
     below = held = 0
-    rows = [("camera", *PARTS, "clock")]
-    for name, error in network_errors(staging.scene, found).items():
+    rows: list[tuple[str, ...]] = [("camera", *PARTS, "clock")]
+    for name, error in network_errors(staging, found).items():
         cells, good = _cells(network.cameras[name], error, size, unit)
         held, below = held + len(good), below + sum(good)
         rows.append((name, *cells, _clock(network, staging, name)))
@@ -67,7 +67,7 @@ def _lengths(network: Network, staging: Staging, names: list[str]) -> tuple[floa
 
     import numpy as np
 
-    true = {camera.name: camera.centre for camera in staging.scene.cameras}
+    true = {camera.name: camera.centre for camera in staging.cameras}
     pairs = list(combinations(names, 2))
     size = max(float(np.linalg.norm(true[a] - true[b])) for a, b in pairs)
     scales = []

@@ -20,8 +20,8 @@ from ..geometry import symmetric_epipolar_distance
 from .camera import Camera, true_fundamental
 
 if TYPE_CHECKING:
-    from .scene import Scene
     from .situations import Situation
+    from .staging import Staging
 
 Array = NDArray[np.float64]
 
@@ -86,12 +86,12 @@ def _placed(true: Array, found: Array) -> Array:
     return placed
 
 
-def network_errors(situation: Situation | Scene, found: Mapping[str, Camera]) -> dict[str, CameraError]:
+def network_errors(situation: Situation | Staging, found: Mapping[str, Camera]) -> dict[str, CameraError]:
     """Hold calibrated cameras against the true ones.
 
     Parameters
     ----------
-    situation : Situation or Scene
+    situation : Situation or Staging
         Its cameras are the true ones, by their names.
     found : mapping of name to Camera
         Two cameras of the situation or more, in a world of their own.

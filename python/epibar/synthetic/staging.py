@@ -7,14 +7,20 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arguments import Size
+from ..arguments import Array, Size
+from . import tracks
+from .camera import Camera
+from .figures import Walkers
 from .film import Clock
-from .generators import people
-from .rigs import Lenses
-from .scene import Scene
+from .rigs import Lenses, Rig, draw_cameras
+from .scene import Scene, Solids
 from .video import render_video
+from .world import World
 
 __all__ = ["BARREL", "Staging", "stage"]
+
+AREA = (8.0, 8.0)
+"""Metres on which people walk."""
 
 BARREL = (-0.3, -0.1)
 """k1 of lenses that bend lines visibly, as those of phones and surveillance cameras do."""
@@ -26,36 +32,55 @@ RATES = (25.0, 30.0)
 DRIFT = 20.0
 """Parts per million: standard deviation of a clock's rate."""
 
-DENSE = 30.0
-"""Moments per second at which the crowd is known; between them everything moves straight."""
+POINTS = 2000
 
 
 @dataclass(frozen=True, eq=False)
 class Staging:
-    """A scene, and when each camera filmed it.
+    """What moves, the cameras before it, and when each filmed it.
 
     Attributes
     ----------
-    scene : Scene
-        The truth; its cameras are called cam1, cam2, …
+    world : World
+    cameras : list of Camera
+        The truth; they are called cam1, cam2, …
     clocks : list of Clock
         Frame 0 of each is the first with people.
+    volume_points : (n, 3) array
+        Random points where things moved, metres.
     empty_frames : int
         Frames of each video before, without anybody.
     seed : int
         Of the videos' noise.
     """
 
-    scene: Scene
+    world: World
+    cameras: list[Camera]
     clocks: list[Clock]
+    volume_points: Array
     empty_frames: int
     seed: int
 
+    def filmed(self, index: int) -> Scene:
+        """Return the scene in the frames of one camera."""
+        clock = self.clocks[index]
+        pose = self.world.at(clock.moments)
+        world = self.world
+        solids = Solids(
+            pose.centres,
+            pose.axes,
+            world.box,
+            world.owner,
+            np.ones(len(world.box), bool),
+            np.ones((len(world.box), len(self.cameras)), bool),
+        )
+        return Scene(
+            "demo", self.cameras, solids, clock.frames, clock.fps, self.volume_points, seed=self.seed
+        )
+
     def render(self, index: int, path: Path) -> Path:
         """Write the video of a camera; see :func:`~epibar.synthetic.render_video`."""
-        clock = self.clocks[index]
-        filmed = self.scene.filmed_at(clock.moments, clock.fps)
-        return render_video(filmed, index, path, seed=self.seed, empty_frames=self.empty_frames)
+        return render_video(self.filmed(index), index, path, seed=self.seed, empty_frames=self.empty_frames)
 
     def offset(self, index: int) -> float:
         """Return which second of a video shows what the first frame of the first video shows."""
@@ -93,23 +118,36 @@ def stage(
         Otherwise frame by frame together, at the first of those.
     empty_frames : int
     """
-    rng = np.random.default_rng((seed, 2))
-    late = rng.uniform(0.0, LATEST, cameras)
-    rates, drifts = rng.choice(RATES, cameras), rng.normal(0.0, DRIFT, cameras)
-    if unsynchronised:
-        drifts[0] = 0.0  # the first camera is the reference
-        late -= late.min()
-    else:
-        late, drifts, rates = np.zeros(cameras), np.zeros(cameras), np.full(cameras, RATES[0])
-    clocks = [
-        Clock(float(start), float(rate), round(seconds * rate), float(drift))
-        for start, rate, drift in zip(late, rates, drifts, strict=True)
+    clocks = _clocks(np.random.default_rng((seed, 2)), cameras, seconds, unsynchronised)
+    length = max(float(clock.moments[-1]) for clock in clocks) + 1.0
+    rng = np.random.default_rng((seed, 1))
+    world = World([Walkers(rng, tracks.free(rng, walkers, length, AREA))])
+    points = world.random_points(rng, length, POINTS)
+    rng = np.random.default_rng((seed, 0))
+    rig = Rig(
+        ("ring",),
+        height=(2.2, 4.0),
+        beyond=(2.5, 4.5),
+        focal=(0.65, 0.95),
+        roll=0.05,
+        sizes=(size,),
+        least_seen=0.7,
+        least_span=0.6,
+    )
+    lens = Lenses(k1=BARREL, wide=0.0, alike=False).maker(rng) if barrel else None
+    made = [
+        replace(camera, name=f"cam{index + 1}")
+        for index, camera in enumerate(draw_cameras(rng, rig, cameras, AREA, points, lens))
     ]
-    length = max(float(clock.moments[-1]) for clock in clocks)
-    frames = int(np.ceil(length * DENSE)) + 2
-    scene = people(seed=seed, cameras=cameras, walkers=walkers, frames=frames, size=size, fps=DENSE)
-    made = [replace(camera, name=f"cam{index + 1}") for index, camera in enumerate(scene.cameras)]
-    if barrel:
-        lens = Lenses(k1=BARREL, wide=0.0, alike=False).maker(rng)
-        made = [lens(rng, camera) for camera in made]
-    return Staging(replace(scene, cameras=made), clocks, empty_frames, seed)
+    return Staging(world, made, clocks, points, empty_frames, seed)
+
+
+def _clocks(rng: np.random.Generator, count: int, seconds: float, unsynchronised: bool) -> list[Clock]:
+    if not unsynchronised:
+        return [Clock(0.0, RATES[0], round(seconds * RATES[0])) for _ in range(count)]
+    late, rates = rng.uniform(0.0, LATEST, count), rng.choice(RATES, count)
+    drifts = np.concatenate([[0.0], rng.normal(0.0, DRIFT, count - 1)])  # the first is the reference
+    return [
+        Clock(float(start), float(rate), round(seconds * rate), float(drift))
+        for start, rate, drift in zip(late - late.min(), rates, drifts, strict=True)
+    ]
