@@ -167,6 +167,10 @@ def test_a_row_picks_its_camera(watched, report):
     page.locator("tr[data-camera=cam4]").hover()
     settled(page)
     assert page.locator(f"{VIEW} .faded").count() == 0, "it has no place, so nothing is picked"
+    page.locator("tr[data-camera=cam2]").focus()
+    settled(page)
+    assert "cam2" not in page.locator(f"{VIEW} .station.faded title").all_text_contents()
+    assert page.locator(f"{VIEW} .station.faded").count() == 3
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -95,7 +95,7 @@ def space_entry(
             {
                 "a": names.index(pair.a),
                 "b": names.index(pair.b),
-                "status": pair.status if pair.accepted or pair.status != "confirmed" else "predicted",
+                "status": pair.status,
                 "pair": shown.get((pair.a, pair.b)),
             }
             for pair in network.pairs.values()

@@ -188,7 +188,8 @@ function showSpace(data, colours) {
   host.replaceChildren(...space.element().filter(Boolean));
   host.hidden = false;
   for (const row of document.querySelectorAll("tr[data-camera]")) {
-    row.addEventListener("pointerenter", () => space.pick(row.dataset.camera));
-    row.addEventListener("pointerleave", () => space.pick(null));
+    row.tabIndex = 0;
+    for (const name of ["pointerenter", "focus"]) row.addEventListener(name, () => space.pick(row.dataset.camera));
+    for (const name of ["pointerleave", "blur"]) row.addEventListener(name, () => space.pick(null));
   }
 }
