@@ -33,7 +33,7 @@ def save(png: bytes, path: Path) -> None:
 def take(browser: Browser, report: Path) -> None:
     """Photograph the network at the width of a desktop and of a phone, and the views of a pair."""
     address = report.resolve().as_uri()
-    desktop = browser.new_page(viewport={"width": 1280, "height": 1120}, color_scheme="light")
+    desktop = browser.new_page(viewport={"width": 1280, "height": 1206}, color_scheme="light")
     desktop.goto(address)
     desktop.locator(".space-view .apex").first.wait_for()
     save(desktop.screenshot(), FOLDER / "report_desktop.png")
@@ -50,6 +50,7 @@ def take(browser: Browser, report: Path) -> None:
     accepted = desktop.locator("a.cell.accepted")
     if accepted.count():
         accepted.first.click()
+        desktop.mouse.move(2, 2)
     desktop.locator(".strip-plot .main-svg").first.wait_for()
     show(desktop, "#pair")
     save(desktop.screenshot(), FOLDER / "report_pair.png")

@@ -41,17 +41,19 @@ def network_section(network: NetworkParts, tracks: Sequence[Track]) -> str:
     """Verdict, room for the view in space, table."""
     accepted, count = sum(camera.accepted for camera in network.cameras.values()), len(network.cameras)
     if accepted == count:
-        look, word = "accepted", f"✓ All {count} cameras accepted"
+        look, word = "accepted", f"✓ {_sentence(network.reason).removesuffix('.')}"
     elif accepted:
         look, word = "partial", f"{accepted} of {count} cameras accepted, the others left out"
     else:
         look, word = "refused", "✕ Refused: no camera accepted"
+    # Of a whole network the reason says no more than that it is one.
+    reason = "" if accepted == count else f"<p>{escape(_sentence(network.reason))}</p>"
     notes = [note for note in network_notes(network) if not _is_of_a_camera(network, note)]
     items = "".join(f"<li>{escape(note)}</li>" for note in notes)
     return (
         '<section class="network" aria-labelledby="network-title">'
         f'<h2 id="network-title" class="hidden">Network</h2><div class="verdict {look}"><div>'
-        f'<p class="word">{escape(word)}</p><p>{escape(_sentence(network.reason))}</p>'
+        f'<p class="word">{escape(word)}</p>{reason}'
         f'<ul class="network-notes">{items}</ul></div></div>'
         f'<div class="card space-card"><div id="space" hidden></div>'
         f'<p class="caption">{escape(_caption(network, tracks))}</p></div>'
@@ -147,8 +149,8 @@ def _signed(value: float, digits: int) -> str:
 def _clock(clock: NetworkClock) -> str:
     if clock.offset is None:
         return UNKNOWN
-    error = "" if not clock.offset_error else f" ± {clock.offset_error:.3f}"
-    text = f"{clock.offset:+.3f}{error} s"
+    error = "" if not clock.offset_error else f" ± {1000 * clock.offset_error:.1g} ms"
+    text = f"{clock.offset:+.3f} s{error}"
     if abs(clock.drift or 0.0) >= 0.5:
         text += f", {clock.drift:+.0f} ppm"
     return text.replace("-", "\N{MINUS SIGN}")

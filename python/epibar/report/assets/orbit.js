@@ -1,7 +1,7 @@
 // How the network's world, z up, is seen: turned about its middle, in perspective, fitted to a rectangle.
 
 const RADIANS = Math.PI / 180;
-const SIDES = Array.from({ length: 24 }, (_, k) => 15 * k);
+const BESIDE = [-20, -10, 0, 10, 20];
 
 class Orbit {
   // `points` are all that must be seen, [x, y, z].
@@ -40,19 +40,17 @@ class Orbit {
     };
   }
 
-  // Left, right, top and bottom of all points from whichever side: nothing leaves the picture when it is turned.
+  // Left, right, top and bottom of all points from here and from a little beside: what is seen stays in the
+  // picture when it is turned, fills it, and does not jump.
   bounds() {
-    if (this.known?.elevation !== this.elevation) {
-      const box = [Infinity, -Infinity, Infinity, -Infinity];
-      for (const side of SIDES) {
-        for (const [x, y] of this.points.map(this.seenFrom(side))) {
-          [box[0], box[1], box[2], box[3]] =
-            [Math.min(box[0], x), Math.max(box[1], x), Math.min(box[2], y), Math.max(box[3], y)];
-        }
+    const box = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const side of BESIDE) {
+      for (const [x, y] of this.points.map(this.seenFrom(this.azimuth + side))) {
+        [box[0], box[1], box[2], box[3]] =
+          [Math.min(box[0], x), Math.max(box[1], x), Math.min(box[2], y), Math.max(box[3], y)];
       }
-      this.known = { elevation: this.elevation, box };
     }
-    return this.known.box;
+    return box;
   }
 
   // A function from the world to [x, y, pixels per unit there, depth], for a rectangle of so many pixels.

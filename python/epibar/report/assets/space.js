@@ -2,8 +2,8 @@
 // no WebGL, which not every browser has and which talks to the console, and names are text.
 
 const PAIR_WORDS = {
-  confirmed: "confirmed by what moves in both", predicted: "too little moves in both to confirm it",
-  contradicts: "alone it has another geometry",
+  confirmed: "confirmed by what moves in both", predicted: "predicted, too little moves in both to confirm it",
+  contradicts: "contradicts: alone it has another geometry",
 };
 const SHOWN_NAME = 22;
 
@@ -47,7 +47,7 @@ class Space {
       el("ul", { class: "space-legend" },
         ...Object.keys(PAIR_WORDS).filter(status => data.pairs.some(pair => pair.status === status)).map(status =>
           el("li", {}, svg("svg", { width: 28, height: 8, "aria-hidden": true }, svg("path", { class: `link ${status}`, d: "M0,4h28" })),
-            ` pair ${status}: ${PAIR_WORDS[status]}`))),
+            ` Pair ${PAIR_WORDS[status]}`))),
     ];
   }
 
@@ -100,7 +100,7 @@ class Space {
   draw() {
     const [width, height] = [this.svg.clientWidth, this.svg.clientHeight];
     if (!width || !height) return;
-    const at = this.orbit.projection(width, height, 26);
+    const at = this.orbit.projection(width, height, Math.min(26, width / 25));
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     const cameras = this.data.cameras
       .map(camera => ({ ...camera, seen: at(camera.place), ahead: at(camera.corners[0])[0] + at(camera.corners[2])[0] - 2 * at(camera.place)[0] }))
@@ -144,7 +144,7 @@ class Space {
     return svg("g", {
       class: pair.pair === null ? this.faded(a.name, b.name) : `to-pair ${this.faded(a.name, b.name)}`,
       onclick: () => { if (pair.pair !== null) location.hash = `#pair-${pair.pair + 1}`; },
-    }, svg("title", {}, `${a.name} and ${b.name}: ${pair.status}, ${PAIR_WORDS[pair.status] ?? ""}`),
+    }, svg("title", {}, `${a.name} and ${b.name}: ${PAIR_WORDS[pair.status] ?? pair.status}`),
     svg("path", { class: "hit", d }), svg("path", { class: `link ${pair.status}`, d }));
   }
 
