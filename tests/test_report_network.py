@@ -122,6 +122,17 @@ def test_the_view_has_the_places_of_the_network(page):
     assert np.allclose(space["tracks"][0], walkers()[0], atol=2e-3)
 
 
+def test_a_camera_that_was_left_out_far_off_does_not_shrink_the_others(tmp_path):
+    made = network()
+    far = replace(made.cameras["cam3"], translation=np.array([0.0, 0.0, 1e7]))
+    made = replace(made, cameras={**made.cameras, "cam3": far})
+    page = Page(write_report(tmp_path / "r.html", cameras(made.cameras), [], network=NetworkReport(made)))
+    space = page.data["space"]
+    assert [one["name"] for one in space["cameras"]] == ["cam1", "cam2", "cam5"]
+    assert space["floor"]["step"] < 1
+    assert "cam3 ✕ Left out" in text_of(page)
+
+
 def test_angles_are_those_of_the_lens():
     camera = network().cameras["cam1"]
     pinhole = replace(camera, distortions=np.zeros(5))
@@ -150,7 +161,7 @@ def test_tracks_are_read_and_cut_at_gaps(tmp_path):
     assert read_tracks(path) == []
     path.write_text(
         "# metres\ntime,track,x,y,z,height\n0.0,7,1,2,0,1.7\n0.4,7,1.5,2,0,\n9.0,7,3,3,0,1.7\n"
-        "0.2,7,1.2,2,0,1.7\n0.1,8,nan,1,0,1\n0.1,8,oops,1,0,1\n0.5,8,4,4,\n"
+        "0.2,7,1.2,2,0,1.7\n0.1,8,nan,1,0,1\n0.1,8,oops,1,0,1\n0.5,8,4,4,\n0.6,8,1e300,4,0,1\n"
     )
     found = read_tracks(path)
     assert [track.tolist() for track in found] == [[[1, 2, 0], [1.2, 2, 0], [1.5, 2, 0]], [[3, 3, 0]]]

@@ -22,6 +22,9 @@ FRUSTUM = 0.11
 BALL = 0.03
 """The median stated position error is drawn about so large: share of that extent."""
 
+FAR = 3.0
+"""Extents of the accepted cameras: one that was left out and stands farther off would shrink all others."""
+
 CELLS = 12
 """Cells of the grid along its longer side, at most."""
 
@@ -49,9 +52,23 @@ def _error(camera: NetworkCamera) -> float | None:
     return error if error is not None and math.isfinite(error) else None
 
 
+def _drawn(network: NetworkParts) -> list[str]:
+    """Names of the cameras that are drawn: those with a place, but none that was left out and is far off."""
+    cameras = network.cameras
+    placed = {name: camera.position for name, camera in cameras.items() if camera.position is not None}
+    standing = np.array([place for name, place in placed.items() if cameras[name].accepted]).reshape(-1, 3)
+    if len(standing) < 2:
+        return list(placed)
+    middle, farthest = standing.mean(axis=0), FAR * _extent(standing)
+    return [
+        name
+        for name, place in placed.items()
+        if cameras[name].accepted or np.linalg.norm(place - middle) < farthest
+    ]
+
+
 def _places(network: NetworkParts) -> Array:
-    places = [camera.position for camera in network.cameras.values() if camera.position is not None]
-    return np.array(places).reshape(-1, 3)
+    return np.array([network.cameras[name].position for name in _drawn(network)]).reshape(-1, 3)
 
 
 def _shown(network: NetworkParts, tracks: Sequence[Track]) -> Array:
@@ -81,12 +98,12 @@ def _extent(places: Array) -> float:
 def space_entry(
     network: NetworkParts, pairs: Sequence[ReportPair], tracks: Sequence[Track]
 ) -> dict[str, Any]:
-    """Describe cameras, pairs, floor and tracks; a camera without a place is left out."""
+    """Describe cameras, pairs, floor and tracks."""
     every = _shown(network, tracks)
     extent = _extent(every)
     shown = {(pair.a, pair.b): index for index, pair in enumerate(pairs)}
     shown |= {(b, a): index for (a, b), index in shown.items()}
-    names = [name for name, camera in network.cameras.items() if camera.position is not None]
+    names = _drawn(network)
     return {
         "magnification": magnification(network),
         "floor": _floor(network, tracks),

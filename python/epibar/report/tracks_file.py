@@ -20,8 +20,11 @@ NEEDED = ("time", "track", "x", "y", "z")
 GAP = 1.0
 """Seconds without a place after which a track is drawn as another one."""
 
-LONGEST = 5_000_000
+LONGEST = 1_000_000
 """Rows that are read."""
+
+FARTHEST = 1e6
+"""Units of length: a place farther off is none."""
 
 
 def read_tracks(path: Path) -> list[Track]:
@@ -55,12 +58,13 @@ def read_tracks(path: Path) -> list[Track]:
 
 
 def _numbers(row: dict[str, str | None]) -> tuple[float, float, float, float] | None:
-    """Time and place of a row; None where one is no finite number."""
+    """Time and place of a row; None where one is no number, or out of all bounds."""
     try:
         time, x, y, z = (float(row[name] or "nan") for name in ("time", "x", "y", "z"))
     except ValueError:
         return None
-    return (time, x, y, z) if np.isfinite((time, x, y, z)).all() else None
+    known = np.isfinite(time) and bool((np.abs((x, y, z)) < FARTHEST).all())
+    return (time, x, y, z) if known else None
 
 
 def _parts(rows: NDArray[np.float64]) -> list[Track]:
