@@ -17,7 +17,9 @@ from .tracks_file import Track
 __all__ = ["grid_step", "magnification", "nice", "space_entry"]
 
 FRUSTUM = 0.11
-"""Depth of a frustum: share of the extent of what is shown."""
+"""Depth of a frustum: share of the extent of what is shown; less where there are more than `FEW`."""
+
+FEW = 6
 
 BALL = 0.03
 """The median stated position error is drawn about so large: share of that extent."""
@@ -104,10 +106,11 @@ def space_entry(
     shown = {(pair.a, pair.b): index for index, pair in enumerate(pairs)}
     shown |= {(b, a): index for (a, b), index in shown.items()}
     names = _drawn(network)
+    depth = FRUSTUM * extent * min(1.0, math.sqrt(FEW / max(len(names), 1)))
     return {
         "magnification": magnification(network),
         "floor": _floor(network, tracks),
-        "cameras": [_camera(network.cameras[name], FRUSTUM * extent) for name in names],
+        "cameras": [_camera(network.cameras[name], depth) for name in names],
         "pairs": [
             {
                 "a": names.index(pair.a),

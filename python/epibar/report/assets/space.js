@@ -6,12 +6,16 @@ const PAIR_WORDS = {
   contradicts: "contradicts: alone it has another geometry",
 };
 const SHOWN_NAME = 22;
+const MANY = 20; // pairs, of which those that are confirmed are drawn thin
 
 class Space {
   constructor(data, colours) {
     this.data = data;
     this.colours = colours.slice(0, -1); // the last is white, for pictures
     this.off = new Set();
+    // What contradicts is drawn over the others.
+    const rank = pair => Object.keys(PAIR_WORDS).indexOf(pair.status);
+    this.links = [...data.pairs].sort((p, q) => rank(p) - rank(q));
     const { x, y, step, z } = data.floor;
     const corners = x.flatMap(i => y.map(j => [i * step, j * step, z]));
     // The corners of the floor are beyond all tracks.
@@ -110,7 +114,8 @@ class Space {
       svg("g", { class: "floor" }, ...this.floor(at)),
       svg("g", { class: "tracks" }, ...shown("tracks", () => this.tracks(at))),
       svg("g", { class: "drops" }, ...cameras.map(camera => this.drop(camera, at))),
-      svg("g", { class: "links" }, ...shown("lines", () => this.data.pairs.map(pair => this.link(pair, at)))),
+      svg("g", { class: this.links.length > MANY ? "links many" : "links" },
+        ...shown("lines", () => this.links.map(pair => this.link(pair, at)))),
       ...cameras.map(camera => this.camera(camera, at)),
       svg("g", { class: "names" }, ...cameras.map(camera => this.name(camera))));
   }
