@@ -1,4 +1,4 @@
-"""Take ``docs/report_desktop.png`` and ``docs/report_phone.png`` of the report of ``epibar demo``.
+"""Take the pictures of the report of ``epibar demo``: ``docs/report_desktop.png``, ``_phone`` and ``_pair``.
 
 Run ``.venv/bin/python docs/make_screenshots.py`` from the root of the repository, after ``make build``. With
 a report as its argument it takes that one. It needs Playwright and a Chromium.
@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 from PIL import Image
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 
 from epibar.cli import main as epibar
 
@@ -31,18 +31,35 @@ def save(png: bytes, path: Path) -> None:
 
 
 def take(browser: Browser, report: Path) -> None:
-    """Photograph the report at the width of a desktop and of a phone."""
-    desktop = browser.new_page(viewport={"width": 1280, "height": 1760}, color_scheme="light")
-    desktop.goto(report.resolve().as_uri())
-    desktop.locator(".strip-plot .main-svg").first.wait_for()
+    """Photograph the network at the width of a desktop and of a phone, and the views of a pair."""
+    address = report.resolve().as_uri()
+    desktop = browser.new_page(viewport={"width": 1280, "height": 1206}, color_scheme="light")
+    desktop.goto(address)
+    desktop.locator(".space-view .apex").first.wait_for()
     save(desktop.screenshot(), FOLDER / "report_desktop.png")
 
     phone = browser.new_page(
         viewport={"width": 390, "height": 844}, color_scheme="dark", device_scale_factor=1.5, has_touch=True
     )
-    phone.goto(report.resolve().as_uri())
-    phone.locator(".views").evaluate("views => scrollTo(0, views.getBoundingClientRect().top + scrollY - 60)")
+    phone.goto(address)
+    phone.locator(".space-view .apex").first.wait_for()
+    show(phone, ".space-card")
     save(phone.screenshot(), FOLDER / "report_phone.png")
+
+    # A pair that was accepted by itself, where there is one.
+    accepted = desktop.locator("a.cell.accepted")
+    if accepted.count():
+        accepted.first.click()
+        desktop.mouse.move(2, 2)
+    desktop.locator(".strip-plot .main-svg").first.wait_for()
+    show(desktop, "#pair")
+    save(desktop.screenshot(), FOLDER / "report_pair.png")
+
+
+def show(page: Page, selector: str) -> None:
+    """Scroll to a part of the page."""
+    page.locator(selector).evaluate("part => scrollTo(0, part.getBoundingClientRect().top + scrollY - 12)")
+    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
 
 
 def main() -> None:

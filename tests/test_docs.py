@@ -125,7 +125,7 @@ NAMES = [path.relative_to(ROOT).as_posix() for path in DOCUMENTS]
 def test_epibar_commands(document, prepared, ran, monkeypatch, capsys):
     monkeypatch.chdir(prepared)
     monkeypatch.setattr(demo, "CAMERAS", 2)
-    monkeypatch.setattr(demo, "FRAMES", 30)
+    monkeypatch.setattr(demo, "SECONDS", 1.2)
     monkeypatch.setattr(demo, "SIZE", SIZE)
     for mark, number, words in commands(document):
         if not is_epibar(words):

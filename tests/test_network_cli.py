@@ -9,6 +9,7 @@ import jsonschema
 import numpy as np
 import pytest
 from network_input import LINES, situation, write_masks
+from test_report import Page
 from test_schema import strict
 
 import epibar
@@ -85,6 +86,22 @@ def test_metres(masks, again, capsys):
     assert read(again)["network"]["unit"] == "metre"
     assert tomllib.loads((again / "cameras.toml").read_text())["metadata"]["unit"] == "metre"
     assert "13.5 m between cam1 and cam2" in printed.err
+
+
+def test_the_report_has_the_network_and_its_walkers(masks, again, capsys):
+    words = ["calibrate", *masks, "--out", str(again), *WORDS[:-1], "--quiet"]
+    (again / "tracks.csv").write_text("time,track,x,y,z\n0,1,0.1,0.2,0\n0.2,1,0.1,0.3,0\n")
+    assert main(words) == 0
+    space = Page(again / "report.html").data["space"]
+    assert [camera["name"] for camera in space["cameras"]] == ["cam1", "cam2", "cam3"]
+    assert space["tracks"] == [[[0.1, 0.2, 0], [0.1, 0.3, 0]]]
+    (again / "tracks.csv").write_text("something else\n")
+    assert main(words) == 0
+    page = Page(again / "report.html")
+    assert page.data["space"]["tracks"] == []
+    assert "tracks.csv: no column time" in "".join(page.text)
+    assert main(["scale", str(again), "--person-height", "1.7"]) == 0
+    assert "report.html still shows the network as it was" in capsys.readouterr().err
 
 
 def test_lengths_that_contradict_lose_nothing(masks, again, capsys):

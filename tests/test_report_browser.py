@@ -1,7 +1,6 @@
 """report.html in a real browser: what it draws is what F says, at any width, light and dark."""
 
 import re
-import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +10,6 @@ from report_input import LATE, calibrated, make_report_input
 from epibar.clocks import Timing
 from epibar.report.page import write_report
 
-sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 DESKTOP = {"width": 1280, "height": 900}
 PHONE = {"width": 390, "height": 844}
 PAIRS = 3
@@ -26,46 +22,12 @@ def report(tmp_path_factory):
     return write_report(folder / "report.html", cameras, pairs, ["cam9.mp4: no such file"]), pairs
 
 
-@pytest.fixture(scope="module")
-def browser():
-    """A Chromium of the system, or else Playwright's own."""
-    found = next(filter(None, map(shutil.which, BROWSERS)), None)
-    with sync_api.sync_playwright() as playwright:
-        try:
-            opened = playwright.chromium.launch(executable_path=found)
-        except sync_api.Error as error:
-            if found:
-                raise
-            pytest.skip(
-                f"no Chromium: install one, or run 'playwright install chromium' ({error.message[:80]})"
-            )
-        yield opened
-        opened.close()
-
-
 @pytest.fixture
-def opened(browser, report):
-    """Open the report; whatever the browser complains about or asks the network for fails the test."""
-    complaints, contexts = [], []
-
-    def open_page(viewport=DESKTOP, pair=1, **options):
-        contexts.append(browser.new_context(viewport=viewport, **options))
-        page = contexts[-1].new_page()
-        page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on(
-            "request",
-            lambda request: (
-                None if request.url.startswith(("file:", "data:")) else complaints.append(request.url)
-            ),
-        )
-        page.goto(f"{report[0].as_uri()}#pair-{pair}")
-        return page
-
-    yield open_page
-    for context in contexts:
-        context.close()
-    assert complaints == []
+def opened(watched, report):
+    """Open the report at a pair."""
+    return lambda viewport=DESKTOP, pair=1, **options: watched(
+        f"{report[0].as_uri()}#pair-{pair}", viewport, **options
+    )
 
 
 def test_the_clocks_are_told(browser, tmp_path):

@@ -30,7 +30,7 @@ def run(args: Namespace) -> int:
     from ..files.calibration_json import read_json
     from ..files.json_file import write_json
     from ..jobs.folder import Folder
-    from ..jobs.inputs import NETWORK_FILE
+    from ..jobs.inputs import NETWORK_FILE, REPORT
     from ..jobs.network_files import write_network
     from ..network import Network
     from ..runs.run import Run
@@ -51,4 +51,10 @@ def run(args: Namespace) -> int:
             console.warning(text)
         write_json(result, content)
     console.joined(network, None)
+    report = result.parent / REPORT
+    if report.exists():
+        console.warning(
+            f"{report} still shows the network as it was: 'epibar calibrate' with the same videos and these "
+            "lengths writes it anew"
+        )
     return DONE

@@ -27,6 +27,7 @@ __all__ = [
     "NETWORK_FILE",
     "REPORT",
     "RESULT",
+    "TRACKS_FILE",
     "CameraInput",
     "Job",
     "Pair",
@@ -51,6 +52,7 @@ RESULT = "calibration.json"
 REPORT = "report.html"
 NETWORK_FILE = "network.json"
 CAMERAS_FILE = "cameras.toml"
+TRACKS_FILE = "tracks.csv"
 CLOCKS_FILE = "recordings/clocks.json"
 
 

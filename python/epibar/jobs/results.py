@@ -15,7 +15,7 @@ from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
 from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
 from .folder import Folder
-from .inputs import REPORT, RESULT, CameraInput, Job, Pair, picture_file, points_file
+from .inputs import REPORT, RESULT, TRACKS_FILE, CameraInput, Job, Pair, picture_file, points_file
 from .network_files import write_network
 
 __all__ = ["Results"]
@@ -156,8 +156,9 @@ class Results:
 
     def write_report(self) -> None:
         """Write report.html."""
-        from ..report.inputs import ReportCamera, ReportPair
+        from ..report.inputs import NetworkReport, ReportCamera, ReportPair
         from ..report.page import write_report
+        from ..report.tracks_file import read_tracks
 
         job = self._job
         cameras = [
@@ -177,8 +178,15 @@ class Results:
             if pair in self._files
         ]
         errors = [error["message"] for error in self.content()["errors"]]
+        tracks = []
+        if self.network is not None:
+            try:
+                tracks = read_tracks(job.out / TRACKS_FILE)
+            except EpibarError as error:
+                errors.append(str(error))
+        network = NetworkReport(self.network, self.no_network, tracks)
         self._folder.will_write(job.out / REPORT)
-        write_report(job.out / REPORT, cameras, pairs, errors)
+        write_report(job.out / REPORT, cameras, pairs, errors, network)
 
     def write_now_and_then(self) -> None:
         """Write calibration.json where pairs have come since, and it was some time ago."""

@@ -10,11 +10,21 @@
 
 The page loads nothing: pictures, numbers, style, scripts and the plotting library (plotly.js, from the Python
 package ``plotly``) are in the file, and its content security policy forbids the browser to fetch anything
-else. What the page can say without scripts (cameras, the matrix of pairs, verdicts) it says without.
+else. What the page can say without scripts (the network's table, cameras, the matrix of pairs,
+verdicts) it says without.
 """
 
-from .inputs import ReportCamera, ReportPair
+from .inputs import NetworkReport, ReportCamera, ReportPair
 from .page import write_report
 from .pair_picture import draw_pair, write_pair_picture
+from .tracks_file import read_tracks
 
-__all__ = ["ReportCamera", "ReportPair", "draw_pair", "write_pair_picture", "write_report"]
+__all__ = [
+    "NetworkReport",
+    "ReportCamera",
+    "ReportPair",
+    "draw_pair",
+    "read_tracks",
+    "write_pair_picture",
+    "write_report",
+]

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..calibration import Calibration
 from ..lens.intrinsics import Intrinsics
+from ..network.parts import NetworkParts
 from ..recording import Recording
+from .tracks_file import Track
 
-__all__ = ["ReportCamera", "ReportPair"]
+__all__ = ["NetworkReport", "ReportCamera", "ReportPair"]
 
 
 @dataclass(frozen=True)
@@ -53,3 +56,21 @@ class ReportPair:
     b: str
     calibration: Calibration
     seconds: float
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkReport:
+    """The network of a report, or why there is none.
+
+    Attributes
+    ----------
+    network : Network or None
+    reason : str or None
+        Why there is no network, if somebody may have expected one.
+    tracks : sequence of (n, 3) array
+        Ways of walkers in the network's unit.
+    """
+
+    network: NetworkParts | None = None
+    reason: str | None = None
+    tracks: Sequence[Track] = ()

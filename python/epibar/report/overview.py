@@ -10,6 +10,7 @@ from pathlib import PurePath
 from .. import _core
 from ..errors import address_without_secrets, is_address
 from ..geometry.lines import clip_lines
+from ..network.parts import NetworkParts
 from .inputs import ReportCamera, ReportPair
 from .pictures import data_url
 from .words import verdict_words
@@ -20,15 +21,27 @@ LEVELS = (0.5, 1.0, 2.0)
 """Pixels: borders between the shades of accepted pairs."""
 
 
-def summary(cameras: Sequence[ReportCamera], pairs: Sequence[ReportPair], errors: Sequence[str]) -> str:
+def summary(
+    cameras: Sequence[ReportCamera],
+    pairs: Sequence[ReportPair],
+    errors: Sequence[str],
+    network: NetworkParts | None = None,
+) -> str:
     """Say in one line what is in the report."""
     accepted = sum(pair.calibration.accepted for pair in pairs)
-    parts = [
-        _count(len(cameras), "camera"),
-        _count(len(pairs), "pair"),
-        f"{accepted} accepted",
-        f"{len(pairs) - accepted} refused",
-    ]
+    if network is None:
+        parts = [
+            _count(len(cameras), "camera"),
+            _count(len(pairs), "pair"),
+            f"{accepted} accepted",
+            f"{len(pairs) - accepted} refused",
+        ]
+    else:
+        standing = sum(camera.accepted for camera in network.cameras.values())
+        parts = [
+            f"{standing} of {_count(len(network.cameras), 'camera')} accepted",
+            f"{accepted} of {_count(len(pairs), 'pair')} also each by itself",
+        ]
     if errors:
         parts.append(_count(len(errors), "error"))
     return " · ".join(parts)

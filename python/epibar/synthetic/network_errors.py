@@ -21,6 +21,7 @@ from .camera import Camera, true_fundamental
 
 if TYPE_CHECKING:
     from .situations import Situation
+    from .staging import Staging
 
 Array = NDArray[np.float64]
 
@@ -85,12 +86,13 @@ def _placed(true: Array, found: Array) -> Array:
     return placed
 
 
-def network_errors(situation: Situation, found: Mapping[str, Camera]) -> dict[str, CameraError]:
+def network_errors(situation: Situation | Staging, found: Mapping[str, Camera]) -> dict[str, CameraError]:
     """Hold calibrated cameras against the true ones.
 
     Parameters
     ----------
-    situation : Situation
+    situation : Situation or Staging
+        Its cameras are the true ones, by their names.
     found : mapping of name to Camera
         Two cameras of the situation or more, in a world of their own.
 

@@ -40,6 +40,7 @@ systemDark.addEventListener("change", themeChanged);
 button.hidden = false;
 document.getElementById("no-scripts").remove();
 
+if (DATA.space) showSpace(DATA.space, DATA.colours);
 if (DATA.pairs.length) {
   window.addEventListener("hashchange", () => route(true));
   route(location.hash.length > 1);

@@ -1,0 +1,50 @@
+"""A real browser for the tests of the report; they are skipped where there is none."""
+
+import shutil
+
+import pytest
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """A Chromium of the system, or else Playwright's own."""
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    found = next(filter(None, map(shutil.which, BROWSERS)), None)
+    with sync_api.sync_playwright() as playwright:
+        try:
+            opened = playwright.chromium.launch(executable_path=found)
+        except sync_api.Error as error:
+            if found:
+                raise
+            pytest.skip(
+                f"no Chromium: install one, or run 'playwright install chromium' ({error.message[:80]})"
+            )
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def watched(browser):
+    """Open pages; whatever the browser complains about or asks the network for fails the test."""
+    complaints, contexts = [], []
+
+    def open_page(address, viewport, **options):
+        contexts.append(browser.new_context(viewport=viewport, **options))
+        page = contexts[-1].new_page()
+        page.on("console", lambda message: complaints.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on(
+            "request",
+            lambda request: (
+                None if request.url.startswith(("file:", "data:")) else complaints.append(request.url)
+            ),
+        )
+        page.goto(address)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert complaints == []
