@@ -1,5 +1,6 @@
 """Networks from the command line: what is printed and written, and what is never lost."""
 
+import csv
 import json
 import shutil
 import tomllib
@@ -17,6 +18,7 @@ from epibar.files.calibration_json import schema
 from epibar.jobs import network_stage, runner
 from epibar.jobs.folder import Folder
 from epibar.lens import Intrinsics, write_cameras
+from epibar.network.walker_file import load_tracks
 
 WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
 
@@ -59,6 +61,45 @@ def test_what_is_written(done):
         np.testing.assert_allclose(camera.posed().R, mine.rotation, atol=1e-12)
         np.testing.assert_array_equal(camera.posed().t, mine.translation)
     assert all(abs(pair["time_offset"]) < 1 for pair in result["pairs"])
+
+
+def test_tracks_and_start_times_are_written_kept_and_scaled(masks, again, capsys):
+    """They are of this network: kept as long as it is, in its unit, and gone with it."""
+    tracks, sync = again / "tracks.csv", again / "sync.csv"
+    listed = json.loads((again / ".epibar" / "written.json").read_text())["files"]
+    assert {"tracks.csv", "sync.csv"} <= set(listed)
+    before = load_tracks(tracks)
+    assert (before.names, before.unit) == (("cam1", "cam2", "cam3"), "baseline")
+    assert len(before) > 100
+    rows = list(csv.DictReader(sync.read_text().splitlines()))
+    assert [row["camera"] for row in rows] == ["cam1", "cam2", "cam3"]
+    assert all(abs(float(row["offset_seconds"])) < 0.05 and row["command"] == "" for row in rows)
+    when = [path.stat().st_mtime_ns for path in (tracks, sync)]
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
+    assert [path.stat().st_mtime_ns for path in (tracks, sync)] == when
+    assert "tracks.csv" in capsys.readouterr().err.splitlines()[-1]
+    height = epibar.Network.load(again / "network.json").ground.height
+    assert main(["scale", str(again), "--person-height", "1.72", "--quiet"]) == 0
+    after = load_tracks(tracks)
+    assert after.unit == "metre"
+    np.testing.assert_allclose(after.top, before.top * 1.72 / height, atol=2e-3)
+    assert main(["sync", str(again), "--json"]) == 0
+    starts = json.loads(capsys.readouterr().out)["cameras"]
+    assert [one["first_frame"] for one in starts] == [int(row["first_frame"]) for row in rows]
+    # Another network, in metres from the start: its own tables.
+    words = ["--person-height", "1.6", "--quiet"]
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
+    assert load_tracks(tracks).unit == "metre"
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--method", "lines", "--quiet"]) == 0
+    assert not tracks.exists()
+    assert not sync.exists()
+
+
+def test_tables_of_the_user_are_refused(masks, tmp_path, capsys):
+    (tmp_path / "tracks.csv").write_text("mine")
+    assert main(["calibrate", *masks, "--out", str(tmp_path), *WORDS]) == 2
+    assert "not written by epibar" in capsys.readouterr().err
+    assert (tmp_path / "tracks.csv").read_text() == "mine"
 
 
 def test_a_second_run_does_nothing(masks, again, capsys):
