@@ -105,7 +105,7 @@ impl Crowd<'_> {
         let spread = walker.deviation.max(before.deviation);
         let reach = (REACH[0] + REACH[1] * seconds) * self.height + SPREAD * spread;
         let off = (walker.top - expected).norm() / reach;
-        let taller = (walker.top.z - walker.foot.z) / self.tall(track) - 1.0;
+        let taller = (walker.top.z - walker.foot.z) / tall(track) - 1.0;
         if off >= 1.0 || taller.abs() > 1.5 * TALL {
             return None;
         }
@@ -119,14 +119,6 @@ impl Crowd<'_> {
             let after = observed.next(p);
             p == q || after == Some(q) || after.and_then(|next| observed.next(next)) == Some(q)
         })
-    }
-
-    /// Height of a track, the median of what was seen lately.
-    fn tall(&self, track: &Track) -> f64 {
-        let lately = &track.points[track.points.len().saturating_sub(15)..];
-        let mut heights: Vec<f64> = lately.iter().map(|(_, g)| g.top.z - g.foot.z).collect();
-        heights.sort_by(f64::total_cmp);
-        heights[heights.len() / 2]
     }
 
     /// Speed at the end of a track, lengths a second.
@@ -198,6 +190,14 @@ impl Crowd<'_> {
         let dense = n as f64 >= DENSE * (last - first + 1) as f64;
         self.times[*last] - self.times[*first] >= seconds && n >= moments && dense
     }
+}
+
+/// Height of a track, the median of what was seen lately.
+fn tall(track: &Track) -> f64 {
+    let lately = &track.points[track.points.len().saturating_sub(15)..];
+    let mut heights: Vec<f64> = lately.iter().map(|(_, g)| g.top.z - g.foot.z).collect();
+    heights.sort_by(f64::total_cmp);
+    heights[heights.len() / 2]
 }
 
 /// Where a straight line through places at some seconds is at second 0; `None` of too few.
