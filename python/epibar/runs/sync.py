@@ -61,8 +61,8 @@ def cut_command(source: str, output: str, time: StartTime) -> str | None:
     """Return the command that cuts a video to the common start and end, for a POSIX shell.
 
     It seeks a quarter of a frame ahead of the first frame to keep, so that rounding cannot lose it, and
-    decodes: a copy of the stream could start at key frames only. None for what is no single video file, and for a path
-    that holds control characters.
+    decodes: a copy of the stream could start at key frames only. None for what is no single video file, and
+    for a path that holds control characters.
     """
     suffix = Path(source).suffix.lower()
     if is_address(source) or suffix in {*IMAGE_SUFFIXES, *ARRAY_SUFFIXES} or "%" in Path(source).name:
