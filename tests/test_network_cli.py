@@ -1,5 +1,6 @@
 """Networks from the command line: what is printed and written, and what is never lost."""
 
+import csv
 import json
 import shutil
 import tomllib
@@ -18,6 +19,7 @@ from epibar.files.calibration_json import schema
 from epibar.jobs import network_stage, runner
 from epibar.jobs.folder import Folder
 from epibar.lens import Intrinsics, write_cameras
+from epibar.network.walker_file import load_tracks
 
 WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
 
@@ -62,6 +64,45 @@ def test_what_is_written(done):
     assert all(abs(pair["time_offset"]) < 1 for pair in result["pairs"])
 
 
+def test_tracks_and_start_times_are_written_kept_and_scaled(masks, again, capsys):
+    """They are of this network: kept as long as it is, in its unit, and gone with it."""
+    tracks, sync = again / "tracks.csv", again / "sync.csv"
+    listed = json.loads((again / ".epibar" / "written.json").read_text())["files"]
+    assert {"tracks.csv", "sync.csv"} <= set(listed)
+    before = load_tracks(tracks)
+    assert (before.names, before.unit) == (("cam1", "cam2", "cam3"), "baseline")
+    assert len(before) > 100
+    rows = list(csv.DictReader(sync.read_text().splitlines()))
+    assert [row["camera"] for row in rows] == ["cam1", "cam2", "cam3"]
+    assert all(abs(float(row["offset_seconds"])) < 0.05 and row["command"] == "" for row in rows)
+    when = [path.stat().st_mtime_ns for path in (tracks, sync)]
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
+    assert [path.stat().st_mtime_ns for path in (tracks, sync)] == when
+    assert "tracks.csv" in capsys.readouterr().err.splitlines()[-1]
+    height = epibar.Network.load(again / "network.json").ground.height
+    assert main(["scale", str(again), "--person-height", "1.72", "--quiet"]) == 0
+    after = load_tracks(tracks)
+    assert after.unit == "metre"
+    np.testing.assert_allclose(after.top, before.top * 1.72 / height, atol=2e-3)
+    assert main(["sync", str(again), "--json"]) == 0
+    starts = json.loads(capsys.readouterr().out)["cameras"]
+    assert [one["first_frame"] for one in starts] == [int(row["first_frame"]) for row in rows]
+    # Another network, in metres from the start: its own tables.
+    words = ["--person-height", "1.6", "--quiet"]
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
+    assert load_tracks(tracks).unit == "metre"
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--method", "lines", "--quiet"]) == 0
+    assert not tracks.exists()
+    assert not sync.exists()
+
+
+def test_tables_of_the_user_are_refused(masks, tmp_path, capsys):
+    (tmp_path / "tracks.csv").write_text("mine")
+    assert main(["calibrate", *masks, "--out", str(tmp_path), *WORDS]) == 2
+    assert "not written by epibar" in capsys.readouterr().err
+    assert (tmp_path / "tracks.csv").read_text() == "mine"
+
+
 def test_a_second_run_does_nothing(masks, again, capsys):
     before = (again / "calibration.json").read_bytes()
     assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
@@ -90,18 +131,20 @@ def test_metres(masks, again, capsys):
 
 def test_the_report_has_the_network_and_its_walkers(masks, again, capsys):
     words = ["calibrate", *masks, "--out", str(again), *WORDS[:-1], "--quiet"]
-    (again / "tracks.csv").write_text("time,track,x,y,z\n0,1,0.1,0.2,0\n0.2,1,0.1,0.3,0\n")
     assert main(words) == 0
     space = Page(again / "report.html").data["space"]
     assert [camera["name"] for camera in space["cameras"]] == ["cam1", "cam2", "cam3"]
-    assert space["tracks"] == [[[0.1, 0.2, 0], [0.1, 0.3, 0]]]
+    tracks = load_tracks(again / "tracks.csv")
+    assert len(space["tracks"]) >= len(np.unique(tracks.track)) > 0
+    place = np.array(space["tracks"][0][0])
+    assert np.abs(tracks.foot - place).max(axis=1).min() < 2e-3
+    assert main(["scale", str(again), "--person-height", "1.7"]) == 0
+    assert "report.html still shows the network as it was" in capsys.readouterr().err
     (again / "tracks.csv").write_text("something else\n")
     assert main(words) == 0
     page = Page(again / "report.html")
     assert page.data["space"]["tracks"] == []
-    assert "tracks.csv: no column time" in "".join(page.text)
-    assert main(["scale", str(again), "--person-height", "1.7"]) == 0
-    assert "report.html still shows the network as it was" in capsys.readouterr().err
+    assert "tracks.csv: no table of tracks" in "".join(page.text)
 
 
 def test_lengths_that_contradict_lose_nothing(masks, again, capsys):

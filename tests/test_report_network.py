@@ -12,6 +12,7 @@ from test_report import Page
 
 import epibar
 from epibar.network import Ground
+from epibar.network.walkers import WalkerTracks
 from epibar.report import NetworkReport, ReportPair, read_tracks
 from epibar.report.cameras_in_space import field_of_view, image_corners, tilt
 from epibar.report.network_table import VERDICTS
@@ -159,12 +160,19 @@ def test_errors_are_enlarged_by_a_round_number():
 def test_tracks_are_read_and_cut_at_gaps(tmp_path):
     path = tmp_path / "tracks.csv"
     assert read_tracks(path) == []
-    path.write_text(
-        "# metres\ntime,track,x,y,z,height\n0.0,7,1,2,0,1.7\n0.4,7,1.5,2,0,\n9.0,7,3,3,0,1.7\n"
-        "0.2,7,1.2,2,0,1.7\n0.1,8,nan,1,0,1\n0.1,8,oops,1,0,1\n0.5,8,4,4,\n0.6,8,1e300,4,0,1\n"
-    )
-    found = read_tracks(path)
-    assert [track.tolist() for track in found] == [[[1, 2, 0], [1.2, 2, 0], [1.5, 2, 0]], [[3, 3, 0]]]
+    foot = np.array([[1, 2, 0], [1.5, 2, 0], [3, 3, 0], [1.2, 2, 0], [9, 9, 0]], float)
+    WalkerTracks(
+        names=("cam1", "cam2"),
+        unit="metre",
+        time=np.array([0.0, 0.4, 9.0, 0.2, 0.3]),
+        track=np.array([7, 7, 7, 7, 8]),
+        foot=foot,
+        top=foot + [0, 0, 1.7],
+        cameras=np.ones((5, 2), bool),
+        residual=np.zeros(5),
+    ).save(path)
+    found = [track.tolist() for track in read_tracks(path)]
+    assert found == [[[1, 2, 0], [1.2, 2, 0], [1.5, 2, 0]], [[3, 3, 0]], [[9, 9, 0]]]
 
 
 @pytest.mark.parametrize("content", [b"time,track,x,y\n0,1,2,3\n", b"", b"\xff\xfe\x00", b'a,"b\x00'])

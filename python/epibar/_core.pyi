@@ -24,6 +24,7 @@ __all__ = [
     "remove_small",
     "score_lines",
     "score_tangents",
+    "walker_tracks",
 ]
 
 @final
@@ -191,3 +192,9 @@ def score_tangents(
     upright: bool,
     frames: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+def walker_tracks(
+    recordings: Sequence[Recording],
+    cameras: Sequence[Mapping[str, Any]],
+    height: float,
+    progress: Callable[[str, float], None] | None,
+) -> dict[str, NDArray[Any]]: ...

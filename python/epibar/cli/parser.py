@@ -4,12 +4,24 @@ from __future__ import annotations
 
 import argparse
 
-from . import calibrate, check, completion, demo, evaluate, export, formats, inspect, record, scale
+from . import (
+    calibrate,
+    check,
+    completion,
+    demo,
+    evaluate,
+    export,
+    formats,
+    inspect,
+    record,
+    scale,
+    sync,
+)
 from .options import CommandParser
 
 __all__ = ["build_parser"]
 
-COMMANDS = (calibrate, record, inspect, scale, check, evaluate, export, formats, demo, completion)
+COMMANDS = (calibrate, record, inspect, scale, sync, check, evaluate, export, formats, demo, completion)
 """A command is a module with a name, its help, its options, and what it runs."""
 
 

@@ -13,7 +13,7 @@ NAME = "scale"
 HELP = "give a calibrated network its metres, after the fact"
 DESCRIPTION = (
     "Bring the network in DIR to metres, by all lengths that are given, weighted by their accuracy. Rewrites "
-    "network.json, cameras.toml and the network in calibration.json; pairs stay as they are."
+    "network.json, cameras.toml, tracks.csv and the network in calibration.json; pairs stay as they are."
 )
 
 
@@ -32,6 +32,7 @@ def run(args: Namespace) -> int:
     from ..jobs.folder import Folder
     from ..jobs.inputs import NETWORK_FILE, REPORT
     from ..jobs.network_files import write_network
+    from ..jobs.network_tables import rescale_tracks
     from ..network import Network
     from ..runs.run import Run
     from .console import Console
@@ -45,10 +46,12 @@ def run(args: Namespace) -> int:
         raise EpibarError(f"{path}: there is no network in this run to scale")
     with Folder(result.parent) as folder:
         folder.refuse_foreign([path])
-        network = Network.load(path).scaled(**given)
+        before = Network.load(path)
+        network = before.scaled(**given)
         content = {**read_json(result), "network": network.as_dict()}
         for text in write_network(folder, network, None, found.lenses(), found.intrinsics)[1]:
             console.warning(text)
+        rescale_tracks(folder, before, network)
         write_json(result, content)
     console.joined(network, None)
     report = result.parent / REPORT

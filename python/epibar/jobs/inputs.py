@@ -27,6 +27,7 @@ __all__ = [
     "NETWORK_FILE",
     "REPORT",
     "RESULT",
+    "SYNC_FILE",
     "TRACKS_FILE",
     "CameraInput",
     "Job",
@@ -52,8 +53,9 @@ RESULT = "calibration.json"
 REPORT = "report.html"
 NETWORK_FILE = "network.json"
 CAMERAS_FILE = "cameras.toml"
-TRACKS_FILE = "tracks.csv"
 CLOCKS_FILE = "recordings/clocks.json"
+TRACKS_FILE = "tracks.csv"
+SYNC_FILE = "sync.csv"
 
 
 def recording_file(out: Path, name: str) -> Path:
@@ -218,7 +220,7 @@ class Job:
         recorded = [camera for camera in self.cameras if not camera.is_saved(self.record)]
         return [
             *(self.out / name for name in ((RESULT, REPORT) if self.report else (RESULT,))),
-            *(self.out / name for name in (NETWORK_FILE, CLOCKS_FILE)),
+            *(self.out / name for name in (NETWORK_FILE, CLOCKS_FILE, TRACKS_FILE, SYNC_FILE)),
             *(recording_file(self.out, camera.name) for camera in recorded),
             *(file(self.out, stem) for stem in stems for file in (pair_file, points_file, picture_file)),
         ]

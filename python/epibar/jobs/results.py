@@ -16,7 +16,8 @@ from ..report.pair_picture import write_pair_picture
 from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
 from .folder import Folder
 from .inputs import REPORT, RESULT, TRACKS_FILE, CameraInput, Job, Pair, picture_file, points_file
-from .network_files import write_network
+from .network_files import kept_network, write_network
+from .network_tables import forget_tables, write_tables
 
 __all__ = ["Results"]
 
@@ -146,12 +147,16 @@ class Results:
 
     def write_network(self, key: str | None) -> list[str]:
         """Write the network's own files, or remove those of an earlier one; returns warnings."""
-        lenses = {
-            camera.name: camera.intrinsics for camera in self._job.cameras if camera.intrinsics is not None
-        }
-        self.network_files, warnings = write_network(
-            self._folder, self.network, key, lenses, self._job.intrinsics
-        )
+        job, network = self._job, self.network
+        lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
+        recordings = {camera.name: recording for camera, recording in self.recordings.items()}
+        kept = network is not None and not job.fresh and kept_network(job.out, key, list(network.cameras))
+        if not kept:
+            forget_tables(self._folder)
+        self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
+        if network is not None:
+            sources = {camera.name: camera.shown for camera in job.cameras}
+            self.network_files += write_tables(self._folder, network, recordings, sources)
         return warnings
 
     def write_report(self) -> None:

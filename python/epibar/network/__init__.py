@@ -11,6 +11,8 @@ from .knowledge import KnownCamera
 from .offsets import ClockOffsets, find_offsets
 from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, Scale
 from .result import Network
+from .start_times import StartTime
+from .walkers import WalkerTracks
 
 __all__ = [
     "CameraCheck",
@@ -23,6 +25,8 @@ __all__ = [
     "NetworkClock",
     "NetworkPair",
     "Scale",
+    "StartTime",
+    "WalkerTracks",
     "calibrate_network",
     "find_offsets",
     "join_pairs",

@@ -16,7 +16,16 @@ from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .parts import NetworkCamera, NetworkParts
 from .recordings import Recordings, named_recordings
 
-__all__ = ["MOVED", "UNMOVED", "UNSURE", "CameraCheck", "NetworkCheck", "cameras_to_check", "check_network"]
+__all__ = [
+    "MOVED",
+    "UNMOVED",
+    "UNSURE",
+    "CameraCheck",
+    "NetworkCheck",
+    "cameras_to_check",
+    "check_network",
+    "stored_camera",
+]
 
 UNMOVED, MOVED, UNSURE = "unmoved", "moved", "unsure"
 
@@ -135,7 +144,7 @@ def check_network(
     reach = as_positive("search_seconds", search_seconds, "seconds")
     offsets = given_offsets(list(films), time_offset)
     names, left_out = cameras_to_check(network, films)
-    cameras = [_as_stored(network.cameras[name], films[name]) for name in names]
+    cameras = [stored_camera(network.cameras[name], films[name]) for name in names]
     checked = [films[name] for name in names]
     if offsets is None:
         offsets = find_offsets(checked, reach, _stage("clocks", progress))
@@ -179,7 +188,7 @@ def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[
     return chosen, left_out
 
 
-def _as_stored(camera: NetworkCamera, recording: Recording) -> dict[str, Any]:
+def stored_camera(camera: NetworkCamera, recording: Recording) -> dict[str, Any]:
     """Return a stored camera as the compiled module takes it, for a recording that is raw or without lens.
 
     Raises

@@ -20,6 +20,8 @@ from .parts import BASELINE, METRE, NetworkParts
 from .recordings import Recordings
 from .saved import as_dict, network_from
 from .scaling import rescaled
+from .start_times import StartTime, start_times
+from .walkers import WalkerTracks, walker_tracks
 
 __all__ = ["Network"]
 
@@ -128,6 +130,49 @@ class Network(NetworkParts):
             cameras can be looked at.
         """
         return check_network(self, recordings, time_offset, search_seconds, progress)
+
+    def tracks(self, recordings: Recordings, progress: Progress | None = None) -> WalkerTracks:
+        """Follow walkers over all cameras: where their tops and bottoms are in space, from second to second.
+
+        Parameters
+        ----------
+        recordings : mapping of str to Recording, or sequence of Recording
+            What the network was made of, or others by the same clocks; of two accepted cameras or more.
+        progress : callable, optional
+            Called with "tracks" and the share that is done.
+
+        Returns
+        -------
+        WalkerTracks
+
+        Raises
+        ------
+        EpibarError
+            No floor was found that walkers stand on; fewer than two accepted cameras have a recording; or one
+            is of no camera of the network, or of another size or camera matrix.
+        """
+        return walker_tracks(self, recordings, progress)
+
+    def start_times(self, recordings: Recordings | Mapping[str, float]) -> dict[str, StartTime]:
+        """Tell from which frame of each video on, and up to which, all accepted cameras film together.
+
+        Parameters
+        ----------
+        recordings : mapping of str to Recording or float, or sequence of Recording
+            What the network was made of; or the frames per second of each camera, from which no common end
+            follows.
+
+        Returns
+        -------
+        dict of str to StartTime
+            Of the accepted cameras.
+
+        Raises
+        ------
+        EpibarError
+            Fewer than two accepted cameras are given, one is not of the network, or no moment is common.
+        """
+        return start_times(self, recordings)
 
     def export(
         self,

@@ -10,6 +10,7 @@ mod lines;
 mod network;
 mod recording;
 mod scores;
+mod tracks;
 mod watch;
 
 use pyo3::prelude::*;
@@ -35,5 +36,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(recording::remove_small, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;
+    module.add_function(wrap_pyfunction!(tracks::walker_tracks, module)?)?;
     Ok(())
 }

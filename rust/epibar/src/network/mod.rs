@@ -4,7 +4,7 @@
 //! searched and what they bring (`graph`), triplets and growth (`start`, `pose`), the joint problem over cameras only (`joint`,
 //! `residual`) with tangents found anew under it (`survey`, `ends`, `tangents`, `settle`), cameras tried elsewhere (`relocate`),
 //! what speaks for each on moments kept aside (`support`), errors to expect (`covariance`), floor and vertical (`world`),
-//! and the `verdict` by its `thresholds`, all called from [`join()`].
+//! and the `verdict` by its `thresholds`, all called from [`join()`]. Of a network that stands, `tracks` of walkers.
 //!
 //! ```no_run
 //! use epibar::network::{CameraInput, Knowledge, NetworkOptions, calibrate_network};
@@ -53,6 +53,7 @@ mod support;
 mod survey;
 mod tangents;
 mod thresholds;
+mod tracks;
 mod verdict;
 mod walkers;
 mod words;
@@ -69,4 +70,5 @@ pub use input::{Aspect, CameraInput, Knowledge};
 pub use join::join;
 pub use result::{CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus};
 pub use support::Deviates;
+pub use tracks::{TrackPoint, TrackingCamera, walker_tracks};
 pub use world::Ground;

@@ -1,0 +1,172 @@
+"""Walkers as tracks over all cameras of a network."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..arguments import Array, core_errors
+from ..errors import EpibarError
+from ..files.archive import write_archive
+from ..files.csv_table import csv_text, write_csv_table
+from .checking import Progress, stored_camera
+from .parts import NetworkCamera, NetworkParts
+from .recordings import Recordings, named_recordings
+
+__all__ = ["COLUMNS", "SEEN_BY", "WalkerTracks", "walker_tracks"]
+
+COLUMNS = (
+    *("time", "track", "x", "y", "z", "top_x", "top_y", "top_z", "height"),
+    *("cameras", "residual", "unit"),
+)
+"""Of the table; a column for each camera follows."""
+
+SEEN_BY = "seen by "
+"""What the column of a camera starts with."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WalkerTracks:
+    """Walkers over all cameras, m places of them in the order of tracks and of time.
+
+    Where it is not clear who is who, or only one camera sees both ends, there is no place: a track has gaps,
+    and a walker who was lost has another track afterwards.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The n cameras that were used.
+    unit : str
+        Of lengths, the network's: "metre" or "baseline".
+    time : ndarray, shape (m,)
+        Seconds of the network's first camera, since its first frame.
+    track : ndarray of int, shape (m,)
+        Which walker, from 0.
+    foot : ndarray, shape (m, 3)
+        The bottom, z up and 0 on the floor: of somebody who walks, the foot or feet that the cameras see
+        lowest.
+    top : ndarray, shape (m, 3)
+        The top, mostly of a head.
+    cameras : ndarray of bool, shape (m, n)
+        Which cameras saw both.
+    residual : ndarray, shape (m,)
+        Pixels: root mean square of what top and bottom are off in these cameras.
+    """
+
+    names: tuple[str, ...]
+    unit: str
+    time: Array
+    track: NDArray[np.int64]
+    foot: Array
+    top: Array
+    cameras: NDArray[np.bool_]
+    residual: Array
+
+    @property
+    def height(self) -> Array:
+        """How far the top is above the bottom, (m,)."""
+        height: Array = self.top[:, 2] - self.foot[:, 2]
+        return height
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        walkers = len(np.unique(self.track))
+        return f"<WalkerTracks {walkers} tracks, {len(self)} places, {len(self.names)} cameras, {self.unit}>"
+
+    def scaled(self, factor: float, unit: str) -> WalkerTracks:
+        """Return the same tracks in another unit, of which the present one has so many."""
+        return replace(self, unit=unit, foot=factor * self.foot, top=factor * self.top)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a table (``.csv``) or the arrays (``.npz``, no pickle).
+
+        In the table a name that a spreadsheet would take for a formula has an apostrophe before it.
+
+        Raises
+        ------
+        EpibarError
+            The suffix is another, or the file cannot be written.
+        """
+        suffix = Path(path).suffix.lower()
+        if suffix == ".csv":
+            seen_by = [csv_text(SEEN_BY + name) for name in self.names]
+            write_csv_table(path, [*COLUMNS, *seen_by], self._rows())
+        elif suffix == ".npz":
+            write_archive(path, self._arrays())
+        else:
+            raise EpibarError(f"{os.fspath(path)}: tracks are written as .csv or .npz")
+
+    def _rows(self) -> list[list[Any]]:
+        lengths = np.column_stack([self.foot, self.top, self.height])
+        return [
+            [
+                f"{self.time[k]:.4f}",
+                int(self.track[k]),
+                *(f"{round(float(value), 4) + 0.0:.4f}" for value in lengths[k]),
+                int(self.cameras[k].sum()),
+                f"{self.residual[k]:.3f}",
+                self.unit,
+                *self.cameras[k].astype(int).tolist(),
+            ]
+            for k in range(len(self))
+        ]
+
+    def _arrays(self) -> dict[str, Any]:
+        return {
+            "names": np.array(self.names, dtype=np.str_),
+            "unit": np.array(self.unit),
+            "time": self.time,
+            "track": self.track,
+            "foot": self.foot,
+            "top": self.top,
+            "height": self.height,
+            "cameras": self.cameras,
+            "residual": self.residual,
+        }
+
+
+def walker_tracks(
+    network: NetworkParts, recordings: Recordings, progress: Progress | None = None
+) -> WalkerTracks:
+    """Follow walkers over all cameras; see :meth:`epibar.Network.tracks`."""
+    films = named_recordings(recordings)
+    height = network.ground.height
+    if network.ground.source != "floor" or not height:
+        raise EpibarError(
+            "tracks are of those who stand on a floor, and none was found: nothing tells whose tops and "
+            "bottoms belong together"
+        )
+    for name in films:
+        if name not in network.cameras:
+            raise EpibarError(
+                f"{name}: the network has no camera of that name; it has {', '.join(network.cameras)}"
+            )
+    accepted = [name for name, camera in network.cameras.items() if camera.accepted]
+    names = [name for name in accepted if name in films]
+    if len(names) < 2:
+        raise EpibarError(
+            f"tracks need recordings of two accepted cameras; of {', '.join(accepted) or 'none'} "
+            f"there are {len(names)}"
+        )
+    cameras = [_with_clock(network, network.cameras[name], films) for name in names]
+    report = None if progress is None else lambda _, share: progress("tracks", share)
+    with core_errors():
+        found = _core.walker_tracks([films[name]._core for name in names], cameras, height, report)
+    return WalkerTracks(tuple(names), network.unit, **found)
+
+
+def _with_clock(network: NetworkParts, camera: NetworkCamera, films: Mapping[str, Any]) -> dict[str, Any]:
+    clock = network.clocks[camera.name]
+    if clock.offset is None:
+        raise EpibarError(f"{camera.name}: the network has no clock of it")
+    stored = stored_camera(camera, films[camera.name])
+    return {**stored, "clock": (clock.offset, clock.drift or 0.0)}

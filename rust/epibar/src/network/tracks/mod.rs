@@ -1,0 +1,247 @@
+//! Walkers as tracks over all cameras of a network that stands.
+//!
+//! At every frame of the first camera silhouettes of any two cameras whose tops and bottoms both meet, and which stand on the floor,
+//! are candidates (`sightings`); those that agree in space are one walker (`groups`), whose top and bottom are where the rays of
+//! all of them meet (`triangulate`); and walkers of one moment go on at the next (`linking`). What could be two walkers is left out.
+
+mod groups;
+mod linking;
+mod sightings;
+mod triangulate;
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use rayon::prelude::*;
+
+use groups::{Group, Scale, groups};
+use linking::Crowd;
+use sightings::{Eye, Sighting, sightings};
+
+use super::camera::Camera;
+use super::input::INSET;
+use super::joint::{Belief, Beliefs};
+use super::observed::Observed;
+use super::relocate::Placed;
+use super::settle::settle;
+use super::survey::Survey;
+use crate::error::{Error, Result};
+use crate::geometry::lens::Lens;
+use crate::recording::Recording;
+use crate::watch::{Stage, Watch, report};
+
+/// A camera of a network, its clock, and what it recorded.
+#[derive(Debug, Clone, Copy)]
+pub struct TrackingCamera<'r> {
+    /// What it saw, in raw pixels of the lens.
+    pub recording: &'r Recording,
+    /// The camera matrix, pixels.
+    pub matrix: Matrix3<f64>,
+    /// `k₁ k₂ p₁ p₂ k₃` of `OpenCV`; the tangential ones are not used.
+    pub distortions: [f64; 5],
+    /// `R` of `X_c = R X + t`; z is up in the world, and 0 on the floor.
+    pub rotation: Matrix3<f64>,
+    /// `t` of `X_c = R X + t`.
+    pub translation: Vector3<f64>,
+    /// Offset, seconds, and drift, ppm: t seconds of the network are `t + offset + 1e-6 drift t` here.
+    pub clock: (f64, f64),
+}
+
+/// A walker at one moment.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TrackPoint {
+    /// Seconds of the network's clock.
+    pub time: f64,
+    /// Which track, from 0 in the order of their beginnings.
+    pub track: u32,
+    /// The bottom: a foot, in the network's unit.
+    pub foot: [f64; 3],
+    /// The top.
+    pub top: [f64; 3],
+    /// Which cameras saw both.
+    pub cameras: Vec<bool>,
+    /// Root mean square of what top and bottom are off in these cameras, pixels.
+    pub residual: f64,
+}
+
+/// Frames of each camera by which insets are found.
+const FRAMES: usize = 250;
+/// Moments of which everything is held in memory at once.
+const AT_ONCE: usize = 1500;
+/// No clock is wrong by a tenth, ppm.
+const MOST_DRIFT: f64 = 1e5;
+/// Radius to begin with, pixels of a 640×480 image.
+const WIDEST: f64 = 6.0;
+
+/// Follows walkers over all cameras of a network.
+///
+/// `height` is the median height of walkers, in the unit of the network. Returned in the order of tracks, and of time.
+///
+/// # Errors
+/// [`Error::Argument`] for fewer than two cameras and for numbers that no camera has, [`Error::Interrupted`].
+pub fn walker_tracks(
+    cameras: &[TrackingCamera],
+    height: f64,
+    watch: &mut dyn Watch,
+) -> Result<Vec<TrackPoint>> {
+    refuse(cameras, height)?;
+    report(watch, Stage::Network, 0.0)?;
+    let observed: Vec<Observed> = cameras.iter().map(|c| Observed::new(c.recording)).collect();
+    let (placed, radius) = with_insets(cameras, &observed);
+    let scale = Scale { height, radius };
+    let times = moments(&placed.cameras, &observed);
+    let parts = times.chunks(AT_ONCE).count() as f64;
+    let mut walkers = Vec::with_capacity(times.len());
+    for (part, times) in times.chunks(AT_ONCE).enumerate() {
+        report(watch, Stage::Network, (part as f64 + 0.5) / (parts + 0.5))?;
+        walkers.extend(walkers_at(cameras, &placed, &observed, times, scale));
+    }
+    let tracks = Crowd { observed: &observed, times: &times, height }.tracks(walkers);
+    let row = |number: usize, moment: usize, group: &Group| TrackPoint {
+        time: times[moment],
+        track: number as u32,
+        foot: group.foot.into(),
+        top: group.top.into(),
+        cameras: group.silhouettes.iter().map(Option::is_some).collect(),
+        residual: group.residual,
+    };
+    Ok(tracks
+        .iter()
+        .enumerate()
+        .flat_map(|(number, track)| track.points.iter().map(move |(moment, group)| (number, *moment, group)))
+        .map(|(number, moment, group)| row(number, moment, group))
+        .collect())
+}
+
+fn refuse(cameras: &[TrackingCamera], height: f64) -> Result<()> {
+    let wrong = |name, value: String, expected| Err(Error::Argument { name, value, expected });
+    if cameras.len() < 2 {
+        return wrong("cameras", cameras.len().to_string(), "at least two cameras that stand");
+    }
+    if !(height > 0.0 && height.is_finite()) {
+        return wrong("height", height.to_string(), "a positive height of walkers");
+    }
+    for (i, c) in cameras.iter().enumerate() {
+        let numbers = c.matrix.iter().chain(&c.rotation).chain(&c.translation).chain(&c.distortions);
+        let finite = numbers.chain([&c.clock.0, &c.clock.1]).all(|v| v.is_finite());
+        if c.clock.1.abs() > MOST_DRIFT {
+            return wrong("clock", c.clock.1.to_string(), "a drift in ppm that a clock has");
+        }
+        let rotates = (c.rotation.transpose() * c.rotation - Matrix3::identity()).norm() < 1e-6;
+        if !(finite && rotates && c.rotation.determinant() > 0.0 && c.matrix.m11 > 0.0 && c.matrix.m22 > 0.0)
+        {
+            return wrong("camera", i.to_string(), "finite numbers, a rotation, positive focal lengths");
+        }
+    }
+    Ok(())
+}
+
+/// The cameras with the insets of their silhouettes, which no file keeps, and the radius within which tangents meet.
+fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f64) {
+    let at: Vec<Camera> = cameras
+        .iter()
+        .map(|c| {
+            let rotation = Rotation3::from_matrix_unchecked(c.rotation);
+            let [k1, k2, _, _, k3] = c.distortions;
+            Camera {
+                log_aspect: (c.matrix.m22 / c.matrix.m11).ln(),
+                principal: [c.matrix.m13, c.matrix.m23],
+                lens: Lens { k: [k1, k2, k3] },
+                rotation,
+                position: -(rotation.inverse() * c.translation),
+                offset: c.clock.0,
+                drift: c.clock.1,
+                inset: INSET.mean,
+                ..Camera::new(c.recording.size(), c.matrix.m11)
+            }
+        })
+        .collect();
+    let known = Beliefs {
+        intrinsic: [Belief::fixed(0.0); 7],
+        clock: [Belief::fixed(0.0); 2],
+        inset: INSET,
+        posed: true,
+    };
+    let placed = vec![true; at.len()];
+    let pairs = Placed { cameras: at.clone(), placed: placed.clone() }.pairs();
+    let survey = Survey::new(observed, FRAMES);
+    let settled = settle(&survey, &at, &vec![known; at.len()], &pairs, &placed, Some(WIDEST));
+    (Placed { cameras: settled.cameras, placed }, settled.radius)
+}
+
+/// The frames of the first camera, and where only others film together, moments as far apart; seconds of the network.
+fn moments(cameras: &[Camera], observed: &[Observed]) -> Vec<f64> {
+    let films: Vec<[f64; 2]> = cameras
+        .iter()
+        .zip(observed)
+        .filter_map(|(c, o)| Some([c.time_of(*o.times.first()?), c.time_of(*o.times.last()?)]))
+        .collect();
+    let own: Vec<f64> = observed[0].times.iter().map(|&t| cameras[0].time_of(t)).collect();
+    let (Some(&begins), Some(&stops)) = (own.first(), own.last()) else { return Vec::new() };
+    let apart = observed[0].interval;
+    let mut all = own;
+    for [from, to] in together(&films) {
+        let parts = [[from, to.min(begins - apart)], [from.max(stops + apart), to]];
+        for [from, to] in parts.into_iter().filter(|[from, to]| from <= to) {
+            let count = ((to - from) / apart) as usize;
+            all.extend((0..=count).map(|k| from + k as f64 * apart));
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Where two intervals or more overlap, in order.
+fn together(films: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut common: Vec<[f64; 2]> = Vec::new();
+    for (i, p) in films.iter().enumerate() {
+        let both = films[i + 1..].iter().map(|q| [p[0].max(q[0]), p[1].min(q[1])]);
+        common.extend(both.filter(|[from, to]| from < to));
+    }
+    common.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    let mut merged: Vec<[f64; 2]> = Vec::new();
+    for [from, to] in common {
+        match merged.last_mut() {
+            Some(last) if from <= last[1] => last[1] = last[1].max(to),
+            _ => merged.push([from, to]),
+        }
+    }
+    merged
+}
+
+/// Who is seen at each of some moments.
+fn walkers_at(
+    cameras: &[TrackingCamera],
+    placed: &Placed,
+    observed: &[Observed],
+    times: &[f64],
+    scale: Scale,
+) -> Vec<Vec<Group>> {
+    let eye =
+        |k: usize| Eye::new(&placed.cameras[k], &observed[k], cameras[k].recording.visible.as_deref(), times);
+    let eyes: Vec<Eye> = (0..cameras.len()).map(eye).collect();
+    let mut candidates: Vec<Vec<Sighting>> = vec![Vec::new(); times.len()];
+    for (a, b) in placed.pairs() {
+        let diagonal = |k: usize| observed[k].size.diagonal();
+        let pixels = scale.radius * (0.5 * (diagonal(a) + diagonal(b)) / 800.0).max(0.25);
+        let found = sightings(&eyes, [a, b], pixels, scale.height);
+        candidates.iter_mut().zip(found).for_each(|(all, found)| all.extend(found));
+    }
+    candidates
+        .into_par_iter()
+        .enumerate()
+        .with_min_len(16)
+        .map(|(moment, sightings)| groups(&eyes, moment, sightings, scale))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn films_overlap_where_two_do() {
+        let films = [[0.0, 10.0], [8.0, 12.0], [11.0, 20.0], [30.0, 40.0], [9.0, 9.5]];
+        assert_eq!(together(&films), vec![[8.0, 10.0], [11.0, 12.0]]);
+        assert!(together(&[[0.0, 1.0], [1e300, 2e300]]).is_empty());
+    }
+}
