@@ -167,7 +167,7 @@ def test_tracks_are_read_and_cut_at_gaps(tmp_path):
         time=np.array([0.0, 0.4, 9.0, 0.2, 0.3]),
         track=np.array([7, 7, 7, 7, 8]),
         foot=foot,
-        top=foot + [0, 0, 1.7],
+        top=foot + np.array([0, 0, 1.7]),
         cameras=np.ones((5, 2), bool),
         residual=np.zeros(5),
     ).save(path)

@@ -1,6 +1,6 @@
 //! Walkers as tracks over the cameras of a network.
 
-use epibar::nalgebra::{Matrix3, Vector3};
+use epibar::nalgebra::Vector3;
 use epibar::network::TrackingCamera;
 use numpy::IntoPyArray;
 use numpy::ndarray::Array2;
@@ -8,9 +8,9 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{rows, to_python_error};
+use crate::convert::{matrix_of_rows, rows};
 use crate::recording::Recording;
-use crate::watch::PythonWatch;
+use crate::watch::watched;
 
 /// A camera of a network with its clock.
 #[derive(FromPyObject)]
@@ -35,26 +35,19 @@ pub fn walker_tracks<'py>(
     if cameras.len() != recordings.len() {
         return Err(PyValueError::new_err("a camera for each recording"));
     }
-    let matrix = |m: &[[f64; 3]; 3]| Matrix3::from_fn(|i, j| m[i][j]);
     let inputs: Vec<TrackingCamera> = recordings
         .iter()
         .zip(&cameras)
         .map(|(r, c)| TrackingCamera {
             recording: &r.inner,
-            matrix: matrix(&c.matrix),
+            matrix: matrix_of_rows(&c.matrix),
             distortions: c.distortions,
-            rotation: matrix(&c.rotation),
+            rotation: matrix_of_rows(&c.rotation),
             translation: Vector3::from(c.translation),
             clock: c.clock,
         })
         .collect();
-    let mut watch = PythonWatch::new(progress);
-    let found = py.detach(|| epibar::network::walker_tracks(&inputs, height, &mut watch));
-    let found = match (found, watch.raised) {
-        (Ok(found), None) => found,
-        (_, Some(raised)) => return Err(raised),
-        (Err(error), None) => return Err(to_python_error(&error)),
-    };
+    let found = watched(py, progress, |watch| epibar::network::walker_tracks(&inputs, height, watch))?;
     let dict = PyDict::new(py);
     dict.set_item("time", found.iter().map(|p| p.time).collect::<Vec<_>>().into_pyarray(py))?;
     dict.set_item("track", found.iter().map(|p| i64::from(p.track)).collect::<Vec<_>>().into_pyarray(py))?;
