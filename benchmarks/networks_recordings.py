@@ -20,7 +20,7 @@ from tables import progress
 
 import epibar
 from epibar import Recording
-from epibar.lens.camera_file import load_cameras
+from epibar.lens.cameras_toml import load_cameras
 from epibar.network import ClockOffsets, join_pairs
 
 KNOWLEDGE = {

@@ -37,7 +37,7 @@ from epibar.geometry.cameras import (
     triangulate,
 )
 from epibar.geometry.epipolar import symmetric_epipolar_distance
-from epibar.lens.camera_file import find_camera, load_cameras
+from epibar.lens.cameras_toml import find_camera, load_cameras
 from epibar.lens.intrinsics import Intrinsics
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -20,7 +20,7 @@ import epibar
 from epibar.clocks import frame_interval
 from epibar.evaluation import GOOD_PAIR_PX, compare
 from epibar.geometry.cameras import fundamental_from_cameras
-from epibar.lens.camera_file import load_cameras
+from epibar.lens.cameras_toml import load_cameras
 
 SHIFTS = (3.0, -3.0)
 """Seconds by which B starts later than A."""

@@ -16,7 +16,7 @@ import pytest
 import epibar
 from epibar import synthetic
 from epibar.cli import main
-from epibar.lens.camera_file import load_cameras, write_cameras
+from epibar.lens.cameras_toml import load_cameras, write_cameras
 
 FAST = ["--lines", "6000", "--quiet"]
 

@@ -28,7 +28,7 @@ import epibar
 from epibar import synthetic
 from epibar.cli import demo, main
 from epibar.cli.parser import COMMANDS, build_parser
-from epibar.lens.camera_file import write_cameras
+from epibar.lens.cameras_toml import write_cameras
 from epibar.lens.intrinsics import Intrinsics
 
 ROOT = Path(__file__).parents[1]

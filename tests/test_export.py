@@ -14,7 +14,7 @@ from epibar import export, synthetic
 from epibar.cli import main
 from epibar.files.frontier_csv import write_frontier_points
 from epibar.files.json_file import write_json
-from epibar.lens.camera_file import load_cameras, write_cameras
+from epibar.lens.cameras_toml import load_cameras, write_cameras
 from epibar.lens.intrinsics import Intrinsics
 from epibar.runs.entries import camera_entry
 

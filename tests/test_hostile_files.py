@@ -14,7 +14,7 @@ import epibar
 from epibar import Calibration, EpibarError, Network, Recording
 from epibar.cli import main
 from epibar.files.archive import read_archive, room, write_archive
-from epibar.lens.camera_file import load_cameras
+from epibar.lens.cameras_toml import load_cameras
 from epibar.runs import Run
 from epibar.sources.mask_array_file import MaskArrayFile
 

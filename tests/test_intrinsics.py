@@ -6,7 +6,7 @@ import pytest
 
 import epibar
 from epibar.errors import EpibarError
-from epibar.lens.camera_file import find_camera, load_cameras, write_cameras
+from epibar.lens.cameras_toml import find_camera, load_cameras, write_cameras
 from epibar.lens.intrinsics import Intrinsics
 from epibar.lens.undistortion import Undistorter
 

@@ -25,7 +25,7 @@ from epibar.errors import printable, without_secrets
 from epibar.files.archive import read_archive, write_archive
 from epibar.files.atomic import write_atomically
 from epibar.files.json_file import json_text
-from epibar.lens.camera_file import load_cameras, write_cameras
+from epibar.lens.cameras_toml import load_cameras, write_cameras
 from epibar.lens.intrinsics import Intrinsics
 from epibar.runs import Run
 from epibar.sources.mask_frames import MaskFrames

@@ -8,7 +8,7 @@ import pytest
 
 import epibar
 from epibar import evaluation, geometry
-from epibar.lens.camera_file import load_cameras
+from epibar.lens.cameras_toml import load_cameras
 
 DATA = Path(__file__).resolve().parents[2] / "shared" / "data" / "four_people"
 

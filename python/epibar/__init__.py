@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from .health.diagnosis import Diagnosis
     from .health.inspection import inspect
     from .jobs import AllPairs, calibrate_all
-    from .lens.camera_file import load_cameras
+    from .lens.cameras_toml import load_cameras
     from .lens.intrinsics import Intrinsics
     from .motion_barcodes import barcodes, match_barcodes
     from .network import KnownCamera, Network, calibrate_network

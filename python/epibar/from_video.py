@@ -23,7 +23,7 @@ from .errors import EpibarError
 from .foreground import Foreground
 from .foreground.options import ForegroundOptions
 from .health.camera_health import CameraHealth
-from .lens.camera_file import intrinsics_of
+from .lens.cameras_toml import intrinsics_of
 from .lens.intrinsics import Intrinsics
 from .lens.undistortion import Undistorter
 from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder

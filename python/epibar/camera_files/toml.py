@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..lens.camera_file import write_cameras
+from ..lens.cameras_toml import write_cameras
 from ..lens.intrinsics import Intrinsics
 from .losses import fewer_coefficients, tell, told
 from .world import World

@@ -127,7 +127,7 @@ def _cameras(args: Namespace, network: Network, folder: Path) -> list[CameraInpu
 def _lenses(folder: Path, given: str | None, names: list[str]) -> Mapping[str, Intrinsics]:
     """Lenses to take out: those of the file that is given, or else those that were when it was calibrated."""
     from ..errors import EpibarError
-    from ..lens.camera_file import find_camera, load_cameras
+    from ..lens.cameras_toml import find_camera, load_cameras
     from ..runs.run import Run
 
     if given is not None:

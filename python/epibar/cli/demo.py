@@ -86,7 +86,7 @@ def run(args: Namespace) -> int:
     from pathlib import Path
 
     from ..errors import EpibarError
-    from ..lens.camera_file import write_cameras
+    from ..lens.cameras_toml import write_cameras
     from ..synthetic.staging import stage
     from .console import Console
 

@@ -62,7 +62,7 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..jobs.inputs import NETWORK_FILE
-    from ..lens.camera_file import load_cameras
+    from ..lens.cameras_toml import load_cameras
     from ..runs.run import Run
     from .console import Console
 

@@ -35,7 +35,7 @@ def run(args: Namespace) -> int:
     from ..health.inspection import inspect
     from ..jobs.inputs import CameraInput, one_each
     from ..jobs.tasks import record_camera
-    from ..lens.camera_file import find_camera, load_cameras
+    from ..lens.cameras_toml import find_camera, load_cameras
     from ..sources.source import source_name
     from .console import Console
 

@@ -30,7 +30,7 @@ def run(args: Namespace) -> int:
     from ..errors import EpibarError
     from ..jobs.inputs import CameraInput
     from ..jobs.tasks import record_camera
-    from ..lens.camera_file import intrinsics_of
+    from ..lens.cameras_toml import intrinsics_of
     from ..sources.source import source_name
     from .console import Console
 

@@ -21,7 +21,7 @@ from ..geometry.cameras import (
     volume_correspondences,
 )
 from ..geometry.epipolar import symmetric_epipolar_distance
-from ..lens.camera_file import load_cameras
+from ..lens.cameras_toml import load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..runs.run import Camera, Pair, Run
 from .points import compare, image_correspondences, moving_volume

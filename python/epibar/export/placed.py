@@ -15,7 +15,7 @@ from ..camera_files.formats import FORMATS
 from ..camera_files.world import World
 from ..errors import EpibarError
 from ..geometry.pose import RelativePose
-from ..lens.camera_file import load_cameras
+from ..lens.cameras_toml import load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..runs.run import Pair, Run
 from ..sources.opencv import opencv

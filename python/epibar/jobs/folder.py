@@ -19,7 +19,7 @@ from filelock import FileLock, Timeout
 from ..errors import EpibarError, is_address
 from ..files.atomic import sweep, write_atomically
 from ..files.calibration_json import is_plain_name, read_json
-from ..lens.camera_file import written_by_epibar
+from ..lens.cameras_toml import written_by_epibar
 from .inputs import CAMERAS_FILE, CLOCKS_FILE, NETWORK_FILE, REPORT, RESULT
 
 __all__ = ["Folder"]

@@ -14,7 +14,7 @@ from ..arguments import MAX_SEED, as_positive, as_whole_number
 from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
 from ..errors import EpibarError, address_without_secrets, is_address, printable
 from ..foreground.options import METHODS as FOREGROUNDS
-from ..lens.camera_file import find_camera, load_cameras
+from ..lens.cameras_toml import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..network.scaling import check_lengths
 from ..recording import DEFAULT_LINES, MAX_LINES

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
-from ..lens.camera_file import written_by_epibar
+from ..lens.cameras_toml import written_by_epibar
 from ..lens.intrinsics import Intrinsics
 from ..network.result import Network
 from .folder import Folder

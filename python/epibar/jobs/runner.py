@@ -1,7 +1,7 @@
 """The order of things: what is kept is reused, what is missing runs on the executor, results are written.
 
 A task per camera, a task per pair; a pair is handed to the executor as soon as both its recordings are there.
-What fails is noted and does not stop the rest.
+What fails is noted and does not stop the rest, and a run that was stopped resumes.
 """
 
 from __future__ import annotations

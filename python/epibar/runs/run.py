@@ -18,7 +18,7 @@ from ..files.calibration_json import read_json
 from ..files.frontier_csv import read_frontier_points
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
-from ..lens.camera_file import find_camera, load_cameras
+from ..lens.cameras_toml import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 from .stored import LONGEST_SIDE, Stored, entries

@@ -54,7 +54,7 @@
 //! # }
 //! ```
 
-mod bits;
+mod bits_of_bytes;
 mod calibrate;
 mod calibration;
 mod clock;

@@ -4,7 +4,7 @@
 //! silhouette has a dozen or two edges: eight at a time without a branch are done before a search in their logarithm has
 //! mispredicted its first comparison.
 
-use crate::bits::gathered;
+use crate::bits_of_bytes::gathered;
 use crate::image::Homogeneous;
 
 /// Edges of a hull are padded to a multiple of it.

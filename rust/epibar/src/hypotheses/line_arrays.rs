@@ -5,7 +5,7 @@
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::bits::{ones_of, word_of};
+use crate::bits_of_bytes::{ones_of, word_of};
 use crate::geometry::Fundamental;
 use crate::image::{Homogeneous, Segment};
 use crate::matching::Candidate;

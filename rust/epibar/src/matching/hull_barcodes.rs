@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
-use crate::bits::{ones_of, word_of};
+use crate::bits_of_bytes::{ones_of, word_of};
 use crate::image::Line;
 use crate::recording::{Barcodes, Silhouettes};
 

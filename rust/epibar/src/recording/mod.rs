@@ -5,7 +5,7 @@
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
 //!    [`silhouettes`] keeps the hulls; [`outline`] adds what a lens needs beyond them.
-//! 3. [`bit_planes`] turns masks into words of time, [`pixel_words`] packs 512 frames into one cache line per pixel, and
+//! 3. [`words_of_time`] turns masks into words of time, [`pixel_words`] packs 512 frames into one cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
 //! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends.
@@ -13,7 +13,6 @@
 //! Points are `(x, y)` in pixels, pixel centres at integers; bit `i` of a barcode is frame `i`.
 
 pub mod barcode;
-pub mod bit_planes;
 pub mod components;
 pub mod hull;
 pub mod outline;
@@ -27,6 +26,7 @@ pub mod silhouettes;
 pub mod tracker;
 pub mod traversal;
 pub mod visible;
+pub mod words_of_time;
 
 pub use barcode::{Barcodes, Informative};
 pub use parts::RecordingParts;

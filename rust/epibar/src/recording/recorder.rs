@@ -5,13 +5,13 @@
 //! barcode and of the heat map. Both are reused. Memory is 72 bytes per pixel and the recording itself.
 
 use super::barcode::Barcodes;
-use super::bit_planes::BitPlanes;
 use super::components::Components;
 use super::outline::OutlineFinder;
 use super::pixel_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;
+use super::words_of_time::BitPlanes;
 use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
 use std::sync::Arc;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::best::BestFew;
 use super::columns::{Asked, Columns, by_ones, stats};
 use super::popcount::{GROUP, Lanes, Level, Row, RowStats, Thresholds};
-use crate::bits::ones_of;
+use crate::bits_of_bytes::ones_of;
 use crate::matching::correlation::Match;
 use crate::recording::Barcodes;
 

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-use crate::bits::{gathered, ones_of};
+use crate::bits_of_bytes::{gathered, ones_of};
 
 /// Pixels of a tile, which are consecutive.
 pub const TILE: usize = 64;
