@@ -13,7 +13,7 @@ use super::relocate::Placed;
 use super::solve::{COMPARED, Solved, settled};
 use super::survey::Survey;
 use super::tangents::Score;
-use super::thresholds::PAIR_DEVIATES;
+use super::thresholds as limits;
 use crate::verify::shift_curve::normal_deviate;
 
 /// Stretches of time; every third one is kept aside.
@@ -44,7 +44,11 @@ pub struct Support {
 impl Support {
     /// Pairs of which so much confirms the network that chance does not.
     pub fn confirmed(&self) -> Vec<(usize, usize)> {
-        self.pairs.iter().filter(|(_, d)| d.tangents >= PAIR_DEVIATES).map(|(pair, _)| *pair).collect()
+        self.pairs
+            .iter()
+            .filter(|(_, d)| d.tangents >= limits::PAIR_DEVIATES)
+            .map(|(pair, _)| *pair)
+            .collect()
     }
 
     /// Of a network that was solved on all moments.
@@ -130,14 +134,6 @@ impl<'c> Aside<'c> {
 const PARTS: usize = 8;
 /// Shifts whose evidence is what chance has.
 const CHANCE: usize = 3;
-/// A camera that stands still has at least this share of its evidence, by what could meet, on either side.
-const LEFT: f64 = 0.35;
-/// And at least this share of what pairs that it has no part in keep.
-const LEFT_OF_OTHERS: f64 = 0.45;
-/// What its evidence on the better side must be, at least, in normal deviates of its parts.
-const CLEAR: f64 = 60.0;
-/// Pairs that it has no part in keep at least this share.
-const OTHERS_KEEP: f64 = 0.4;
 
 /// The share of its recording at which a camera was knocked, about, of each that sees what the others see only before or only
 /// after some moment.
@@ -192,12 +188,12 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
                 let (share, stands_before) = kept(of_own);
                 let (others, _) = kept(sides(&|p| !own(p), boundary));
                 let better = of_own[usize::from(!stands_before)].0;
-                let shows =
-                    of_own[usize::from(stands_before)].1 > 0.2 * of_own[usize::from(!stands_before)].1;
-                let found = share < LEFT
-                    && share < LEFT_OF_OTHERS * others
-                    && others > OTHERS_KEEP
-                    && better > CLEAR
+                let shows = of_own[usize::from(stands_before)].1
+                    > limits::KNOCKED_SHOWS * of_own[usize::from(!stands_before)].1;
+                let found = share < limits::KNOCKED_KEEPS
+                    && share < limits::KNOCKED_OF_OTHERS * others
+                    && others > limits::OTHERS_KEEP
+                    && better > limits::KNOCKED_CLEAR
                     && shows;
                 if found && worst.is_none_or(|w| share < w.0) {
                     worst = Some((share, boundary as f64 / PARTS as f64));

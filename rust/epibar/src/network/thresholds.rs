@@ -45,3 +45,13 @@ pub const DRIFT: f64 = 30.0;
 pub const MOVED: f64 = 2.0;
 /// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
 pub const MOVED_DEVIATES: f64 = 4.0;
+/// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment.
+pub const KNOCKED_KEEPS: f64 = 0.35;
+/// And at least this share of what pairs keep that it has no part in.
+pub const KNOCKED_OF_OTHERS: f64 = 0.45;
+/// Nothing is said of a knock where those pairs keep less than this share.
+pub const OTHERS_KEEP: f64 = 0.4;
+/// Nor where its evidence on the better side is less than this many tangents.
+pub const KNOCKED_CLEAR: f64 = 60.0;
+/// Nor where on one side it sees less than this share of what it sees on the other.
+pub const KNOCKED_SHOWS: f64 = 0.2;
