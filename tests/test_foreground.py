@@ -13,7 +13,7 @@ from epibar.health.camera_health import CameraHealth
 from epibar.sources.colour_frames import ColourFrames
 
 HEIGHT, WIDTH, COUNT = 120, 160, 60
-METHODS = ["mog2", "knn", "median"]
+METHODS = ["mog2", "mixture", "knn", "median"]
 
 
 def scenery(height=HEIGHT, width=WIDTH):
@@ -168,7 +168,7 @@ def test_what_is_small_is_what_opencv_counts():
     area = stats[:, cv2.CC_STAT_AREA]
     area[0] = 0
     for least in (1, 2, 5, 30, 100_000):
-        kept = _core.remove_small(mask, least)
+        kept = _core.clean_mask(mask, 1, 1, least)
         assert kept.dtype == np.uint8
         np.testing.assert_array_equal(kept, area[labels] >= least)
     assert (area >= 30).any()
@@ -198,7 +198,7 @@ def test_ready_masks_are_cleaned_alike():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"method": "magic"}, "'magic': choose one of mog2, knn, median"),
+        ({"method": "magic"}, "'magic': choose one of auto, mog2, mixture, knn, median"),
         ({"warm_up": 0}, "warm_up is 0"),
         ({"min_area": 1.5}, "min_area is 1.5"),
         ({"closing": -1}, "closing -1"),
