@@ -7,7 +7,7 @@ import pytest
 from epibar import _core
 from epibar.errors import EpibarError
 from epibar.foreground import Foreground
-from epibar.foreground.empty_scene import collect, median_background, steady_background
+from epibar.foreground.empty_scene import collect, median_background, samples_in_memory, steady_background
 from epibar.foreground.options import ForegroundOptions
 from epibar.health.camera_health import CameraHealth
 from epibar.sources.colour_frames import ColourFrames
@@ -238,6 +238,15 @@ def test_collect_spreads_its_samples():
     assert 5 <= len(levels) <= 10
     assert len(set(np.diff(levels))) == 1
     assert levels[-1] > 150
+
+
+def test_no_more_is_sampled_than_is_kept():
+    assert samples_in_memory(60, 3 * 640 * 480) == 60
+    assert samples_in_memory(60, 3 * 1920 * 1080) == 30
+    assert samples_in_memory(60, 10**9) == 4
+    for limit, memory in ((60, 1000), (37, 480), (9, 48)):
+        count = samples_in_memory(limit, 48, memory)
+        assert len(collect(np.zeros((limit, 4, 4, 3), np.uint8), limit, memory)) == count
 
 
 def big_scene(index=0, shift=0, gain=1.0):

@@ -16,10 +16,21 @@ from .. import _core
 from ..arguments import core_errors
 from ..errors import EpibarError
 
-__all__ = ["collect", "median_background", "steady_background"]
+__all__ = ["collect", "median_background", "samples_in_memory", "steady_background"]
 
 MEMORY_BYTES = 256 * 2**20
 STRIP_ROWS = 32
+
+
+def samples_in_memory(limit: int, frame_bytes: int, memory: int = MEMORY_BYTES) -> int:
+    """Return how many of ``limit`` frames :func:`collect` keeps, so that no others need be decoded."""
+    while limit > _most(limit, frame_bytes, memory):
+        limit = (limit + 1) // 2
+    return limit
+
+
+def _most(limit: int, frame_bytes: int, memory: int) -> int:
+    return max(5, min(limit, memory // frame_bytes))
 
 
 def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES) -> np.ndarray:
@@ -40,7 +51,7 @@ def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES
     count, stride = 0, 1
     for index, frame in enumerate(frames):
         if index == 0:  # memory is taken when it is written to
-            kept = np.empty((max(5, min(limit, memory // frame.nbytes)) + 1, *frame.shape), np.uint8)
+            kept = np.empty((_most(limit, frame.nbytes, memory) + 1, *frame.shape), np.uint8)
         elif frame.shape != kept.shape[1:]:
             height, width = kept.shape[1:3]
             raise EpibarError(

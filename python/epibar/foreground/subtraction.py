@@ -26,7 +26,7 @@ from .. import _core
 from ..arguments import core_errors
 from ..errors import EpibarError
 from ..sources.colour_frames import ColourFrames
-from .empty_scene import collect, steady_background
+from .empty_scene import collect, samples_in_memory, steady_background
 from .flooding import FLOOD_SHARE, moving_share
 from .models import FLOOD_LEARNING_RATE, BackgroundModel, largest_difference, new_model
 from .options import ForegroundOptions
@@ -69,8 +69,9 @@ class Foreground:
         """Return a model primed from the background clip if there is one, or else from all of ``frames``."""
         foreground = cls(options)
         clip = foreground.options.background
+        count = samples_in_memory(foreground.options.warm_up, 3 * frames.width * frames.height)
         if clip is None:
-            foreground.prime(frames.sample(foreground.options.warm_up))
+            foreground.prime(frames.sample(count))
             return foreground
         with ColourFrames(clip) as empty:
             if empty.size != frames.size:
@@ -78,7 +79,7 @@ class Foreground:
                     f"{empty.path}: {empty.width}x{empty.height}, but {frames.path} is "
                     f"{frames.width}x{frames.height}; film the background with the same camera and settings"
                 )
-            foreground.prime(empty.sample(foreground.options.warm_up))
+            foreground.prime(empty.sample(count))
         return foreground
 
     def prime(self, frames: Iterable[np.ndarray]) -> None:
