@@ -308,7 +308,7 @@ mod tests {
         let mut noise =
             |share: f64| (0..size.pixels()).map(|_| u8::from(random.random_bool(share))).collect();
         let mut masks: Vec<Vec<u8>> = [0.0, 0.003, 0.3, 0.5, 0.9, 1.0].map(&mut noise).into();
-        let block = |i: usize| u8::from(i % size.width / 11 % 3 == 0 && i / size.width / 13 % 2 == 0);
+        let block = |i: usize| u8::from(i % size.width % 33 < 11 && i / size.width % 26 < 13);
         masks.push((0..size.pixels()).map(block).collect());
         masks
     }

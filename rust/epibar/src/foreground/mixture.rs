@@ -110,8 +110,8 @@ impl Mixture {
         let rows = self.rows.par_iter_mut().zip(frame.par_chunks_exact(3 * width));
         let rows = rows.zip(mask.par_chunks_exact_mut(width)).enumerate().with_min_len(TASK_ROWS);
         rows.for_each(|(y, ((row, colours), mask))| match rate_of(y) {
-            Some(rate) => row.learn(colours, mask, rate, &self.options),
-            None => row.look(colours, mask, &self.options),
+            Some(rate) => row.learn(colours, mask, rate, self.options),
+            None => row.look(colours, mask, self.options),
         });
         Ok(mask)
     }
@@ -132,7 +132,7 @@ impl Row {
         }
     }
 
-    fn learn(&mut self, colours: &[u8], mask: &mut [u8], rate: f32, options: &MixtureOptions) {
+    fn learn(&mut self, colours: &[u8], mask: &mut [u8], rate: f32, options: MixtureOptions) {
         let pixels = colours.as_chunks::<3>().0.iter().zip(mask);
         let screens = self.level.as_chunks_mut::<3>().0.iter_mut().zip(self.too_far.as_chunks_mut::<3>().0);
         for (x, (((colour, moving), used), (level, too_far))) in
@@ -149,7 +149,7 @@ impl Row {
         }
     }
 
-    fn look(&self, colours: &[u8], mask: &mut [u8], options: &MixtureOptions) {
+    fn look(&self, colours: &[u8], mask: &mut [u8], options: MixtureOptions) {
         let (groups, rest) = colours.as_chunks::<GROUP_BYTES>();
         let (levels, rest_levels) = self.level.as_chunks::<GROUP_BYTES>();
         let (bounds, rest_bounds) = self.too_far.as_chunks::<GROUP_BYTES>();
@@ -165,7 +165,7 @@ impl Row {
     }
 
     /// Asks all modes about the pixels from `first` on of which a channel is far.
-    fn ask(&self, first: usize, far: &[u8], colours: &[u8], mask: &mut [u8], options: &MixtureOptions) {
+    fn ask(&self, first: usize, far: &[u8], colours: &[u8], mask: &mut [u8], options: MixtureOptions) {
         let pixels = far.as_chunks::<3>().0.iter().zip(colours.as_chunks::<3>().0);
         for (x, (far, colour)) in (first..).zip(pixels) {
             if *far != [0; 3] {

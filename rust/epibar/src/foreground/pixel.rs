@@ -47,7 +47,7 @@ pub(super) struct Pixel<'a> {
 
 impl Pixel<'_> {
     /// Whether a colour moves; and learn from it at a rate between 0 and 1.
-    pub fn learn(&mut self, colour: [f32; 3], rate: f32, options: &MixtureOptions) -> bool {
+    pub fn learn(&mut self, colour: [f32; 3], rate: f32, options: MixtureOptions) -> bool {
         let prune = -rate * PRIOR;
         let mut background = false;
         let mut fits = false;
@@ -90,7 +90,7 @@ impl Pixel<'_> {
             used = self.begin(used, colour, rate);
         }
         *self.used = used as u8;
-        !background && !(options.shadows && is_shadow(|m| *self.mode(m), used, colour, options))
+        !(background || options.shadows && is_shadow(|m| *self.mode(m), used, colour, options))
     }
 
     /// Add a mode, in place of the lightest where there are too many, and return how many there are now.
@@ -131,7 +131,7 @@ impl Pixel<'_> {
 /// [`Pixel::learn`] of a pixel with one mode, which weighs 1, and a colour that fits it: what nearly all are. Returns
 /// whether it is such a one, which does not move, and does nothing otherwise.
 #[inline(always)]
-pub(super) fn settle(mode: &mut Mode, colour: [f32; 3], rate: f32, options: &MixtureOptions) -> bool {
+pub(super) fn settle(mode: &mut Mode, colour: [f32; 3], rate: f32, options: MixtureOptions) -> bool {
     let variance = mode[1];
     let (apart, distance2) = difference(mode, colour);
     if distance2 >= FIT.min(options.threshold) * variance {
@@ -151,7 +151,7 @@ pub(super) fn moves(
     used: u8,
     x: usize,
     colour: [f32; 3],
-    options: &MixtureOptions,
+    options: MixtureOptions,
 ) -> bool {
     let used = usize::from(used);
     let mut total = 0.0;
@@ -181,7 +181,7 @@ fn difference(mode: &Mode, colour: [f32; 3]) -> ([f32; 3], f32) {
 }
 
 /// Whether a colour is that of a background mode, only darker.
-fn is_shadow(mode: impl Fn(usize) -> Mode, used: usize, colour: [f32; 3], options: &MixtureOptions) -> bool {
+fn is_shadow(mode: impl Fn(usize) -> Mode, used: usize, colour: [f32; 3], options: MixtureOptions) -> bool {
     let mut total = 0.0;
     for m in 0..used {
         let [weight, variance, mean @ ..] = mode(m);
@@ -209,8 +209,45 @@ fn is_shadow(mode: impl Fn(usize) -> Mode, used: usize, colour: [f32; 3], option
 /// Near which levels all channels of a colour must lie for it to be background by the heaviest mode alone: its mean, and
 /// the least difference that may be too large, 0 where every one may.
 #[inline(always)]
-pub(super) fn screen(mode: &Mode, options: &MixtureOptions) -> ([u8; 3], u8) {
-    // All three channels may be off by as much, and the mean by half a level of rounding. Casts round down and saturate.
+pub(super) fn screen(mode: &Mode, options: MixtureOptions) -> ([u8; 3], u8) {
+    // All three channels may be off by as much, and the mean by half a level of rounding; rounded down, for distances
+    // must be below the threshold.
     let reach = (options.threshold * mode[1] / 3.0).sqrt() - 0.5;
-    ([mode[2], mode[3], mode[4]].map(|mean| (mean + 0.5) as u8), reach as u8)
+    let least = level(reach.clamp(0.5, 255.0) - 0.5);
+    ([level(mode[2]), level(mode[3]), level(mode[4])], least)
+}
+
+/// The whole number nearest to a value from 0 to 255. Beside 2²³ a single has no fraction, so its lowest bits are that
+/// number; a cast, which checks its range, takes several times as long.
+#[inline(always)]
+fn level(value: f32) -> u8 {
+    (value + 8_388_608.0).to_bits() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_the_nearest() {
+        for tenths in 0..=2550u16 {
+            let value = f32::from(tenths) / 10.0;
+            assert_eq!(level(value), value.round_ties_even() as u8, "{value}");
+        }
+    }
+
+    #[test]
+    fn what_passes_the_screen_is_background() {
+        for threshold in [0.01, 5.0, 80.0, 1e6] {
+            for variance in [4.0, 7.3, 75.0] {
+                let options = MixtureOptions { threshold, shadows: false };
+                let mode = [1.0, variance, 99.5, 128.49, 20.0];
+                let (means, least) = screen(&mode, options);
+                if least > 0 {
+                    let farthest = means.map(|mean| f32::from(mean) - f32::from(least - 1));
+                    assert!(difference(&mode, farthest).1 < threshold * variance, "{threshold}, {variance}");
+                }
+            }
+        }
+    }
 }
