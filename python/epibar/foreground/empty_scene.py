@@ -47,7 +47,7 @@ def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES
     EpibarError
         No frames, or frames of two sizes.
     """
-    kept = np.empty(0, np.uint8)
+    kept: np.ndarray = np.empty(0, np.uint8)
     count, stride = 0, 1
     for index, frame in enumerate(frames):
         if index == 0:  # memory is taken when it is written to
