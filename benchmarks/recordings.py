@@ -351,7 +351,7 @@ def parser_of(description: str) -> ArgumentParser:
     parser.add_argument("data_dir", nargs="?", type=Path, default=ROOT.parent / "shared" / "data")
     add_common(parser, lines=20_000)
     add_names(parser, "--only", DATA)
-    parser.add_argument("--foreground", choices=("mog2", "knn", "median"), default="mog2")
+    parser.add_argument("--foreground", choices=("auto", "mog2", "mixture", "knn", "median"), default="auto")
     parser.add_argument("--threshold", type=float, default=0.0, help="of the foreground (default: its own)")
     parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")
     return parser

@@ -7,13 +7,13 @@ import pytest
 from epibar import _core
 from epibar.errors import EpibarError
 from epibar.foreground import Foreground
-from epibar.foreground.empty_scene import collect, median_background, steady_background
+from epibar.foreground.empty_scene import collect, median_background, samples_in_memory, steady_background
 from epibar.foreground.options import ForegroundOptions
 from epibar.health.camera_health import CameraHealth
 from epibar.sources.colour_frames import ColourFrames
 
 HEIGHT, WIDTH, COUNT = 120, 160, 60
-METHODS = ["mog2", "knn", "median"]
+METHODS = ["mog2", "mixture", "knn", "median"]
 
 
 def scenery(height=HEIGHT, width=WIDTH):
@@ -168,7 +168,7 @@ def test_what_is_small_is_what_opencv_counts():
     area = stats[:, cv2.CC_STAT_AREA]
     area[0] = 0
     for least in (1, 2, 5, 30, 100_000):
-        kept = _core.remove_small(mask, least)
+        kept = _core.clean_mask(mask, 1, 1, least)
         assert kept.dtype == np.uint8
         np.testing.assert_array_equal(kept, area[labels] >= least)
     assert (area >= 30).any()
@@ -198,7 +198,7 @@ def test_ready_masks_are_cleaned_alike():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"method": "magic"}, "'magic': choose one of mog2, knn, median"),
+        ({"method": "magic"}, "'magic': choose one of auto, mog2, mixture, knn, median"),
         ({"warm_up": 0}, "warm_up is 0"),
         ({"min_area": 1.5}, "min_area is 1.5"),
         ({"closing": -1}, "closing -1"),
@@ -238,6 +238,15 @@ def test_collect_spreads_its_samples():
     assert 5 <= len(levels) <= 10
     assert len(set(np.diff(levels))) == 1
     assert levels[-1] > 150
+
+
+def test_no_more_is_sampled_than_is_kept():
+    assert samples_in_memory(60, 3 * 640 * 480) == 60
+    assert samples_in_memory(60, 3 * 1920 * 1080) == 30
+    assert samples_in_memory(60, 10**9) == 4
+    for limit, memory in ((60, 1000), (37, 480), (9, 48)):
+        count = samples_in_memory(limit, 48, memory)
+        assert len(collect(np.zeros((limit, 4, 4, 3), np.uint8), limit, memory)) == count
 
 
 def big_scene(index=0, shift=0, gain=1.0):

@@ -16,12 +16,13 @@ from data import Pair
 from machine import measure
 from matching import huge_stage, matching_stages
 from memory import memory_stage
+from record import record_stages
 from scores import score_stages
 from table import print_tables, to_json
 from whole import whole_stages
 
 PEERS = ("numpy", "opencv-python-headless", "numkong", "faiss-cpu", "scikit-image", "poselib")
-PARTS = ("recording", "matching", "huge", "scores", "whole", "memory")
+PARTS = ("recording", "matching", "huge", "scores", "whole", "record", "memory")
 
 
 def main() -> None:
@@ -29,6 +30,8 @@ def main() -> None:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures there")
     parser.add_argument("--only", default=",".join(PARTS), help="parts: %(default)s")
     parser.add_argument("--frames", default="500", help="lengths of the long videos: 500,20000")
+    parser.add_argument("--sizes", default="1280x720,1920x1080", help="of part record: %(default)s")
+    parser.add_argument("--length", type=int, default=300, help="frames of part record: %(default)s")
     options = parser.parse_args()
     parts = options.only.split(",")
     if unknown := set(parts) - set(PARTS):
@@ -54,6 +57,10 @@ def main() -> None:
             stages += score_stages(pair)
         elif part == "whole":
             stages += whole_stages(pair, machine)
+        elif part == "record":
+            for size in options.sizes.split(","):
+                width, height = map(int, size.split("x"))
+                stages += record_stages(options.length, (width, height))
         elif part == "memory":
             stages += [memory_stage(int(frames)) for frames in options.frames.split(",")]
     print_tables(stages)

@@ -37,8 +37,8 @@ def whole_stages(pair: Pair, machine: Machine) -> list[Stage]:
 
         ways: dict[str, Callable[[], Any]] = {
             "record": record,
-            "decode": lambda: [_decode(video, False) for video in videos],
-            "decode and MOG2": lambda: [_decode(video, True) for video in videos],
+            "decode": lambda: [decode(video, False) for video in videos],
+            "decode and MOG2": lambda: [decode(video, True) for video in videos],
             "calibrate": lambda: epibar.calibrate(*recordings),
             "lines": lambda: epibar.calibrate(*recordings, method="lines"),
         }
@@ -72,7 +72,7 @@ def whole_stages(pair: Pair, machine: Machine) -> list[Stage]:
     ]
 
 
-def _decode(video: Path, with_model: bool) -> None:
+def decode(video: Path, with_model: bool) -> None:
     """What anybody needs who wants to know what moves."""
     capture = cv2.VideoCapture(str(video))
     model: Any = cv2.createBackgroundSubtractorMOG2(500, 25.0, True)

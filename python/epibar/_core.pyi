@@ -6,11 +6,13 @@ from numpy.typing import NDArray
 
 __all__ = [
     "Calibration",
+    "Mixture",
     "Recorder",
     "Recording",
     "barcodes",
     "calibrate",
     "check_network",
+    "clean_mask",
     "clock_offsets",
     "clock_rate",
     "common_frames",
@@ -21,11 +23,17 @@ __all__ = [
     "motion_lines",
     "pairs_to_search",
     "positions",
-    "remove_small",
     "score_lines",
     "score_tangents",
+    "steady_background",
     "walker_tracks",
 ]
+
+@final
+class Mixture:
+    def __new__(cls, width: int, height: int, threshold: float, shadows: bool) -> Mixture: ...
+    def learn(self, frame: NDArray[np.uint8], rate: float) -> NDArray[np.uint8]: ...
+    def look(self, frame: NDArray[np.uint8], rate: float) -> NDArray[np.uint8]: ...
 
 @final
 class Recorder:
@@ -143,6 +151,13 @@ def check_network(
     clocks: tuple[list[float], bool, bool],
     progress: Callable[[str, float], None] | None,
 ) -> list[dict[str, Any]]: ...
+def clean_mask(
+    mask: NDArray[np.uint8],
+    median: int,
+    closing: int,
+    min_area: int,
+    ignore: NDArray[np.uint8] | None = None,
+) -> NDArray[np.uint8]: ...
 def clock_offsets(
     recordings: Sequence[Recording], seconds: float, progress: Callable[[str, float], None] | None
 ) -> tuple[list[float], bool, bool]: ...
@@ -176,7 +191,6 @@ def examine(
     cameras: tuple[NDArray[np.float64], NDArray[np.float64]] | None,
 ) -> dict[str, Any]: ...
 def motion_lines(rec: Recording) -> NDArray[np.float64]: ...
-def remove_small(mask: NDArray[np.uint8], min_area: int) -> NDArray[np.uint8]: ...
 def score_lines(
     lines_a: NDArray[np.float64],
     lines_b: NDArray[np.float64],
@@ -192,6 +206,7 @@ def score_tangents(
     upright: bool,
     frames: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
+def steady_background(samples: NDArray[np.uint8]) -> NDArray[np.uint8]: ...
 def walker_tracks(
     recordings: Sequence[Recording],
     cameras: Sequence[Mapping[str, Any]],

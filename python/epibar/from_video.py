@@ -49,7 +49,7 @@ def record(
     *,
     name: str | None = None,
     masks: bool = False,
-    foreground: str | ForegroundOptions = "mog2",
+    foreground: str | ForegroundOptions = "auto",
     background: str | os.PathLike[str] | None = None,
     ignore: str | os.PathLike[str] | NDArray[Any] | None = None,
     intrinsics: Intrinsics | str | os.PathLike[str] | None = None,
@@ -72,7 +72,7 @@ def record(
         Of the camera; the file's stem by default. Its intrinsics are looked up under it.
     masks : bool
         The input is black and white already, white = moving, or an ``.npz`` with key ``masks``.
-    foreground : {"mog2", "knn", "median"} or ForegroundOptions
+    foreground : {"auto", "mog2", "mixture", "knn", "median"} or ForegroundOptions
         How to tell what moves.
     background : str or path, optional
         Video or picture of the empty scene by the same camera.

@@ -45,8 +45,8 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
     )
     group.add_argument(
         "--foreground",
-        choices=("mog2", "knn", "median"),
-        default="mog2",
+        choices=("auto", "mog2", "mixture", "knn", "median"),
+        default="auto",
         help="background model: try another when the heat maps of the report show what did not move "
         "(default: %(default)s)",
     )

@@ -1,7 +1,7 @@
-"""Background models: MOG2 and KNN of OpenCV, and a selective temporal median.
+"""Background models: MOG2 and KNN of OpenCV, a mixture of our own, and a selective temporal median.
 
-MOG2: Zivkovic 2004. KNN: Zivkovic and van der Heijden 2006. The median has the HSV shadow test of Cucchiara
-et al. 2003.
+MOG2: Zivkovic 2004. KNN: Zivkovic and van der Heijden 2006. The mixture has MOG2's equations, and rows that
+learn in turn. The median has the HSV shadow test of Cucchiara et al. 2003.
 """
 
 from __future__ import annotations
@@ -11,6 +11,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from .. import _core
+from ..arguments import core_errors
 from .empty_scene import median_background
 from .options import ForegroundOptions
 
@@ -24,6 +26,10 @@ MOG2_THRESHOLD = 80.0
 in the other view at 80, of real videos, and at 140 those of some are lost again."""
 
 
+WIDE = 800
+"""Pixels; what is wider has more of them than OpenCV's MOG2 gets through in time."""
+
+
 class BackgroundModel(Protocol):
     """What tells moving pixels from background, one (H, W, 3) uint8 BGR frame at a time."""
 
@@ -35,7 +41,7 @@ class BackgroundModel(Protocol):
 
 
 class OpenCvModel:
-    """MOG2 or KNN; their mask is 0, 127 (shadow) or 255."""
+    """MOG2 or KNN of OpenCV; their mask is 0, 127 (shadow) or 255."""
 
     def __init__(self, options: ForegroundOptions) -> None:
         import cv2
@@ -59,6 +65,20 @@ class OpenCvModel:
     def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
         result: np.ndarray = (self._model.apply(frame, learningRate=rate) == 255).astype(np.uint8)
         return result
+
+
+class MixtureModel:
+    """MOG2's mixture in the compiled core: where a rate is low, each row learns from every 16th frame."""
+
+    def __init__(self, options: ForegroundOptions, size: tuple[int, int]) -> None:
+        with core_errors():
+            self._model = _core.Mixture(*size, options.threshold or MOG2_THRESHOLD, options.shadows)
+
+    def learn(self, frame: np.ndarray, number: int) -> None:
+        self._model.learn(np.ascontiguousarray(frame), 1.0 / (number + 1))
+
+    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
+        return self._model.look(np.ascontiguousarray(frame), rate)
 
 
 class MedianModel:
@@ -135,6 +155,10 @@ def largest_difference(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
     return cv2.max(cv2.max(blue, green), red)
 
 
-def new_model(options: ForegroundOptions) -> BackgroundModel:
-    """Make the model that the options name, which knows nothing yet."""
-    return MedianModel(options) if options.method == "median" else OpenCvModel(options)
+def new_model(options: ForegroundOptions, size: tuple[int, int]) -> BackgroundModel:
+    """Make the model that the options name, for frames of a width and height; it knows nothing yet."""
+    if options.method == "median":
+        return MedianModel(options)
+    if options.method == "mixture" or (options.method == "auto" and size[0] > WIDE):
+        return MixtureModel(options, size)
+    return OpenCvModel(options)

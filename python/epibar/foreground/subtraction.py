@@ -1,7 +1,8 @@
 """Background subtraction, streamed: a model of the empty scene, and the cleaning of the mask it gives.
 
 Models: MOG2 (Zivkovic 2004) and KNN (Zivkovic and van der Heijden 2006) from OpenCV with their shadow test,
-and a selective temporal median with the HSV shadow test of Cucchiara et al. 2003.
+MOG2's mixture in the compiled core for large images, and a selective temporal median with the HSV shadow test
+of Cucchiara et al. 2003.
 
 A model must know the empty scene before frame 0, or the first seconds are lost. So it is *primed* with frames
 spread over the whole video, or with a background clip, in which everything far from
@@ -22,11 +23,12 @@ from typing import Any
 import numpy as np
 
 from .. import _core
+from ..arguments import core_errors
 from ..errors import EpibarError
 from ..sources.colour_frames import ColourFrames
-from .empty_scene import collect, steady_background
+from .empty_scene import collect, samples_in_memory, steady_background
 from .flooding import FLOOD_SHARE, moving_share
-from .models import FLOOD_LEARNING_RATE, largest_difference, new_model
+from .models import FLOOD_LEARNING_RATE, BackgroundModel, largest_difference, new_model
 from .options import ForegroundOptions
 
 __all__ = ["Foreground"]
@@ -53,7 +55,8 @@ class Foreground:
     def __init__(self, options: ForegroundOptions | None = None) -> None:
         self.options = options or ForegroundOptions()
         self.background: np.ndarray | None = None
-        self._model = new_model(self.options)
+        self._model: BackgroundModel | None = None
+        self._hidden: np.ndarray | None = None
         self._size: tuple[int, int] | None = None
         self._learned = 0
         self._primed = False
@@ -66,8 +69,9 @@ class Foreground:
         """Return a model primed from the background clip if there is one, or else from all of ``frames``."""
         foreground = cls(options)
         clip = foreground.options.background
+        count = samples_in_memory(foreground.options.warm_up, 3 * frames.width * frames.height)
         if clip is None:
-            foreground.prime(frames.sample(foreground.options.warm_up))
+            foreground.prime(frames.sample(count))
             return foreground
         with ColourFrames(clip) as empty:
             if empty.size != frames.size:
@@ -75,7 +79,7 @@ class Foreground:
                     f"{empty.path}: {empty.width}x{empty.height}, but {frames.path} is "
                     f"{frames.width}x{frames.height}; film the background with the same camera and settings"
                 )
-            foreground.prime(empty.sample(foreground.options.warm_up))
+            foreground.prime(empty.sample(count))
         return foreground
 
     def prime(self, frames: Iterable[np.ndarray]) -> None:
@@ -92,14 +96,14 @@ class Foreground:
             No frames, or frames of two sizes.
         """
         samples = collect((self._checked(frame) for frame in frames), self.options.warm_up)
-        self._set_size(samples[0])
+        size = self._set_size(samples[0])
         self.background = steady_background(samples)
-        self._model = new_model(self.options)
+        self._model = model = new_model(self.options, size)
         # MOG2 weighs late samples a little more, so their order must not be that of time.
         order = np.random.default_rng(0).permutation(len(samples))
         for number in range(max(len(order), 20)):
             sample = samples[order[number % len(order)]]
-            self._model.learn(self._painted(sample, self.background), number)
+            model.learn(self._painted(sample, self.background), number)
         self._primed = True
 
     def _painted(self, sample: np.ndarray, background: np.ndarray) -> np.ndarray:
@@ -131,7 +135,13 @@ class Foreground:
         EpibarError
             The frame's size or type differs from what came before, or from the ignore mask.
         """
-        self._set_size(self._checked(frame))
+        return self._cleaned(self.moving(frame))
+
+    def moving(self, frame: np.ndarray) -> np.ndarray:
+        """Return the mask of the next frame before it is cleaned; all else is as for :meth:`apply`."""
+        size = self._set_size(self._checked(frame))
+        if self._model is None:
+            self._model = new_model(self.options, size)
         if not self._primed and self._learned < self.options.warm_up:
             self._model.learn(frame, self._learned)
             self._learned += 1
@@ -139,7 +149,7 @@ class Foreground:
         rate = FLOOD_LEARNING_RATE if self._flooded >= FLOOD_PATIENCE else self._rate
         moving = self._model.moving(frame, rate)
         self._flooded = self._flooded + 1 if moving_share(moving) > FLOOD_SHARE else 0
-        return self._cleaned(moving)
+        return moving
 
     def clean(self, mask: np.ndarray) -> np.ndarray:
         """Clean a ready mask as the model's own are: median filter, closing, area filter, ignore mask.
@@ -166,7 +176,7 @@ class Foreground:
         self._set_size(mask)
         return self._cleaned((mask != 0).astype(np.uint8))
 
-    def _set_size(self, frame: np.ndarray) -> None:
+    def _set_size(self, frame: np.ndarray) -> tuple[int, int]:
         height, width = frame.shape[:2]
         if self._size is None:
             self._size = width, height
@@ -175,8 +185,10 @@ class Foreground:
                 raise EpibarError(
                     f"ignore mask: {ignore.shape[1]}x{ignore.shape[0]}, but the frames are {width}x{height}"
                 )
+            self._hidden = None if ignore is None else np.ascontiguousarray(ignore != 0, np.uint8)
         elif self._size != (width, height):
             raise EpibarError(f"a frame of {width}x{height} after frames of {self._size[0]}x{self._size[1]}")
+        return width, height
 
     def _odd(self, size: float) -> int:
         """Convert a size at 480 lines to an odd number of pixels of this image; 1 does nothing."""
@@ -196,21 +208,12 @@ class Foreground:
         return frame
 
     def _cleaned(self, mask: np.ndarray, ignore: bool = True) -> np.ndarray:
-        import cv2
-
-        hidden = self.options.ignore.astype(bool) if ignore and self.options.ignore is not None else None
-        if hidden is not None:
-            mask[hidden] = 0
-        size = self._odd(self.options.median_filter)
-        if size > 1:
-            mask = cv2.medianBlur(mask, size)
-        size = self._odd(self.options.closing)
-        if size > 1:
-            disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
-            mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disc)
-        if hidden is not None:
-            mask[hidden] = 0
-        if self.options.min_area:
-            least = math.ceil(self.options.min_area * mask.size)
-            mask = _core.remove_small(np.ascontiguousarray(mask), least)
-        return mask
+        least = math.ceil(self.options.min_area * mask.size)
+        with core_errors():
+            return _core.clean_mask(
+                np.ascontiguousarray(mask),
+                self._odd(self.options.median_filter),
+                self._odd(self.options.closing),
+                least,
+                self._hidden if ignore else None,
+            )

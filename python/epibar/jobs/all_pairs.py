@@ -79,7 +79,7 @@ def calibrate_all(
     max_expected_error: float = MAX_EXPECTED_ERROR,
     lines: int = DEFAULT_LINES,
     masks: bool = False,
-    foreground: str = "mog2",
+    foreground: str = "auto",
     background: Sequence[PathLike] | None = None,
     ignore: Sequence[PathLike] | None = None,
     intrinsics: PathLike | None = None,

@@ -85,7 +85,7 @@ class RecordOptions:
     lines: int = DEFAULT_LINES
     seed: int = 0
     masks: bool = False
-    foreground: str = "mog2"
+    foreground: str = "auto"
     frames: FrameRange = field(default_factory=FrameRange)
 
     def __post_init__(self) -> None:

@@ -28,6 +28,8 @@ TRUNCATION_SHARE = 0.02
 
 RECONNECT_AFTER = (1.0, 3.0, 10.0)
 """Seconds before each new try to open a live stream that broke off."""
+NEAR = 32
+"""Frames ahead that are reached faster by decoding than by seeking, which goes back to a key frame."""
 LIVE_PRIMING = 10.0
 """Seconds of a live stream from which the empty scene is learned, before those that are recorded."""
 
@@ -296,19 +298,33 @@ class ColourFrames(FrameSource[np.ndarray]):
             keep = max(1, total // count)
             yield from (frame for index, _, frame in self if index % keep == 0)
             return
-        cv2 = opencv()
-        capture, found = self._capture(), 0
-        try:
-            for number in np.linspace(self.first, self.first + total - 1, count).astype(int):
-                capture.set(cv2.CAP_PROP_POS_FRAMES, float(number))
-                ok, frame = capture.read()
-                if ok and frame is not None and (frame.shape[1], frame.shape[0]) == self.size:
+        found = 0
+        numbers = np.linspace(self.first, self.first + total - 1, count).astype(int)
+        with closing(self._picked(numbers)) as picked:
+            for frame in picked:
+                if (frame.shape[1], frame.shape[0]) == self.size:
                     found += 1
                     yield as_bgr(frame)
-        finally:
-            capture.release()
         if not found:
             yield from (frame for _, _, frame in self)
+
+    def _picked(self, numbers: np.ndarray) -> Generator[np.ndarray, None, None]:
+        """Yield frames by their numbers in the file, which increase, as far as they can be had."""
+        cv2 = opencv()
+        capture, at = self._capture(), 0
+        try:
+            for number in map(int, numbers):
+                if number - at > NEAR:
+                    capture.set(cv2.CAP_PROP_POS_FRAMES, float(number))
+                    ok, frame = capture.read()
+                else:  # a seek would decode as many from the key frame before
+                    ok = all(capture.grab() for _ in range(number + 1 - at))
+                    ok, frame = capture.retrieve() if ok else (False, None)
+                at = number + 1
+                if ok and frame is not None:
+                    yield frame
+        finally:
+            capture.release()
 
     def close(self) -> None:
         """Release the file."""

@@ -6,6 +6,7 @@ mod calibration;
 mod clocks;
 mod convert;
 mod examine;
+mod foreground;
 mod lines;
 mod network;
 mod recording;
@@ -26,6 +27,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(clocks::frame_interval, module)?)?;
     module.add_function(wrap_pyfunction!(clocks::positions, module)?)?;
     module.add_function(wrap_pyfunction!(examine::examine, module)?)?;
+    module.add_class::<foreground::Mixture>()?;
+    module.add_function(wrap_pyfunction!(foreground::clean_mask, module)?)?;
+    module.add_function(wrap_pyfunction!(foreground::steady_background, module)?)?;
     module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::motion_lines, module)?)?;
@@ -33,7 +37,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(network::clock_offsets, module)?)?;
     module.add_function(wrap_pyfunction!(network::join_network, module)?)?;
     module.add_function(wrap_pyfunction!(network::pairs_to_search, module)?)?;
-    module.add_function(wrap_pyfunction!(recording::remove_small, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;
     module.add_function(wrap_pyfunction!(tracks::walker_tracks, module)?)?;

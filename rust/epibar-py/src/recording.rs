@@ -1,6 +1,5 @@
 //! Recorder and Recording.
 
-use epibar::internals::Components;
 use epibar::{ImageSize, Informative, RecorderOptions, RecordingParts, Segment};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
@@ -71,24 +70,6 @@ impl Recorder {
         let recorder = self.inner.take().ok_or_else(finished)?;
         Ok(Recording { inner: enter(py, || recorder.finish())? })
     }
-}
-
-/// A copy of a mask, (height, width), without its 8-connected components of fewer than `min_area` pixels.
-#[pyfunction]
-pub fn remove_small<'py>(
-    py: Python<'py>,
-    mask: PyReadonlyArrayDyn<'py, u8>,
-    min_area: usize,
-) -> PyResult<Bound<'py, PyArray2<u8>>> {
-    let pixels = slice("mask", &mask, 2)?;
-    let [height, width] = [mask.shape()[0], mask.shape()[1]];
-    let kept = enter(py, || {
-        let size = ImageSize::new(width, height)?;
-        let mut kept = pixels.to_vec();
-        Components::new().remove_small(&mut kept, size, min_area);
-        Ok(kept)
-    })?;
-    kept.into_pyarray(py).reshape([height, width])
 }
 
 /// What one camera saw move.

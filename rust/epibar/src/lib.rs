@@ -62,6 +62,7 @@ mod error;
 mod examine;
 #[cfg(feature = "files")]
 mod files;
+mod foreground;
 mod frontier;
 mod geometry;
 mod hypotheses;

@@ -191,7 +191,8 @@ impl Components {
     }
 }
 
-fn find_runs(row: &[u8], y: u16, runs: &mut Vec<Run>) {
+/// Adds the runs of non-zero pixels of a row.
+pub(crate) fn find_runs(row: &[u8], y: u16, runs: &mut Vec<Run>) {
     let mut x = 0;
     loop {
         x = skip(row, x, |v| v == 0);
