@@ -170,7 +170,13 @@ pub(super) fn moves(
         }
         total += mode[0];
     }
-    !(options.shadows && is_shadow(|m| planes[m][x], used, colour, options))
+    // Weights add up to less than 1 where a new mode took the place of another; learning mends that before it asks for shadows.
+    let whole = 1.0 / planes[..used].iter().map(|plane| plane[x][0]).fold(0.0, |sum, weight| sum + weight);
+    let mode = |m: usize| {
+        let [weight, rest @ ..] = planes[m][x];
+        [weight * whole, rest[0], rest[1], rest[2], rest[3]]
+    };
+    !(options.shadows && is_shadow(mode, used, colour, options))
 }
 
 /// Mean minus colour of each channel, and the sum of their squares.
