@@ -39,6 +39,34 @@ pub struct Support {
     pub cameras: Vec<Deviates>,
     /// Pairs of cameras that stand.
     pub pairs: Vec<((usize, usize), Deviates)>,
+    /// Camera by camera, of all that could meet in its pairs.
+    pub shares: Vec<Share>,
+}
+
+/// What meets beyond chance, of what could.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Share {
+    /// Evidence of a tangent.
+    pub evidence: f64,
+    /// Of whole silhouettes.
+    pub whole: f64,
+}
+
+impl Share {
+    /// From scores, each that by the true clocks and then those by shifted ones.
+    fn of<'s>(scores: impl Iterator<Item = &'s Vec<Score>>) -> Self {
+        let (mut ends, mut sum) = (0.0, Self::default());
+        for score in scores {
+            let Some((first, rest)) = score.split_first() else { continue };
+            let by_chance =
+                |value: fn(&Score) -> f64| rest.iter().map(value).sum::<f64>() / rest.len() as f64;
+            ends += first.ends as f64;
+            sum.evidence += first.excess - by_chance(|s| s.excess);
+            sum.whole += first.whole as f64 - by_chance(|s| s.whole as f64);
+        }
+        let ends = f64::max(ends, 1.0);
+        Self { evidence: sum.evidence / ends, whole: 2.0 * sum.whole / ends }
+    }
 }
 
 impl Support {
@@ -88,6 +116,12 @@ impl Support {
         Self {
             cameras: (0..network.cameras.len()).map(|c| deviates(&|p| p.0 == c || p.1 == c)).collect(),
             pairs: pairs.iter().map(|&pair| (pair, deviates(&|p| *p == pair))).collect(),
+            shares: (0..network.cameras.len())
+                .map(|c| {
+                    let own = pairs.iter().zip(&scores).filter(|(p, _)| p.0 == c || p.1 == c);
+                    Share::of(own.map(|(_, scores)| scores))
+                })
+                .collect(),
         }
     }
 }
@@ -207,6 +241,16 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_share_is_beyond_chance_and_of_what_could_meet() {
+        let score = |ends, whole, excess| Score { ends, whole, excess };
+        let one = vec![score(100, 22, 90.0), score(100, 2, 15.0), score(100, 2, 5.0)];
+        let other = vec![score(300, 0, 0.0), score(300, 0, 0.0), score(300, 0, 0.0)];
+        assert_eq!(Share::of([&one].into_iter()), Share { evidence: 0.8, whole: 0.4 });
+        assert_eq!(Share::of([&one, &other].into_iter()), Share { evidence: 0.2, whole: 0.1 });
+        assert_eq!(Share::of([].into_iter()), Share::default());
+    }
 
     #[test]
     fn a_score_like_the_others_has_no_deviate() {

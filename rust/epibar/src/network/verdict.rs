@@ -34,7 +34,10 @@ pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec
     let enough = |c: usize| {
         let d = support.cameras[c];
         let pairs = confirmed.iter().filter(|p| p.0 == c || p.1 == c).count();
-        d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES && pairs >= needed
+        let share = support.shares[c];
+        let explains = share.whole >= limits::CAMERA_WHOLE || share.evidence >= limits::CAMERA_EVIDENCE;
+        let stands_out = d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES;
+        stands_out && explains && pairs >= needed
     };
     let out = |camera: usize, status: CameraStatus, at: Option<f64>| Out {
         camera,
