@@ -17,11 +17,11 @@ use super::relocate::Placed;
 use super::result::{CameraCheck, CheckStatus};
 use super::settle::settle;
 use super::solve::COMPARED;
+use super::stated::{EXPECTED, Stated};
 use super::support::Support;
 use super::survey::Survey;
 use super::thresholds as limits;
 use crate::error::{Error, Result};
-use crate::geometry::lens::Lens;
 use crate::recording::Recording;
 use crate::watch::{Stage, Watch, report};
 
@@ -105,6 +105,13 @@ pub fn check_network(
         .collect())
 }
 
+impl StoredCamera<'_> {
+    fn stated(&self) -> Stated<'_> {
+        let Self { matrix, distortions, rotation, translation, .. } = self;
+        Stated { matrix, distortions, rotation, translation }
+    }
+}
+
 fn refuse(cameras: &[StoredCamera], clocks: &Offsets) -> Result<()> {
     let wrong = |name, value: String, expected| Err(Error::Argument { name, value, expected });
     if cameras.len() < 2 {
@@ -117,17 +124,8 @@ fn refuse(cameras: &[StoredCamera], clocks: &Offsets) -> Result<()> {
         if cameras[..i].iter().any(|other| other.name == c.name) {
             return wrong("cameras", c.name.to_owned(), "names of cameras that differ");
         }
-        let finite = c
-            .matrix
-            .iter()
-            .chain(&c.rotation)
-            .chain(&c.translation)
-            .chain(&c.distortions)
-            .all(|v| v.is_finite());
-        let rotates = (c.rotation.transpose() * c.rotation - Matrix3::identity()).norm() < 1e-6;
-        if !(finite && rotates && c.rotation.determinant() > 0.0 && c.matrix.m11 > 0.0 && c.matrix.m22 > 0.0)
-        {
-            return wrong("camera", c.name.to_owned(), "finite numbers, a rotation, positive focal lengths");
+        if !c.stated().is_camera() {
+            return wrong("camera", c.name.to_owned(), EXPECTED);
         }
     }
     Ok(())
@@ -143,19 +141,10 @@ fn by_new_clocks(cameras: &[StoredCamera], clocks: &Offsets, survey: &Survey) ->
             posed: true,
         })
         .collect();
-    let stored = |(c, beliefs): (&StoredCamera, &Beliefs)| {
-        let rotation = Rotation3::from_matrix_unchecked(c.rotation);
-        let [k1, k2, _, _, k3] = c.distortions;
-        Camera {
-            log_aspect: (c.matrix.m22 / c.matrix.m11).ln(),
-            principal: [c.matrix.m13, c.matrix.m23],
-            lens: Lens { k: [k1, k2, k3] },
-            rotation,
-            position: -(rotation.inverse() * c.translation),
-            offset: beliefs.clock[0].mean,
-            inset: INSET.mean,
-            ..Camera::new(c.recording.size(), c.matrix.m11)
-        }
+    let stored = |(c, beliefs): (&StoredCamera, &Beliefs)| Camera {
+        offset: beliefs.clock[0].mean,
+        inset: INSET.mean,
+        ..c.stated().camera(c.recording.size())
     };
     let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
     let placed = vec![true; at.len()];

@@ -49,6 +49,7 @@ mod result;
 mod settle;
 mod solve;
 mod start;
+mod stated;
 mod support;
 mod survey;
 mod tangents;

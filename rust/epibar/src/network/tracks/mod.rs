@@ -9,7 +9,7 @@ mod linking;
 mod sightings;
 mod triangulate;
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use groups::{Group, Scale, groups};
@@ -22,9 +22,9 @@ use super::joint::{Belief, Beliefs};
 use super::observed::Observed;
 use super::relocate::Placed;
 use super::settle::settle;
+use super::stated::{EXPECTED, Stated};
 use super::survey::Survey;
 use crate::error::{Error, Result};
-use crate::geometry::lens::Lens;
 use crate::recording::Recording;
 use crate::watch::{Stage, Watch, report};
 
@@ -112,6 +112,13 @@ pub fn walker_tracks(
         .collect())
 }
 
+impl TrackingCamera<'_> {
+    fn stated(&self) -> Stated<'_> {
+        let Self { matrix, distortions, rotation, translation, .. } = self;
+        Stated { matrix, distortions, rotation, translation }
+    }
+}
+
 fn refuse(cameras: &[TrackingCamera], height: f64) -> Result<()> {
     let wrong = |name, value: String, expected| Err(Error::Argument { name, value, expected });
     if cameras.len() < 2 {
@@ -121,15 +128,11 @@ fn refuse(cameras: &[TrackingCamera], height: f64) -> Result<()> {
         return wrong("height", height.to_string(), "a positive height of walkers");
     }
     for (i, c) in cameras.iter().enumerate() {
-        let numbers = c.matrix.iter().chain(&c.rotation).chain(&c.translation).chain(&c.distortions);
-        let finite = numbers.chain([&c.clock.0, &c.clock.1]).all(|v| v.is_finite());
         if c.clock.1.abs() > MOST_DRIFT {
             return wrong("clock", c.clock.1.to_string(), "a drift in ppm that a clock has");
         }
-        let rotates = (c.rotation.transpose() * c.rotation - Matrix3::identity()).norm() < 1e-6;
-        if !(finite && rotates && c.rotation.determinant() > 0.0 && c.matrix.m11 > 0.0 && c.matrix.m22 > 0.0)
-        {
-            return wrong("camera", i.to_string(), "finite numbers, a rotation, positive focal lengths");
+        if !(c.stated().is_camera() && c.clock.0.is_finite() && c.clock.1.is_finite()) {
+            return wrong("camera", i.to_string(), EXPECTED);
         }
     }
     Ok(())
@@ -139,20 +142,11 @@ fn refuse(cameras: &[TrackingCamera], height: f64) -> Result<()> {
 fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f64) {
     let at: Vec<Camera> = cameras
         .iter()
-        .map(|c| {
-            let rotation = Rotation3::from_matrix_unchecked(c.rotation);
-            let [k1, k2, _, _, k3] = c.distortions;
-            Camera {
-                log_aspect: (c.matrix.m22 / c.matrix.m11).ln(),
-                principal: [c.matrix.m13, c.matrix.m23],
-                lens: Lens { k: [k1, k2, k3] },
-                rotation,
-                position: -(rotation.inverse() * c.translation),
-                offset: c.clock.0,
-                drift: c.clock.1,
-                inset: INSET.mean,
-                ..Camera::new(c.recording.size(), c.matrix.m11)
-            }
+        .map(|c| Camera {
+            offset: c.clock.0,
+            drift: c.clock.1,
+            inset: INSET.mean,
+            ..c.stated().camera(c.recording.size())
         })
         .collect();
     let known = Beliefs {
