@@ -58,6 +58,8 @@ class WalkerTracks:
         Which cameras saw both.
     residual : ndarray, shape (m,)
         Pixels: root mean square of what top and bottom are off in these cameras.
+    height : ndarray, shape (m,)
+        How far the top is above the bottom.
     """
 
     names: tuple[str, ...]
