@@ -103,6 +103,22 @@ impl Camera {
         self.direction(pixel).map(|[x, y]| self.rotation.inverse() * Vector3::new(x, y, 1.0))
     }
 
+    /// The pixel at which a point of the world is seen, in the image or beside it; `None` behind the camera, and where the
+    /// lens shows nothing.
+    pub fn project(&self, point: &Vector3<f64>) -> Option<[f64; 2]> {
+        let seen = self.rotation * (point - self.position);
+        if seen.z <= 0.0 {
+            return None;
+        }
+        let direction = [seen.x / seen.z, seen.y / seen.z];
+        let ([fx, fy], [cx, cy]) = (self.focal(), self.principal);
+        let [x, y] = self.lens.distort(direction);
+        let pixel = [fx * x + cx, fy * y + cy];
+        // Beyond where the polynomial turns back other directions have the same pixel.
+        let back = self.direction(pixel)?;
+        ((back[0] - direction[0]).hypot(back[1] - direction[1]) < 1e-6).then_some(pixel)
+    }
+
     /// The direction of a pixel with its derivatives.
     pub fn sight(&self, pixel: [f64; 2]) -> Option<Sight> {
         let (d, [fx, fy]) = (self.distorted(pixel), self.focal());
@@ -180,16 +196,6 @@ pub struct Sight {
 pub(super) mod tests {
     use super::*;
 
-    impl Camera {
-        /// Pixel of a point of the world; `None` behind the camera.
-        pub fn project(&self, point: &Vector3<f64>) -> Option<[f64; 2]> {
-            let p = self.rotation * (point - self.position);
-            let ([fx, fy], [cx, cy]) = (self.focal(), self.principal);
-            let [x, y] = self.lens.distort([p.x / p.z, p.y / p.z]);
-            (p.z > 0.0).then_some([fx * x + cx, fy * y + cy])
-        }
-    }
-
     /// A camera in which everything differs from what is usual.
     pub fn odd(seed: f64) -> Camera {
         Camera {
@@ -250,6 +256,11 @@ pub(super) mod tests {
         let t = camera.rotation * point + camera.translation();
         assert!((t.x / t.z - camera.direction(pixel).unwrap()[0]).abs() < 1e-12);
         assert!(camera.project(&(camera.position - camera.ray(pixel).unwrap())).is_none());
+        assert!(
+            camera
+                .project(&(camera.position + camera.rotation.inverse() * Vector3::new(3.0, 0.0, 1.0)))
+                .is_none()
+        );
         assert!((camera.time_of(camera.clock_at(17.0)) - 17.0).abs() < 1e-12);
     }
 }

@@ -83,18 +83,10 @@ impl<'a> Eye<'a> {
 
     /// The pixel of a point that the camera sees if nothing is in the way; `None` where it does not look, or nothing tells.
     pub fn looks_at(&self, moment: usize, point: &Vector3<f64>) -> Option<[f64; 2]> {
-        let seen = self.camera.rotation * (point - self.camera.position);
-        if !self.filming[moment] || seen.z <= 0.0 {
+        if !self.filming[moment] {
             return None;
         }
-        let direction = [seen.x / seen.z, seen.y / seen.z];
-        let ([fx, fy], [cx, cy]) = (self.camera.focal(), self.camera.principal);
-        let [x, y] = self.camera.lens.distort(direction);
-        let pixel = [fx * x + cx, fy * y + cy];
-        // Beyond where the polynomial turns back other directions have the same pixel.
-        let back = self.camera.direction(pixel)?;
-        let same = (back[0] - direction[0]).hypot(back[1] - direction[1]) < 1e-6;
-        (same && !on_border(self.observed.size, self.visible, pixel)).then_some(pixel)
+        self.camera.project(point).filter(|&pixel| !on_border(self.observed.size, self.visible, pixel))
     }
 
     /// Whether a silhouette reaches a pixel to within a margin.
