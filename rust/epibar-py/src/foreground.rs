@@ -31,10 +31,7 @@ impl Mixture {
         frame: PyReadonlyArrayDyn<'py, u8>,
         rate: f32,
     ) -> PyResult<Bound<'py, PyArray2<u8>>> {
-        let size = self.inner.size();
-        let pixels = colours(&frame, size)?;
-        let inner = &mut self.inner;
-        as_mask(py, size, enter(py, || inner.learn(pixels, rate))?)
+        self.mask(py, &frame, |model, pixels| model.learn(pixels, rate))
     }
 
     /// The mask of a frame, (height, width, 3), from some rows of which it learns.
@@ -44,10 +41,22 @@ impl Mixture {
         frame: PyReadonlyArrayDyn<'py, u8>,
         rate: f32,
     ) -> PyResult<Bound<'py, PyArray2<u8>>> {
+        self.mask(py, &frame, |model, pixels| model.look(pixels, rate))
+    }
+}
+
+impl Mixture {
+    /// The mask that the model makes of a frame.
+    fn mask<'py>(
+        &mut self,
+        py: Python<'py>,
+        frame: &PyReadonlyArrayDyn<'py, u8>,
+        make: impl FnOnce(&mut Model, &[u8]) -> epibar::Result<Vec<u8>> + Send,
+    ) -> PyResult<Bound<'py, PyArray2<u8>>> {
         let size = self.inner.size();
-        let pixels = colours(&frame, size)?;
+        let pixels = colours(frame, size)?;
         let inner = &mut self.inner;
-        as_mask(py, size, enter(py, || inner.look(pixels, rate))?)
+        as_mask(py, size, enter(py, || make(inner, pixels))?)
     }
 }
 
