@@ -26,6 +26,7 @@ def compared(network: Network, staging: Staging) -> list[str]:
     ]
     if len(found) < 2:
         return [*lines, "fewer than two cameras were accepted, so there is nothing to compare"]
+    from ..files.text_table import aligned
     from ..synthetic.network_errors import network_errors
 
     size, unit = _lengths(network, staging, list(found))
@@ -35,7 +36,7 @@ def compared(network: Network, staging: Staging) -> list[str]:
         cells, good = _cells(network.cameras[name], error, size, unit)
         held, below = held + len(good), below + sum(good)
         rows.append((name, *cells, _clock(network, staging, name)))
-    lines += _aligned(rows)
+    lines += aligned(rows)
     lines.append(
         f"{below} of {held} errors are below what was stated; nine in ten are meant to be, over many scenes"
     )
@@ -103,10 +104,3 @@ def _clock(network: Network, staging: Staging, name: str) -> str:
     if offset is None:
         return "unknown"
     return f"{1000 * (offset - staging.offset(list(network.cameras).index(name))):+.0f} ms"
-
-
-def _aligned(rows: list[tuple[str, ...]]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]

@@ -39,6 +39,7 @@ def run(args: Namespace) -> int:
     import json
 
     from ..evaluation.run import evaluate
+    from ..files.text_table import aligned
     from .console import Console
 
     console = Console(args.quiet, json=args.json, verbose=args.verbose)
@@ -48,10 +49,8 @@ def run(args: Namespace) -> int:
     if args.json:
         console.json(json.dumps(found.as_dict(), indent=1, allow_nan=False))
         return DONE
-    rows = [HEADER, *map(_row, found.pairs)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
-    for row in rows:
-        console.result("  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip())
+    for line in aligned([HEADER, *map(_row, found.pairs)]):
+        console.result(line)
     if not found.volume_known:
         console.note("too few frontier points agree with the known cameras to tell where things moved")
     return DONE

@@ -66,11 +66,9 @@ def run(args: Namespace) -> int:
 
 
 def _table(starts: list[CameraStart]) -> list[str]:
-    rows = [HEADER, *(_row(one) for one in starts)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
-    return [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]
+    from ..files.text_table import aligned
+
+    return aligned([HEADER, *map(_row, starts)])
 
 
 def _row(one: CameraStart) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..files.text_table import aligned
 from .parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
 
 __all__ = ["network_notes", "network_table"]
@@ -19,10 +20,7 @@ def network_table(network: NetworkParts) -> list[str]:
     unit = " m" if network.unit != BASELINE else ""
     rows: list[tuple[str, ...]] = [HEADER]
     rows += [_row(camera, network.clocks[name], unit) for name, camera in network.cameras.items()]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
-    return [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]
+    return aligned(rows)
 
 
 def _row(camera: NetworkCamera, clock: NetworkClock, unit: str) -> tuple[str, ...]:
