@@ -78,13 +78,8 @@ def run(family: str, seed: int, lines: int) -> dict[str, Any]:
 def errors(situation: Any, network: Any) -> dict[str, list[float]]:
     """Errors of focal length, rotation (degrees), position (share of the rig), and those stated."""
     from epibar import synthetic
-    from epibar.synthetic.camera import Camera
 
-    found = {
-        name: Camera(c.matrix, c.rotation, c.translation, (1, 1), name)
-        for name, c in network.cameras.items()
-        if c.accepted
-    }
+    found = synthetic.accepted_cameras(network)
     if len(found) < 2:
         return {}
     wrong = synthetic.network_errors(situation, found)

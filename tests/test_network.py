@@ -13,13 +13,8 @@ from epibar import EpibarError, KnownCamera, Network, Recording, synthetic
 from epibar.files.json_file import json_text
 from epibar.network import ClockOffsets, find_offsets, join_pairs
 from epibar.network.calibrating import in_metres
-from epibar.synthetic import Camera
 
 # --- the whole job ---
-
-
-def as_camera(found):
-    return Camera(found.matrix, found.rotation, found.translation, found.size, found.name)
 
 
 def test_nothing_known_but_the_recordings():
@@ -30,7 +25,7 @@ def test_nothing_known_but_the_recordings():
     one, other = net.cameras["cam1"], net.cameras["cam2"]
     assert np.linalg.norm(one.position - other.position) == pytest.approx(1)
     truth = {f"cam{k + 1}": camera for k, camera in enumerate(situation().cameras[:3])}
-    found = {truth[name].name: as_camera(camera) for name, camera in net.cameras.items()}
+    found = {truth[name].name: camera for name, camera in synthetic.accepted_cameras(net).items()}
     for name, error in synthetic.network_errors(situation(), found).items():
         assert abs(error.focal) < 0.02, name
         assert error.rotation < 1, name
@@ -52,6 +47,7 @@ def test_nothing_known_but_the_recordings():
 
 def test_pairs_are_in_undistorted_pixels():
     net, made = calibrated(), situation()
+    cameras = synthetic.accepted_cameras(net)
     for (a, b), pair in net.pairs.items():
         assert pair.accepted
         assert pair.status == "confirmed"
@@ -59,9 +55,8 @@ def test_pairs_are_in_undistorted_pixels():
         assert np.array_equal(net.pairs[b, a].F, pair.F.T)
         assert (net.pairs[b, a].a, net.pairs[b, a].b) == (b, a)
         i, j = (int(name[-1]) - 1 for name in (a, b))
-        x, y = made.correspondences(i, j)
-        one, other = as_camera(net.cameras[a]), as_camera(net.cameras[b])
-        straight = one.undistort(x), other.undistort(y)
+        x, y = made.correspondences(i, j, lens=True)
+        straight = cameras[a].undistort(x), cameras[b].undistort(y)
         assert epibar.symmetric_epipolar_distance(pair.F, *straight).mean() < 1
     assert list(net.pairs) == [("cam1", "cam2"), ("cam1", "cam3"), ("cam2", "cam3")]
     with pytest.raises(KeyError):

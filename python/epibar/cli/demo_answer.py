@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..network.parts import NetworkCamera
     from ..network.result import Network
-    from ..synthetic.camera import Camera
     from ..synthetic.network_errors import CameraError
     from ..synthetic.staging import Staging
 
@@ -18,7 +17,10 @@ PARTS = ("focal length", "rotation", "position")
 
 def compared(network: Network, staging: Staging) -> list[str]:
     """Say of every accepted camera how wrong it is, and whether what was stated of it holds."""
-    found = {name: _made_up(camera) for name, camera in network.cameras.items() if camera.accepted}
+    from ..files.text_table import aligned
+    from ..synthetic.network_errors import accepted_cameras, network_errors
+
+    found = accepted_cameras(network)
     lines = [
         f"{name}: left out: {camera.reason}"
         for name, camera in network.cameras.items()
@@ -26,9 +28,6 @@ def compared(network: Network, staging: Staging) -> list[str]:
     ]
     if len(found) < 2:
         return [*lines, "fewer than two cameras were accepted, so there is nothing to compare"]
-    from ..files.text_table import aligned
-    from ..synthetic.network_errors import network_errors
-
     size, unit = _lengths(network, staging, list(found))
     below = held = 0
     rows: list[tuple[str, ...]] = [("camera", *PARTS, "clock")]
@@ -41,25 +40,6 @@ def compared(network: Network, staging: Staging) -> list[str]:
         f"{below} of {held} errors are below what was stated; nine in ten are meant to be, over many scenes"
     )
     return lines
-
-
-def _made_up(camera: NetworkCamera) -> Camera:
-    import numpy as np
-
-    from ..synthetic.camera import Camera
-
-    assert camera.matrix is not None
-    assert camera.rotation is not None
-    assert camera.translation is not None
-    distortions = np.zeros(5) if camera.distortions is None else camera.distortions
-    return Camera(
-        camera.matrix,
-        camera.rotation,
-        camera.translation,
-        camera.size,
-        camera.name,
-        tuple(map(float, distortions)),
-    )
 
 
 def _lengths(network: Network, staging: Staging, names: list[str]) -> tuple[float, float]:

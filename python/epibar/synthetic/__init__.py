@@ -15,7 +15,7 @@ from .figures import Walkers
 from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
 from .information import error_bound
-from .network_errors import CameraError, network_errors, pair_error
+from .network_errors import CameraError, accepted_cameras, network_errors, pair_error
 from .rigs import field_of_view
 from .scene import Scene, Solids
 from .situations import Answer, Fault, Situation
@@ -38,6 +38,7 @@ __all__ = [
     "Situation",
     "Solids",
     "Walkers",
+    "accepted_cameras",
     "cubes",
     "error_bound",
     "field_of_view",

@@ -20,6 +20,7 @@ from ..geometry import symmetric_epipolar_distance
 from .camera import Camera, true_fundamental
 
 if TYPE_CHECKING:
+    from ..network.parts import NetworkParts
     from .situations import Situation
     from .staging import Staging
 
@@ -84,6 +85,25 @@ def _placed(true: Array, found: Array) -> Array:
     scale = (ours * theirs).sum() / (ours**2).sum()
     placed: Array = scale * (best - best[near].mean(axis=0)) + true[near].mean(axis=0)
     return placed
+
+
+def accepted_cameras(network: NetworkParts) -> dict[str, Camera]:
+    """Return the accepted cameras of a network as :func:`network_errors` takes them, by their names.
+
+    Lengths are in the network's unit.
+    """
+    found = {}
+    for name, camera in network.cameras.items():
+        if not camera.accepted:
+            continue
+        assert camera.matrix is not None
+        assert camera.rotation is not None
+        assert camera.translation is not None
+        distortions = () if camera.distortions is None else tuple(map(float, camera.distortions))
+        found[name] = Camera(
+            camera.matrix, camera.rotation, camera.translation, camera.size, name, distortions
+        )
+    return found
 
 
 def network_errors(situation: Situation | Staging, found: Mapping[str, Camera]) -> dict[str, CameraError]:
