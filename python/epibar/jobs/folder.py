@@ -180,5 +180,19 @@ class Folder:
             text = json.dumps({"format": FORMAT, "files": sorted(self._written)}, indent=1)
             write_atomically(self._list, lambda stream: stream.write(text.encode()))
 
+    def remove(self, *paths: Path) -> None:
+        """Remove those of some files that a run has written; what is missing stays so.
+
+        Raises
+        ------
+        EpibarError
+            One cannot be removed.
+        """
+        for path in filter(self.owns, paths):
+            try:
+                path.unlink(missing_ok=True)
+            except OSError as error:
+                raise EpibarError(f"{path}: cannot be removed ({error.strerror or error})") from error
+
     def _name(self, path: Path) -> str:
         return path.relative_to(self.path).as_posix()

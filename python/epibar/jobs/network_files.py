@@ -68,9 +68,9 @@ def write_network(
     replaceable = not os.path.lexists(cameras) or _of_a_network(folder, cameras, given)
     if network is None or not accepted:
         if replaceable:
-            _remove(folder, cameras)
+            folder.remove(cameras)
         if network is None:
-            _remove(folder, path)
+            folder.remove(path)
             return [], []
     folder.will_write(path)
     write_json(path, {**network.as_dict(), **({} if key is None else {KEY: key})})
@@ -88,12 +88,3 @@ def _of_a_network(folder: Folder, cameras: Path, given: str | None) -> bool:
     """Whether a run wrote the camera file, nobody has replaced it, and it is not what this run was given."""
     same = given is not None and cameras.resolve() == Path(given).resolve()
     return folder.owns(cameras) and written_by_epibar(cameras) and not same
-
-
-def _remove(folder: Folder, path: Path) -> None:
-    if not folder.owns(path):
-        return
-    try:
-        path.unlink(missing_ok=True)
-    except OSError as error:
-        raise EpibarError(f"{path}: cannot be removed ({error.strerror or error})") from error

@@ -27,13 +27,7 @@ def forget_tables(folder: Folder) -> None:
     EpibarError
         One cannot be removed.
     """
-    for path in (folder.path / TRACKS_FILE, folder.path / SYNC_FILE):
-        if not folder.owns(path):
-            continue
-        try:
-            path.unlink(missing_ok=True)
-        except OSError as error:
-            raise EpibarError(f"{path}: cannot be removed ({error.strerror or error})") from error
+    folder.remove(folder.path / TRACKS_FILE, folder.path / SYNC_FILE)
 
 
 def write_tables(

@@ -100,13 +100,7 @@ class Results:
         EpibarError
             They cannot be removed.
         """
-        for path in (self._points(stem), self._picture(stem)):
-            if not self._folder.owns(path):
-                continue
-            try:
-                path.unlink(missing_ok=True)
-            except OSError as error:
-                raise EpibarError(f"{path}: cannot be removed ({error.strerror or error})") from error
+        self._folder.remove(self._points(stem), self._picture(stem))
 
     def _points(self, stem: str) -> Path:
         return points_file(self._job.out, stem)
