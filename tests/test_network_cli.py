@@ -9,7 +9,7 @@ from dataclasses import replace
 import jsonschema
 import numpy as np
 import pytest
-from network_input import LINES, situation, write_masks
+from network_input import LINES, made_up, situation, write_masks
 from test_report import Page
 from test_schema import strict
 
@@ -18,6 +18,7 @@ from epibar.cli import main
 from epibar.files.calibration_json import schema
 from epibar.jobs import network_stage, runner
 from epibar.jobs.folder import Folder
+from epibar.jobs.network_tables import write_tables
 from epibar.lens import Intrinsics, write_cameras
 from epibar.network.walker_file import load_tracks
 
@@ -94,6 +95,26 @@ def test_tracks_and_start_times_are_written_kept_and_scaled(masks, again, capsys
     assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--method", "lines", "--quiet"]) == 0
     assert not tracks.exists()
     assert not sync.exists()
+
+
+def test_a_table_that_cannot_be_made_is_told_of(tmp_path):
+    """Where there can be none nothing is said; else why, and the rest is written."""
+    random = np.random.default_rng(0)
+    films = {
+        f"cam{k + 1}": epibar.Recording.from_masks(random.random((frames, 48, 64)) < 0.1, lines=50)
+        for k, frames in enumerate((40, 40, 10, 10))
+    }
+    sources = dict.fromkeys(films, "masks.npz")
+    with Folder(tmp_path) as folder:
+        one = made_up(refused=("cam2", "cam3"))
+        assert write_tables(folder, one, films, sources) == ([], [])
+        apart = made_up(lost=(), refused=(), floor=False)
+        there, (told,) = write_tables(folder, apart, films, sources)
+        assert there == []
+        assert "sync.csv: not written: no moment is common" in told
+        there, (told,) = write_tables(folder, made_up(), films, sources)
+        assert there == [tmp_path / "sync.csv"]
+        assert "tracks.csv: not written: cam1: 64x48 frames" in told
 
 
 def test_tables_of_the_user_are_refused(masks, tmp_path, capsys):

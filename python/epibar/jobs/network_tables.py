@@ -9,6 +9,7 @@ from typing import TypeVar
 from ..errors import EpibarError
 from ..network.result import Network
 from ..network.walker_file import load_tracks
+from ..network.walkers import height_on_floor
 from ..recording import Recording
 from ..runs.sync import camera_starts, write_starts
 from .folder import Folder
@@ -32,8 +33,8 @@ def forget_tables(folder: Folder) -> None:
 
 def write_tables(
     folder: Folder, network: Network, recordings: Mapping[str, Recording], sources: Mapping[str, str]
-) -> list[Path]:
-    """Write those that are not there; a table of what this network does not have is left out.
+) -> tuple[list[Path], list[str]]:
+    """Write those that are not there; there are no tracks without a floor, and neither table of one camera.
 
     Parameters
     ----------
@@ -47,8 +48,10 @@ def write_tables(
 
     Returns
     -------
-    list of Path
+    there : list of Path
         The tables that are there.
+    warnings : list of str
+        Why one could not be made.
 
     Raises
     ------
@@ -56,24 +59,27 @@ def write_tables(
         One cannot be written.
     """
     tracks, sync = folder.path / TRACKS_FILE, folder.path / SYNC_FILE
-    if not tracks.exists():
-        found = _or_none(lambda: network.tracks(recordings))
+    several = sum(camera.accepted for camera in network.cameras.values()) > 1
+    warnings: list[str] = []
+    if several and height_on_floor(network) is not None and not tracks.exists():
+        found = _made(tracks, lambda: network.tracks(recordings), warnings)
         if found is not None:
             folder.will_write(tracks)
             found.save(tracks)
-    if not sync.exists():
-        times = _or_none(lambda: network.start_times(recordings))
+    if several and not sync.exists():
+        times = _made(sync, lambda: network.start_times(recordings), warnings)
         if times is not None:
             folder.will_write(sync)
             write_starts(sync, camera_starts(times, sources))
-    return [path for path in (tracks, sync) if path.exists()]
+    return [path for path in (tracks, sync) if path.exists()], warnings
 
 
-def _or_none(make: Callable[[], T]) -> T | None:
-    """Make what a network may not have: without a floor, or two accepted cameras, nobody can be followed."""
+def _made(path: Path, make: Callable[[], T], warnings: list[str]) -> T | None:
+    """Make what goes into a table; where it cannot be made, say why: the network itself is none the worse."""
     try:
         return make()
-    except EpibarError:
+    except EpibarError as error:
+        warnings.append(f"{path}: not written: {error}")
         return None
 
 

@@ -150,7 +150,9 @@ class Results:
         self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
         if network is not None:
             sources = {camera.name: camera.shown for camera in job.cameras}
-            self.network_files += write_tables(self._folder, network, recordings, sources)
+            tables, missing = write_tables(self._folder, network, recordings, sources)
+            self.network_files += tables
+            warnings += missing
         return warnings
 
     def write_report(self) -> None:

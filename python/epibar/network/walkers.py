@@ -20,7 +20,7 @@ from .checking import Progress, stored_camera
 from .parts import NetworkCamera, NetworkParts
 from .recordings import Recordings, named_recordings
 
-__all__ = ["COLUMNS", "SEEN_BY", "WalkerTracks", "walker_tracks"]
+__all__ = ["COLUMNS", "SEEN_BY", "WalkerTracks", "height_on_floor", "walker_tracks"]
 
 COLUMNS = (
     *("time", "track", "x", "y", "z", "top_x", "top_y", "top_z", "height"),
@@ -136,13 +136,19 @@ class WalkerTracks:
         }
 
 
+def height_on_floor(network: NetworkParts) -> float | None:
+    """Median height of those who stand on the floor; None where none was found, to follow anybody on."""
+    ground = network.ground
+    return ground.height or None if ground.source == "floor" else None
+
+
 def walker_tracks(
     network: NetworkParts, recordings: Recordings, progress: Progress | None = None
 ) -> WalkerTracks:
     """Follow walkers over all cameras; see :meth:`epibar.Network.tracks`."""
     films = named_recordings(recordings)
-    height = network.ground.height
-    if network.ground.source != "floor" or not height:
+    height = height_on_floor(network)
+    if height is None:
         raise EpibarError(
             "tracks are of those who stand on a floor, and none was found: nothing tells whose tops and "
             "bottoms belong together"
