@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -227,3 +227,17 @@ class NetworkParts:
     ground: Ground
     radius: float | None = None
     scale: Scale | None = None
+
+    def refuse_unknown(self, names: Iterable[str]) -> None:
+        """Check that there is a camera of every name.
+
+        Raises
+        ------
+        EpibarError
+            There is none of one.
+        """
+        for name in names:
+            if name not in self.cameras:
+                raise EpibarError(
+                    f"{name}: the network has no camera of that name; it has {', '.join(self.cameras)}"
+                )

@@ -85,11 +85,7 @@ class _Film:
 def start_times(network: NetworkParts, recordings: Recordings | Mapping[str, float]) -> dict[str, StartTime]:
     """Tell what to keep of each video; see :meth:`epibar.Network.start_times`."""
     films = _films(recordings)
-    for name in films:
-        if name not in network.cameras:
-            raise EpibarError(
-                f"{name}: the network has no camera of that name; it has {', '.join(network.cameras)}"
-            )
+    network.refuse_unknown(films)
     names = [name for name, camera in network.cameras.items() if camera.accepted and name in films]
     clocks = {name: network.clocks[name] for name in names if network.clocks[name].offset is not None}
     for name, clock in clocks.items():

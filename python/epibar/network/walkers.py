@@ -153,11 +153,7 @@ def walker_tracks(
             "tracks are of those who stand on a floor, and none was found: nothing tells whose tops and "
             "bottoms belong together"
         )
-    for name in films:
-        if name not in network.cameras:
-            raise EpibarError(
-                f"{name}: the network has no camera of that name; it has {', '.join(network.cameras)}"
-            )
+    network.refuse_unknown(films)
     accepted = [name for name, camera in network.cameras.items() if camera.accepted]
     names = [name for name in accepted if name in films]
     if len(names) < 2:
