@@ -14,6 +14,7 @@ import pytest
 from network_input import made_up
 
 import epibar
+from epibar import EpibarError
 from epibar.cli import main
 from epibar.files.calibration_json import FORMAT
 from epibar.files.csv_table import csv_text
@@ -68,6 +69,14 @@ def test_frames_to_keep_show_the_same_moments():
         assert one.offset_frames == pytest.approx(clocks[k][0] * rates[k])
         assert (one.drift, one.error, one.fps) == (drifts[k], 0.002, pytest.approx(rates[k]))
     assert found["cam2"].first_frame == 7  # the last to start keeps its first frame
+
+
+def test_a_clock_there_and_back():
+    clock = NetworkClock(0.5, 100.0, 0.002)
+    assert clock.at(1000.0) == pytest.approx(1000.6, abs=1e-9)
+    assert clock.time_of(clock.at(17.0)) == pytest.approx(17.0)
+    with pytest.raises(EpibarError, match="shows no time"):
+        NetworkClock().at(0.0)
 
 
 def test_frame_rates_alone_say_where_to_start():

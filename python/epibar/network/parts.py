@@ -117,6 +117,27 @@ class NetworkClock:
     drift: float | None = None
     offset_error: float | None = None
 
+    def at(self, time: float) -> float:
+        """Seconds of this clock when that of the first camera shows ``time``.
+
+        Raises
+        ------
+        EpibarError
+            The camera has no place, so that its clock is not known.
+        """
+        offset, rate = self._line()
+        return offset + time * rate
+
+    def time_of(self, seconds: float) -> float:
+        """Seconds of the first camera's clock when this one shows ``seconds``; raises as :meth:`at`."""
+        offset, rate = self._line()
+        return (seconds - offset) / rate
+
+    def _line(self) -> tuple[float, float]:
+        if self.offset is None:
+            raise EpibarError("a clock whose offset is not known shows no time")
+        return self.offset, 1 + 1e-6 * (self.drift or 0.0)
+
 
 @dataclass(frozen=True, eq=False)
 class NetworkPair:

@@ -96,14 +96,14 @@ def start_times(network: NetworkParts, recordings: Recordings | Mapping[str, flo
             "start times are those of accepted cameras against each other: two are needed, and there are "
             f"{len(clocks)}"
         )
-    start = max(_common(clock, 0.0) for clock in clocks.values())
+    start = max(clock.time_of(0.0) for clock in clocks.values())
     end = None
     if all(films[name].times is not None for name in clocks):
-        ends = {name: _common(clock, _length(films[name])) for name, clock in clocks.items()}
+        ends = {name: clock.time_of(_length(films[name])) for name, clock in clocks.items()}
         end = min(ends.values())
         if end <= start:
             stops = min(ends, key=lambda name: ends[name])
-            begins = max(clocks, key=lambda name: _common(clocks[name], 0.0))
+            begins = max(clocks, key=lambda name: clocks[name].time_of(0.0))
             raise EpibarError(
                 f"no moment is common to all cameras: {stops} stops {start - end:.1f} s before {begins} "
                 "starts"
@@ -113,8 +113,8 @@ def start_times(network: NetworkParts, recordings: Recordings | Mapping[str, flo
 
 def _start_time(film: _Film, clock: NetworkClock, start: float, end: float | None) -> StartTime:
     assert clock.offset is not None
-    first = film.frame(_own(clock, start))
-    last = (None, None) if end is None else film.frame(_own(clock, end))
+    first = film.frame(clock.at(start))
+    last = (None, None) if end is None else film.frame(clock.at(end))
     return StartTime(
         clock.offset,
         clock.offset * film.fps,
@@ -124,18 +124,6 @@ def _start_time(film: _Film, clock: NetworkClock, start: float, end: float | Non
         *first,
         *last,
     )
-
-
-def _own(clock: NetworkClock, seconds: float) -> float:
-    """Seconds of a camera at some of the network's."""
-    assert clock.offset is not None
-    return clock.offset + seconds * (1 + 1e-6 * (clock.drift or 0.0))
-
-
-def _common(clock: NetworkClock, seconds: float) -> float:
-    """Seconds of the network at some of a camera."""
-    assert clock.offset is not None
-    return (seconds - clock.offset) / (1 + 1e-6 * (clock.drift or 0.0))
 
 
 def _length(film: _Film) -> float:
