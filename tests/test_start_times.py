@@ -227,6 +227,15 @@ def test_the_command_line_prints_what_to_keep(run, capsys):
     assert told[1]["offset"] == 0.48
 
 
+def test_frames_count_from_the_start_of_the_video(run, capsys):
+    """Where the run left out the first frames of one, its recording says how many."""
+    filmed(60, 25.0, "cam1", first_frame=7).save(run / "recordings" / "cam1.npz")
+    assert main(["sync", str(run), "--json"]) == 0
+    one, other = json.loads(capsys.readouterr().out)["cameras"]
+    assert (one["first_frame"], one["last_frame"]) == (7, 66)
+    assert (other["first_frame"], other["last_frame"]) == (12, 71)
+
+
 def test_a_run_without_a_network_says_so(run, capsys):
     (run / "network.json").unlink()
     assert main(["sync", str(run)]) == 2

@@ -26,7 +26,6 @@ COLUMNS = (
     *("camera", "file", "offset_seconds", "offset_frames", "drift_ppm", "error_seconds", "fps"),
     *("first_frame", "first_second", "last_frame", "last_second", "command"),
 )
-MOST_FRAMES = 2**40
 
 MARGIN = 0.25
 """Of a frame: by so much the cut is wider than from the first frame to the last."""
@@ -147,7 +146,6 @@ def starts_of_run(folder: str | os.PathLike[str], network: Network) -> list[Came
             continue
         sources[name] = entry.text("file")
         recordings[name] = _recording(path.parent, name, sources[name])
-        recordings[name].first_frame = entry.whole("first_frame", 0, MOST_FRAMES)
     return camera_starts(network.start_times(recordings), sources)
 
 
