@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+from argparse import Namespace
 from hashlib import sha256
 from pathlib import Path
 
@@ -37,3 +38,22 @@ def commit_seed(origin: str, family: str, index: int) -> int:
     """
     digest = sha256(f"{origin} {family} {index}".encode()).digest()
     return int.from_bytes(digest[:8], "big") | 1 << 63
+
+
+def networks_asked_for(arguments: Namespace, of: str = "") -> tuple[str | None, list[tuple[str, int]]]:
+    """List family and seed of each network that was asked for; ``of`` makes the seeds a program's own.
+
+    Returns
+    -------
+    origin : str or None
+        The commit whose seeds they are; None for seeds given by hand, which make no table to report.
+    networks : list of (str, int)
+        Of each family ``--networks``, or one for each of ``--seeds``.
+    """
+    origin = None if arguments.seeds else commit()
+    return origin, [
+        (family, seed)
+        for family in arguments.families.split(",")
+        for seed in arguments.seeds
+        or [commit_seed(origin or "", of + family, index) for index in range(arguments.networks)]
+    ]

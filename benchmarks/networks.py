@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fresh_seeds import commit, commit_seed
+from fresh_seeds import networks_asked_for
 from options import natural, numbers
 from tables import progress
 
@@ -133,18 +133,11 @@ HEAD = (
 
 
 def main(arguments: Namespace) -> None:
-    origin = None if arguments.seeds else commit()
-    jobs = [
-        (family, seed, arguments.lines)
-        for family in arguments.families.split(",")
-        for seed in (
-            arguments.seeds or [commit_seed(origin or "", family, k) for k in range(arguments.networks)]
-        )
-    ]
+    origin, jobs = networks_asked_for(arguments)
     outcomes = []
     workers = ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker)
     with workers as pool:
-        pending = [pool.submit(run, *job) for job in jobs]
+        pending = [pool.submit(run, *job, arguments.lines) for job in jobs]
         for done in as_completed(pending):
             outcome = done.result()
             outcomes.append(outcome)

@@ -14,7 +14,7 @@ from multiprocessing import get_context
 from typing import Any
 
 import numpy as np
-from fresh_seeds import commit, commit_seed
+from fresh_seeds import networks_asked_for
 from networks import start_worker
 from options import natural, numbers
 from tables import progress
@@ -191,19 +191,11 @@ def table_row(outcomes: list[dict[str, Any]]) -> str:
 
 
 def main(arguments: Namespace) -> None:
-    origin = None if arguments.seeds else commit()
-    jobs = [
-        (family, seed, arguments.lines)
-        for family in arguments.families.split(",")
-        for seed in (
-            arguments.seeds
-            or [commit_seed(origin or "", f"tracks {family}", k) for k in range(arguments.networks)]
-        )
-    ]
+    origin, jobs = networks_asked_for(arguments, "tracks ")
     outcomes = []
     workers = ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker)
     with workers as pool:
-        for done in as_completed([pool.submit(run, *job) for job in jobs]):
+        for done in as_completed([pool.submit(run, *job, arguments.lines) for job in jobs]):
             outcome = done.result()
             outcomes.append(outcome)
             progress(f"{len(outcomes)} of {len(jobs)}: {outcome['family']} {outcome['seed']}")
