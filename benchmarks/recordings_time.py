@@ -13,7 +13,7 @@ from functools import cache
 from itertools import combinations
 from pathlib import Path
 
-from recordings import DATA, View, matched, parser_of, present, view, volume_of
+from recordings_views import DATA, View, matched, parser_of, present, view, volume_of
 from tables import mean, px, table, worst, write_json
 
 import epibar
