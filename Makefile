@@ -81,7 +81,7 @@ readers: build $(READERS)/.made
 FUZZ ?= 10000
 
 fuzz: build
-	ulimit -v 12000000; EPIBAR_FUZZ=$(FUZZ) $(BIN)/python -m pytest -q tests/test_properties.py
+	ulimit -v 12000000; EPIBAR_FUZZ=$(FUZZ) $(BIN)/python -m pytest -q tests/test_properties_*.py
 	ulimit -v 12000000; PROPTEST_CASES=$(FUZZ) cargo test --package epibar --locked --test hostile_files --test hostile_recordings
 
 # Both ask for lists of known holes on the network, so they are not part of the check.
