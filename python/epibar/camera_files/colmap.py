@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import EpibarError, printable
-from ..files.atomic import write_atomically
+from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
 from .world import World
@@ -46,7 +46,7 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
     make_folder(path)
     model.write_text(str(path))
     text = "\n".join(f"{key}: {_line(value)}" for key, value in world.lines().items())
-    write_atomically(path / "README.txt", lambda stream: stream.write(text.encode() + b"\n"))
+    write_text(path / "README.txt", text + "\n")
     return [path]
 
 

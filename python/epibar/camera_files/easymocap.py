@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..files.atomic import write_atomically
+from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
 from ..sources.opencv import opencv
@@ -62,7 +62,7 @@ def write_easymocap(cameras: Sequence[Intrinsics], path: Path, world: World) -> 
     make_folder(path)
     written = [path / "intri.yml", path / "extri.yml"]
     for file, storage in zip(written, (intri, extri), strict=True):
-        _write(file, storage.releaseAndGetString())
+        write_text(file, storage.releaseAndGetString())
     tell(path, losses)
     return written
 
@@ -75,7 +75,3 @@ def _started(cv2: Any, names: list[str], world: World) -> Any:
         storage.write("", f'"{name}"')  # else 01 would be a number
     storage.endWriteStruct()
     return storage
-
-
-def _write(file: Path, text: str) -> None:
-    write_atomically(file, lambda stream: stream.write(text.encode()))

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import EpibarError, printable
-from ..files.atomic import write_atomically
+from ..files.atomic import write_text
 from ..geometry.cameras import opengl_pose
 from ..lens.intrinsics import Intrinsics
 from .losses import fewer_coefficients, plain_names, tell, told
@@ -67,7 +67,7 @@ def write_nerfstudio(cameras: Sequence[Intrinsics], path: Path, world: World) ->
         "metadata": world.with_notes(losses).metadata(),
     }
     text = json.dumps(content, indent=1, allow_nan=False)
-    write_atomically(path, lambda stream: stream.write(text.encode()))
+    write_text(path, text)
     tell(path, losses)
     return [path]
 

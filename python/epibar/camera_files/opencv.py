@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..files.atomic import write_atomically
+from ..files.atomic import write_text
 from ..files.opencv_text import opencv_text
 from ..lens.intrinsics import Intrinsics
 from ..sources.opencv import opencv
@@ -40,8 +40,7 @@ def write_opencv(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
         storage.write("t", pose.t.reshape(3, 1))
         storage.endWriteStruct()
     storage.endWriteStruct()
-    text = storage.releaseAndGetString()
-    write_atomically(path, lambda stream: stream.write(text.encode()))
+    write_text(path, storage.releaseAndGetString())
     return [path]
 
 

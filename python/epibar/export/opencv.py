@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..files.atomic import write_atomically
+from ..files.atomic import write_text
 from ..files.opencv_text import opencv_text
 from ..runs.run import Run
 from ..sources.opencv import opencv
@@ -64,8 +64,7 @@ def write_opencv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
             points_b=pair.frontier_points.b,
         )
     storage.endWriteStruct()
-    text = storage.releaseAndGetString()
-    write_atomically(path, lambda stream: stream.write(text.encode()))
+    write_text(path, storage.releaseAndGetString())
     return [Path(path)]
 
 

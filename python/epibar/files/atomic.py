@@ -12,7 +12,7 @@ from typing import IO
 
 from ..errors import EpibarError
 
-__all__ = ["sweep", "write_atomically"]
+__all__ = ["sweep", "write_atomically", "write_text"]
 
 LEFT_OVER = re.compile(r"\..+\.[0-9a-f]{16}\.epibar-part")
 
@@ -46,6 +46,11 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[IO[bytes]], 
     except (OSError, UnicodeEncodeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise EpibarError(f"{target}: cannot be written ({reason})") from error
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text as UTF-8, as :func:`write_atomically` writes; raises as that does."""
+    write_atomically(path, lambda stream: stream.write(text.encode()))
 
 
 def _sync_folder(folder: Path) -> None:

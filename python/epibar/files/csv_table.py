@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterable, Sequence
 
 from ..errors import printable
-from .atomic import write_atomically
+from .atomic import write_text
 
 __all__ = ["csv_text", "write_csv_table"]
 
@@ -36,4 +36,4 @@ def write_csv_table(
     table = csv.writer(text, lineterminator="\n")
     table.writerow(columns)
     table.writerows(rows)
-    write_atomically(path, lambda stream: stream.write(text.getvalue().encode()))
+    write_text(path, text.getvalue())

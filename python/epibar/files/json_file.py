@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UNPRINTABLE, EpibarError
-from .atomic import write_atomically
+from .atomic import write_text
 from .json_values import plain
 
 __all__ = ["json_text", "read_json_object", "write_json"]
@@ -35,7 +35,7 @@ def write_json(path: str | os.PathLike[str], content: dict[str, Any]) -> None:
         The file cannot be written.
     """
     text = json_text(content)
-    write_atomically(path, lambda stream: stream.write(text.encode() + b"\n"))
+    write_text(path, text + "\n")
 
 
 def read_json_object(path: str | os.PathLike[str], kind: str) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from types import TracebackType
 from filelock import FileLock, Timeout
 
 from ..errors import EpibarError, is_address
-from ..files.atomic import sweep, write_atomically
+from ..files.atomic import sweep, write_text
 from ..files.calibration_json import is_plain_name, read_json
 from ..lens.cameras_toml import written_by_epibar
 from .inputs import CAMERAS_FILE, CLOCKS_FILE, NETWORK_FILE, REPORT, RESULT
@@ -178,7 +178,7 @@ class Folder:
         if not names <= self._written:
             self._written |= names
             text = json.dumps({"format": FORMAT, "files": sorted(self._written)}, indent=1)
-            write_atomically(self._list, lambda stream: stream.write(text.encode()))
+            write_text(self._list, text)
 
     def remove(self, *paths: Path) -> None:
         """Remove those of some files that a run has written; what is missing stays so.

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..arguments import Array, as_numbers
 from ..errors import UNPRINTABLE, EpibarError
-from ..files.atomic import write_atomically
+from ..files.atomic import write_text
 from .intrinsics import Intrinsics
 
 __all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras", "written_by_epibar"]
@@ -176,7 +176,7 @@ def write_cameras(
         rows = [f"{key} = {_toml(value)}" for key, value in metadata.items()]
         tables.append("\n".join(["[metadata]", *rows]) + "\n")
     text = "\n".join(tables)
-    write_atomically(path, lambda stream: stream.write(text.encode()))
+    write_text(path, text)
 
 
 def _toml(value: str | list[str]) -> str:
