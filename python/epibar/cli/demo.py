@@ -185,13 +185,12 @@ def _where_to_look(out: Path, console: Console) -> None:
 
 def _known(camera: Camera) -> Intrinsics:
     """Describe a camera of the scene the way ``--intrinsics`` and ``--cameras`` read it."""
-    import cv2
     import numpy as np
 
-    from ..lens.intrinsics import Intrinsics
+    from ..lens.intrinsics import Intrinsics, rotation_vector
 
-    rotation = np.asarray(cv2.Rodrigues(camera.R)[0], dtype=np.float64).ravel()
     distortions = np.array(camera.distortions or (0.0,) * 5)
+    rotation = rotation_vector(camera.R)
     return Intrinsics(
         camera.name, camera.size, camera.K, distortions, rotation=rotation, translation=camera.t
     )

@@ -16,9 +16,8 @@ from ..camera_files.world import World
 from ..errors import EpibarError
 from ..geometry.pose import RelativePose
 from ..lens.cameras_toml import load_cameras
-from ..lens.intrinsics import Intrinsics
+from ..lens.intrinsics import Intrinsics, rotation_vector
 from ..runs.run import Pair, Run
-from ..sources.opencv import opencv
 from .placing import place_cameras
 
 __all__ = ["write_caliscope", "write_placed", "write_toml"]
@@ -165,13 +164,11 @@ def _verdict(pair: Pair) -> str:
 def _write(
     path: Path, placed: Placed, lenses: Mapping[str, Intrinsics], chosen: str, world: World
 ) -> list[Path]:
-    cv2 = opencv()
     cameras = []
     for name, lens in lenses.items():
         if name in placed:
             R, t = placed[name]
-            rotation = np.asarray(cv2.Rodrigues(R)[0], np.float64).ravel()
-            cameras.append(replace(lens, rotation=rotation, translation=t))
+            cameras.append(replace(lens, rotation=rotation_vector(R), translation=t))
         elif chosen == NUMBERED:
             cameras.append(replace(lens, rotation=None, translation=None))
     return FORMATS[chosen].write(cameras, path, world)

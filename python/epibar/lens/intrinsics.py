@@ -10,9 +10,10 @@ import numpy as np
 from ..arguments import Array, as_camera_matrix, as_numbers
 from ..errors import EpibarError
 from ..geometry.cameras import Pose
+from ..sources.opencv import opencv
 from .undistortion import Undistorter
 
-__all__ = ["Intrinsics"]
+__all__ = ["Intrinsics", "rotation_vector"]
 
 DISTORTION_COUNTS = (0, 4, 5, 8, 12, 14)
 """Of the OpenCV lens model: k1 k2 p1 p2 [k3 [k4 k5 k6 [s1 s2 s3 s4 [τx τy]]]]."""
@@ -117,3 +118,8 @@ class Intrinsics:
     def undistort_image(self, image: np.ndarray) -> np.ndarray:
         """Return an (H, W, 3) uint8 image in undistorted pixels; black where the camera saw nothing."""
         return Undistorter(self, (image.shape[1], image.shape[0])).image(image)
+
+
+def rotation_vector(rotation: Array) -> Array:
+    """Rodrigues vector of a rotation matrix, (3,), as camera files hold it."""
+    return np.asarray(opencv().Rodrigues(rotation)[0], dtype=np.float64).ravel()

@@ -10,8 +10,7 @@ import numpy as np
 from ..arguments import Array
 from ..camera_files.world import METRE
 from ..errors import EpibarError
-from ..lens.intrinsics import Intrinsics
-from ..sources.opencv import opencv
+from ..lens.intrinsics import Intrinsics, rotation_vector
 
 __all__ = [
     "BASELINE",
@@ -91,7 +90,7 @@ class NetworkCamera:
         """
         if self.matrix is None or self.rotation is None or self.translation is None:
             raise EpibarError(f"{self.name} has no place in the network: {self.reason}")
-        rotation = np.asarray(opencv().Rodrigues(self.rotation)[0], dtype=np.float64).ravel()
+        rotation = rotation_vector(self.rotation)
         distortions = np.zeros(5) if self.distortions is None else self.distortions
         found = Intrinsics(self.name, self.size, self.matrix, distortions, False, rotation, self.translation)
         if lens is None or not lens.distorted:
