@@ -14,9 +14,11 @@ import numpy as np
 
 from ..errors import EpibarError
 
-__all__ = ["check_calibration", "check_format", "check_recording"]
+__all__ = ["LONGEST_SIDE", "check_calibration", "check_format", "check_recording"]
 
 LONGEST_SIDE = 16_384
+"""Pixels of an image, either way."""
+
 MOST_LINES = 10_000_000
 
 

@@ -19,6 +19,7 @@ from ..calibration import Calibration
 from ..errors import EpibarError
 from ..files import calibration_npz as calibration_file
 from ..files.archive import read_archive, write_archive
+from ..files.folders import make_folder
 from ..files.json_file import read_json_object, write_json
 from ..network.offsets import ClockOffsets
 from ..recording import Recording
@@ -123,9 +124,6 @@ class Store:
             self._write_kept(path, lambda path: write_archive(path, {**arrays, **more}))
 
     def _write_kept(self, path: Path, write: Callable[[Path], None]) -> None:
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise EpibarError(f"{path.parent}: cannot be made ({error.strerror})") from error
+        make_folder(path.parent)
         self._folder.will_write(path)
         write(path)

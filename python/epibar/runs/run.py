@@ -15,13 +15,14 @@ from ..calibration import Calibration
 from ..clocks import nearest_frame, position_in_b
 from ..errors import EpibarError
 from ..files.calibration_json import read_json
+from ..files.checks import LONGEST_SIDE
 from ..files.frontier_csv import read_frontier_points
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
 from ..lens.cameras_toml import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
-from .stored import LONGEST_SIDE, Stored, entries
+from .stored import Stored, entries
 
 __all__ = ["Camera", "Pair", "Run"]
 

@@ -16,7 +16,6 @@ from ..files.calibration_json import is_plain_name
 
 __all__ = ["Stored", "entries"]
 
-LONGEST_SIDE = 16_384
 LARGEST = 1e300
 SHOWN = 60
 """Characters of a wrong value that an error shows."""

@@ -13,11 +13,11 @@ import numpy as np
 
 from ..errors import EpibarError
 from ..files.archive import DAMAGED, read_array
+from ..files.checks import LONGEST_SIDE
 
 __all__ = ["ARRAY_SUFFIXES", "MaskArrayFile"]
 
 ARRAY_SUFFIXES = {".npz", ".npy"}
-LONGEST_SIDE = 16_384
 LONGEST_HEADER = 10_000
 
 
