@@ -246,6 +246,7 @@ impl Calibration {
         for (name, value) in [
             ("tested_distance", e.tested_distance),
             ("plane_residual", e.plane_residual),
+            ("may_turn", e.may_turn),
             ("essential_deviation", e.essential_deviation),
         ] {
             if !value.is_nan() {

@@ -30,4 +30,6 @@ pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
 pub use crate::refine::refine;
 pub use crate::verify::planarity::plane_residual;
+pub use crate::verify::rivals::Winner;
 pub use crate::verify::shift_curve::{HeldOut, normal_deviate, shift_curve};
+pub use crate::verify::turning::{Turning, turning};

@@ -10,7 +10,8 @@ const EVIDENCE = {
   explained_tops: ["upper edges explained", "of them", 0],
   explained_bottoms: ["lower edges explained", "of them", 0],
   tested_distance: ["from the geometry that was tested", "px over the volume where things moved", 2],
-  plane_residual: ["distance from one plane", "widths of a silhouette; near nought means undetermined", 2],
+  plane_residual: ["distance from one plane", "widths of a silhouette", 2],
+  may_turn: ["may turn about a plane by", "px over the images, without losing evidence; much means undetermined", 1],
   essential_deviation: ["from an essential matrix", "difference of its singular values; above 0.05, of an accepted pair, a camera matrix is off", 3],
 };
 

@@ -87,6 +87,7 @@ fn evidence(e: &Evidence) -> Value {
     let where_known = [
         ("tested_distance", e.tested_distance),
         ("plane_residual", e.plane_residual),
+        ("may_turn", e.may_turn),
         ("essential_deviation", e.essential_deviation),
     ];
     let where_known = where_known.into_iter().filter(|(_, value)| !value.is_nan());
@@ -187,6 +188,7 @@ pub(super) fn read(text: &str) -> Result<Calibration> {
         explained_by_chance: always("explained_by_chance")?,
         tested_distance: where_known("tested_distance")?,
         plane_residual: where_known("plane_residual")?,
+        may_turn: where_known("may_turn")?,
         essential_deviation: where_known("essential_deviation")?,
     };
     let rivals = header.get("rivals")?;

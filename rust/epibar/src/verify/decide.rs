@@ -7,8 +7,8 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    MAX_BEYOND, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_DEPTH, MIN_EXPLAINED, MIN_PLACES,
-    MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z, SAME, reaches, within,
+    CLEAN_RADIUS, FLAT, FLAT_BEYOND, MAX_BEYOND, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z,
+    MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z, SAME, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -17,13 +17,14 @@ use crate::frontier::TangentMatch;
 type Test = fn(&Findings) -> Option<Verdict>;
 
 /// The tests by name, in their order.
-pub const TESTS: [(&str, Test); 10] = [
+pub const TESTS: [(&str, Test); 11] = [
     ("stands out against shifted clocks", stands_out),
     ("explains enough of the tangents", explains_enough),
     ("supported by tops and by bottoms", both_classes),
     ("whole silhouettes meet", whole_silhouettes),
     ("matched at enough places", enough_places),
-    ("has depth", has_depth),
+    ("has more depth than outlines are off", depth_beyond_outlines),
+    ("may not turn about a plane", may_not_turn),
     ("known beyond the motion", known_beyond_motion),
     ("what was tested is what is returned", as_tested),
     ("no rival far away", no_rival),
@@ -68,16 +69,22 @@ fn enough_places(f: &Findings) -> Option<Verdict> {
     unless(places >= MIN_PLACES, Kind::Undetermined, || prose::few_places(places))
 }
 
-fn has_depth(f: &Findings) -> Option<Verdict> {
-    let plane = f.evidence.plane_residual;
-    unless(reaches(plane, MIN_DEPTH), Kind::Undetermined, || prose::flat(plane))
+fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
+    let (plane, clean) = (f.evidence.plane_residual, within(f.best_radius, CLEAN_RADIUS * f.scale));
+    unless(clean || reaches(plane, FLAT), Kind::Undetermined, || prose::flat(plane))
+}
+
+fn may_not_turn(f: &Findings) -> Option<Verdict> {
+    let turned = f.evidence.may_turn;
+    unless(within(turned, MAX_BEYOND * f.scale), Kind::Undetermined, || prose::turns(turned))
 }
 
 fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     if f.beyond_motion.is_nan() {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
-    unless(within(f.beyond_motion, MAX_BEYOND * f.scale), Kind::Undetermined, || {
+    let most = if reaches(f.evidence.plane_residual, FLAT) { MAX_BEYOND } else { FLAT_BEYOND };
+    unless(within(f.beyond_motion, most * f.scale), Kind::Undetermined, || {
         prose::unknown_beyond(f.beyond_motion)
     })
 }
@@ -138,6 +145,7 @@ mod tests {
         explained_by_chance: 0.2,
         tested_distance: 0.1,
         plane_residual: 4.0,
+        may_turn: 0.0,
         on_all_frames: false,
         essential_deviation: f64::NAN,
     };
@@ -148,6 +156,7 @@ mod tests {
             evidence,
             matches,
             radius: 1.5,
+            best_radius: 1.5,
             expected_error: 0.3,
             beyond_motion: 0.9,
             rivals: &[],
@@ -169,8 +178,9 @@ mod tests {
             (Evidence { z_bottoms: 1.9, ..GOOD }, Kind::Undetermined),
             (Evidence { explained_tops: 0.01, ..GOOD }, Kind::Undetermined),
             (Evidence { z_whole: 0.4, ..GOOD }, Kind::Undetermined),
-            (Evidence { plane_residual: 0.7, ..GOOD }, Kind::Undetermined),
+            (Evidence { may_turn: 6.1, ..GOOD }, Kind::Undetermined),
             (Evidence { tested_distance: 3.1, ..GOOD }, Kind::Ambiguous),
+            (Evidence { plane_residual: 0.5, ..GOOD }, Kind::Accepted),
         ] {
             assert_eq!(kind(&findings(&evidence, &walk)), expected, "{evidence:?}");
         }
@@ -180,6 +190,14 @@ mod tests {
         assert_eq!(kind(&findings(&GOOD, &walk[..40])), Kind::Undetermined);
         assert_eq!(kind(&Findings { beyond_motion: 6.1, ..findings(&GOOD, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
+        // Flat motion needs clean outlines, and must be known better beyond itself.
+        let flat = Evidence { plane_residual: 0.5, ..GOOD };
+        assert_eq!(kind(&Findings { best_radius: 3.0, ..findings(&flat, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { beyond_motion: 1.1, ..findings(&flat, &walk) }), Kind::Undetermined);
+        assert_eq!(
+            kind(&Findings { best_radius: 3.0, beyond_motion: 5.9, ..findings(&GOOD, &walk) }),
+            Kind::Accepted
+        );
         // A strict limit makes no other geometry of one that is half a pixel off.
         let strict = |evidence| Findings { max_expected_error: 0.2, ..findings(evidence, &walk) };
         assert_eq!(kind(&strict(&Evidence { tested_distance: 0.4, ..GOOD })), Kind::Inaccurate);
@@ -207,7 +225,7 @@ mod tests {
             Evidence { explained_tops: unknown, ..GOOD },
             Evidence { explained_bottoms: unknown, ..GOOD },
             Evidence { tested_distance: unknown, ..GOOD },
-            Evidence { plane_residual: unknown, ..GOOD },
+            Evidence { may_turn: unknown, ..GOOD },
         ] {
             assert!(refused(&findings(&evidence, &walk)), "{evidence:?}");
         }

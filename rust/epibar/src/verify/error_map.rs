@@ -8,14 +8,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::over_image::{along, cell_centres};
 use crate::geometry::seven_parameters::{Information, SevenParameters, Step};
-use crate::image::{ImageSize, Line};
+use crate::image::ImageSize;
 
 /// Cells of a map.
 const ROWS: usize = 24;
 const COLUMNS: usize = 32;
-/// Points along an epipolar line.
-const ALONG: usize = 9;
 
 /// What is known of the error of a geometry.
 #[derive(Debug, Clone)]
@@ -68,15 +67,8 @@ impl Uncertainty {
         from: ImageSize,
         to: ImageSize,
     ) -> ErrorMap {
-        // The image of a pixel reaches half a pixel beyond its centre.
-        let centre =
-            |k: usize, cells: usize, pixels: usize| (k as f64 + 0.5) * pixels as f64 / cells as f64 - 0.5;
-        let values = (0..ROWS * COLUMNS)
-            .map(|cell| {
-                let x = centre(cell % COLUMNS, COLUMNS, from.width);
-                let y = centre(cell / COLUMNS, ROWS, from.height);
-                self.along_line(matrix, derivatives, &Vector3::new(x, y, 1.0), to)
-            })
+        let values = cell_centres(from, ROWS, COLUMNS)
+            .map(|point| self.along_line(matrix, derivatives, &point, to))
             .collect();
         ErrorMap { rows: ROWS, columns: COLUMNS, values }
     }
@@ -90,22 +82,18 @@ impl Uncertainty {
         to: ImageSize,
     ) -> f64 {
         let line = matrix * point;
-        let Some(segment) = Line::from_homogeneous(&line).and_then(|line| line.clip(to)) else {
-            return f64::NAN;
-        };
+        let Some(seen) = along(&line, to) else { return f64::NAN };
         let scale = 1.0 / line.x.hypot(line.y);
         let change = derivatives.map(|d| d * point * scale);
-        let sum: f64 = (0..ALONG)
-            .map(|k| {
-                let t = (k as f64 + 0.5) / ALONG as f64;
-                let (x, y) =
-                    (segment.x0 + t * (segment.x1 - segment.x0), segment.y0 + t * (segment.y1 - segment.y0));
-                let row = Step::from_fn(|k, _| change[k].dot(&Vector3::new(x, y, 1.0)));
+        let sum: f64 = seen
+            .iter()
+            .map(|[x, y]| {
+                let row = Step::from_fn(|k, _| change[k].dot(&Vector3::new(*x, *y, 1.0)));
                 let variance = row.dot(&(self.covariance * row)).max(0.0);
                 (variance * 2.0 / std::f64::consts::PI).sqrt().hypot(self.systematic)
             })
             .sum();
-        sum / ALONG as f64
+        sum / seen.len() as f64
     }
 }
 
@@ -113,6 +101,7 @@ impl Uncertainty {
 mod tests {
     use super::*;
     use crate::geometry::Fundamental;
+    use crate::image::Line;
     use crate::random::{Generator, generator};
     use rand::RngExt;
 

@@ -33,6 +33,10 @@ pub struct Evidence {
     /// How far four fifths of the frontier points lie from the best plane, in widths of a silhouette; NaN
     /// where there are too few to tell.
     pub plane_residual: f64,
+    /// How far `F` may turn about the plane that half of the frontier points keep to without losing evidence: median over either
+    /// image of the symmetric epipolar distance, pixels. 0 where it may not, or they keep to no plane; NaN where that was not
+    /// asked.
+    pub may_turn: f64,
     /// `(s₁ − s₂) / (s₁ + s₂)` of the singular values of `K_bᵀ F K_a`, 0 for an essential matrix; NaN where the camera
     /// matrices are not known.
     pub essential_deviation: f64,
@@ -54,6 +58,7 @@ impl Default for Evidence {
             explained_by_chance: 0.0,
             tested_distance: f64::NAN,
             plane_residual: f64::NAN,
+            may_turn: f64::NAN,
             essential_deviation: f64::NAN,
         }
     }

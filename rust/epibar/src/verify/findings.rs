@@ -12,6 +12,8 @@ pub struct Findings<'a> {
     pub matches: &'a [TangentMatch],
     /// The radius within which they meet, pixels.
     pub radius: f64,
+    /// The radius at which the score is highest, pixels.
+    pub best_radius: f64,
     /// Expected error over the volume where things moved, pixels; NaN where unknown.
     pub expected_error: f64,
     /// The error that the covariance alone expects in half of an image, pixels.

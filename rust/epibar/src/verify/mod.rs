@@ -1,8 +1,8 @@
 //! Is it true, and how far off may it be?
 //!
 //! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
-//! gives; [`planarity`] asks whether one plane explains everything, [`rivals`] whether another geometry does as well, and
-//! [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
+//! gives; [`planarity`] asks whether one plane explains everything and [`turning`] what is known off it, [`mod@rivals`] whether another
+//! geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
 //! [`trials`] takes account of a searched offset.
 
@@ -12,6 +12,7 @@ pub mod early;
 pub mod error_map;
 pub mod evidence;
 mod findings;
+mod over_image;
 pub mod planarity;
 mod prose;
 pub mod rivals;
@@ -19,6 +20,7 @@ pub mod shift_curve;
 pub mod split;
 pub mod thresholds;
 pub mod trials;
+pub mod turning;
 pub mod verdict;
 
 pub use error_map::{ErrorMap, Uncertainty};
@@ -38,11 +40,13 @@ use covariance::{covariance, expected_error, with_prior};
 use decide::decide;
 use findings::Findings;
 use planarity::plane_residual;
+use rivals::{Winner, rivals};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
     CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z, NEIGHBOUR,
     NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, reaches, within,
 };
+use turning::{Turning, turning};
 
 /// Correspondences of the volume where things moved.
 const VOLUME: usize = 400;
@@ -103,10 +107,19 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
 
     let block = block_of(case);
     let others = case.found.solutions.get(1..).unwrap_or_default();
-    let (rivals, best_radius) = rivals::rivals(views, fundamental, others, &volume, block);
+    let winner = Winner::new(views, fundamental, block);
+    let (rivals, best_radius) = (rivals(&winner, others, &volume), winner.radius);
+    // Where nothing stands out that is the verdict.
+    let stands_out = reaches(evidence.z, MIN_Z);
+    let turning = if stands_out {
+        turning(views, &winner, &matches, &volume, evidence.plane_residual)
+    } else {
+        Turning::UNKNOWN
+    };
+    evidence.may_turn = turning.over_images;
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
-    let of_others = others.fold(evidence.tested_distance.max(0.0), f64::max);
+    let of_others = others.chain([turning.over_volume]).fold(evidence.tested_distance.max(0.0), f64::max);
     let of_chance = UNEXPLAINED_SHARE * radius * odds_of_chance(&evidence);
     let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
     let fit =
@@ -118,6 +131,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
         evidence: &evidence,
         matches: &matches,
         radius,
+        best_radius,
         expected_error,
         beyond_motion: uncertainty.as_ref().map_or(f64::NAN, Uncertainty::beyond_motion),
         rivals: &rivals,

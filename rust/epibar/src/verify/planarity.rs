@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::thresholds::MIN_POINTS;
 use crate::frontier::{TangentMatch, View, Views};
 use crate::geometry::fundamental::normaliser;
-use crate::geometry::homography;
+use crate::geometry::homography::{self, PointMatch, transfer_distance};
 use crate::geometry::hull::shorter_side;
 use crate::random::generator;
 
@@ -28,11 +28,9 @@ const FITTED: usize = 24;
 /// Rounds of fitting to the points that fit.
 const ROUNDS: usize = 6;
 
-type Match = (Vector3<f64>, Vector3<f64>);
-
 /// Matched points in normalised coordinates, and how many widths of a silhouette the unit is in A and in B.
 struct Matched {
-    points: Vec<Match>,
+    points: Vec<PointMatch>,
     widths: [f64; 2],
 }
 
@@ -58,7 +56,8 @@ pub fn plane_residual(views: &Views, points: &[TangentMatch], seed: u64) -> f64 
         .filter_map(|k| {
             let mut random = generator(seed.wrapping_add(SALT), k as u64);
             let count = matched.points.len();
-            let drawn: [Match; 4] = std::array::from_fn(|_| matched.points[random.random_range(0..count)]);
+            let drawn: [PointMatch; 4] =
+                std::array::from_fn(|_| matched.points[random.random_range(0..count)]);
             let h = homography::from_points(drawn.iter())?;
             Some((matched.within(&h).0, h))
         })
@@ -89,13 +88,9 @@ impl Matched {
         let Some(inverse) = h.try_inverse() else {
             return (f64::INFINITY, vec![f64::INFINITY; self.points.len()]);
         };
-        let off = |m: &Matrix3<f64>, from: &Vector3<f64>, to: &Vector3<f64>| {
-            let p = m * from;
-            (p.x / p.z - to.x).hypot(p.y / p.z - to.y)
-        };
-        let distance = |(a, b): &Match| {
-            let d = 0.5 * (self.widths[0] * off(&inverse, b, a) + self.widths[1] * off(h, a, b));
-            if d.is_nan() { f64::INFINITY } else { d }
+        let distance = |&(a, b): &PointMatch| {
+            let (there, back) = (transfer_distance(h, &(a, b)), transfer_distance(&inverse, &(b, a)));
+            0.5 * (self.widths[0] * back + self.widths[1] * there)
         };
         let distances: Vec<f64> = self.points.iter().map(distance).collect();
         let mut sorted = distances.clone();

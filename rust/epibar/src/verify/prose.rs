@@ -81,16 +81,27 @@ pub(super) fn flat(plane_residual: f64) -> String {
         return unmeasured();
     }
     format!(
-        "The motion leaves the geometry undetermined: everything keeps to one straight path or one plane, or the \
-         cameras stand at one place (most matched points lie within {:.0} % of a silhouette's width of a plane).",
+        "The motion leaves the geometry undetermined: most matched points lie within {:.0} % of a silhouette's width of one plane, \
+         and outlines that agree no better than these do not say what lies off it.",
         100.0 * plane_residual
+    )
+}
+
+pub(super) fn turns(may_turn: f64) -> String {
+    if may_turn.is_nan() {
+        return unmeasured();
+    }
+    format!(
+        "The motion leaves the geometry undetermined: everything keeps to one straight path or one plane, or the \
+         cameras stand at one place. Others that turn about that plane, up to {may_turn:.0} px away over the images, explain as \
+         much."
     )
 }
 
 pub(super) fn unknown_beyond(beyond: f64) -> String {
     format!(
         "The motion leaves the geometry undetermined: it is known where things moved, but in half of an image it \
-         may be {beyond:.0} px off or more, because everything keeps to one path or about one plane."
+         may be {beyond:.1} px off or more, because everything keeps to one path or about one plane."
     )
 }
 

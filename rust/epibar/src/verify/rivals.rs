@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::thresholds::MIN_COMPARED;
 use crate::frontier::Views;
-use crate::frontier::symmetric::{score_by_frame, symmetric_score};
+use crate::frontier::symmetric::{SymmetricScore, score_by_frame, symmetric_score};
 use crate::frontier::volume::{Correspondence, disagreement};
 use crate::geometry::Fundamental;
 use crate::hypotheses::Source;
@@ -27,40 +27,68 @@ pub struct Rival {
     pub source: Source,
 }
 
-/// The other solutions beside the winner, highest score first, and the radius at which the winner's score is highest, pixels.
-///
-/// `volume`: of the winner; `block`: frames that share their error.
-pub fn rivals(
-    views: &Views,
-    winner: &Fundamental,
-    others: &[Solution],
-    volume: &[Correspondence],
+/// The geometry that others are compared with.
+pub struct Winner<'v> {
+    views: &'v Views,
+    /// The matrix.
+    pub fundamental: Fundamental,
+    /// The radius at which its score is highest, pixels.
+    pub radius: f64,
+    score: f64,
+    by_frame: Vec<f64>,
     block: usize,
-) -> (Vec<Rival>, f64) {
-    let own = symmetric_score(views, winner);
-    let own_by_frame = score_by_frame(views, winner, own.radius);
-    let contradiction = |rival: Fundamental| {
-        views.cameras.as_ref().map_or(0.0, |k| (k.deviation(&rival) - k.deviation(winner)) / DEVIATION)
-    };
+}
+
+/// What another geometry has of the winner's evidence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beside {
+    /// Its score as a share of the winner's.
+    pub share: f64,
+    /// Normal deviate of the difference in score, and in how well known camera matrices agree.
+    pub z: f64,
+}
+
+impl<'v> Winner<'v> {
+    /// `block`: frames that share their error.
+    pub fn new(views: &'v Views, fundamental: &Fundamental, block: usize) -> Self {
+        let SymmetricScore { total: score, radius } = symmetric_score(views, fundamental);
+        let by_frame = score_by_frame(views, fundamental, radius);
+        Self { views, fundamental: *fundamental, radius, score, by_frame, block }
+    }
+
+    /// Another geometry beside it.
+    pub fn beside(&self, other: &Fundamental) -> Beside {
+        let theirs = symmetric_score(self.views, other);
+        let by_frame = score_by_frame(self.views, other, theirs.radius);
+        let contradiction = self
+            .views
+            .cameras
+            .as_ref()
+            .map_or(0.0, |k| (k.deviation(other) - k.deviation(&self.fundamental)) / DEVIATION);
+        Beside {
+            share: theirs.total / self.score.max(1e-9),
+            z: with_cameras(paired_z(&self.by_frame, &by_frame, self.block), contradiction),
+        }
+    }
+}
+
+/// The other solutions beside the winner, highest score first. `volume`: of the winner.
+pub fn rivals(winner: &Winner, others: &[Solution], volume: &[Correspondence]) -> Vec<Rival> {
     let mut rivals: Vec<Rival> = others
         .par_iter()
         .map(|solution| {
-            let theirs = symmetric_score(views, &solution.fundamental);
-            let by_frame = score_by_frame(views, &solution.fundamental, theirs.radius);
+            let Beside { share, z } = winner.beside(&solution.fundamental);
             Rival {
                 fundamental: solution.fundamental,
-                share: theirs.total / own.total.max(1e-9),
-                z: with_cameras(
-                    paired_z(&own_by_frame, &by_frame, block),
-                    contradiction(solution.fundamental),
-                ),
+                share,
+                z,
                 distance: disagreement(volume, &solution.fundamental),
                 source: solution.source,
             }
         })
         .collect();
     rivals.sort_by(|p, q| q.share.total_cmp(&p.share));
-    (rivals, own.radius)
+    rivals
 }
 
 /// What matrices say for or against a rival counts for so many deviations at most: they are measured too.

@@ -40,10 +40,22 @@ pub const MIN_WHOLE_Z: f64 = 2.0;
 pub const MIN_BOTH_ENDS: f64 = 0.05;
 /// Below this on the frames kept aside tops, bottoms and whole silhouettes are judged on all frames.
 pub const FAINT_CLASS_Z: f64 = 3.0;
-/// Matched points must leave the best plane by this share of a silhouette's width: less is a path, a wall or no
-/// baseline. One path, with strays or without, one plane, the bare floor and no baseline gave 0.06 to 0.32, and one path of
-/// nearly a metre 0.94; right ones mostly 1.2 to 7, but some 0.3 to 0.8 as well.
-pub const MIN_DEPTH: f64 = 0.9;
+/// Where four fifths of the matched points are farther than this from any plane, in widths of a silhouette, it is not asked how far
+/// `F` may turn. One path, with strays or without, one plane, the bare floor and no baseline gave 0.06 to 0.32, and one path of
+/// nearly a metre 0.95.
+pub const DEPTH: f64 = 2.0;
+/// Where four fifths of the matched points are nearer than this to a plane, in widths of a silhouette, little says what `F` is off it,
+/// and more is asked of that: outlines must be clean, as what they are off alike in all frames may be all that leaves the plane
+/// (ellipses at 0.41 gave 3.9 px where 2.7 are stated), and `F` must be known to [`FLAT_BEYOND`].
+pub const FLAT: f64 = 0.9;
+/// Half of an image may be known no worse than this where the motion is flat, pixels of a 640×480 image, by the covariance alone, which
+/// says too little where all keep to one path: of nine, 1.3 where `F` was 4.3 px off over the room, and 1.0 to 2.4 in seven others; 0.3 to 0.8
+/// where it was right.
+pub const FLAT_BEYOND: f64 = 1.0;
+/// A geometry that has turned about the plane and kept this share of the evidence may be the truth as well, however certain the
+/// difference is: what outlines have in common is the same in all frames. Where there is no answer turned ones kept 0.988 to 1.03 of it;
+/// where there is one at most 0.957, and once 0.990.
+pub const TURNED_SHARE: f64 = 0.97;
 /// Matched points at fewer different places say nothing: lamps that blink where they stand meet at the right moments under any
 /// of many geometries. Such lamps were seen at 5 to 10 places, two walkers in 400 frames at 950.
 pub const MIN_PLACES: usize = 50;

@@ -1,0 +1,180 @@
+//! How far may `F` turn without losing evidence?
+//!
+//! Where what moves keeps to a plane, `F = [e']× H` explains it for any `e'` (Hartley and Zisserman §11.9), and only what lies off
+//! the plane knows better. So of the planes that `F` allows the one is taken to which half of the matched points keep closest: the
+//! floor, a path, a slab. About it `e'` is moved to all sides, until the geometries are far apart over the images, and least squares may
+//! turn them back. Where one neither comes back nor loses evidence, it may be the truth as well. That is asked of the silhouettes
+//! and not of the covariance, which knows what is near the answer, and takes what meets under it for true.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix3, Vector3};
+use rand::RngExt;
+use rayon::prelude::*;
+
+use super::over_image::image_distance;
+use super::rivals::{Beside, Winner};
+use super::thresholds::{DEPTH, MIN_POINTS, RIVAL_Z, TURNED_SHARE, reaches};
+use crate::frontier::volume::{Correspondence, disagreement};
+use crate::frontier::{TangentMatch, Views};
+use crate::geometry::fundamental::{denormaliser, normaliser};
+use crate::geometry::homography::{compatible, transfer_distance};
+use crate::geometry::{Fundamental, homography::PointMatch};
+use crate::random::generator;
+use crate::refine::refine;
+
+/// How far apart over the images turned geometries start, pixels of a 640×480 image.
+const AWAY: [f64; 2] = [8.0, 16.0];
+/// To how many sides the epipole is moved.
+const SIDES: usize = 8;
+/// Rounds of refinement that may turn a geometry back.
+const ROUNDS: usize = 3;
+/// The epipole is moved by no more than this, radians in normalised coordinates.
+const FARTHEST: f64 = 0.8;
+/// Halvings that find the angle.
+const HALVINGS: usize = 24;
+/// Most points of which a plane is sought, and samples of three.
+const POINTS: usize = 1500;
+const SAMPLES: u64 = 400;
+/// Rounds of fitting the plane to the half of the points that is nearest.
+const FITS: usize = 5;
+
+/// How far geometries that turned about a plane are from the answer where the evidence does not put them behind, pixels, the largest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turning {
+    /// Over the images.
+    pub over_images: f64,
+    /// Over the volume where things moved.
+    pub over_volume: f64,
+}
+
+impl Turning {
+    /// There is none.
+    pub const NONE: Self = Self { over_images: 0.0, over_volume: 0.0 };
+    /// It was not asked, or cannot be told.
+    pub const UNKNOWN: Self = Self { over_images: f64::NAN, over_volume: f64::NAN };
+
+    fn larger(self, other: Self) -> Self {
+        Self {
+            over_images: self.over_images.max(other.over_images),
+            over_volume: self.over_volume.max(other.over_volume),
+        }
+    }
+}
+
+/// How far the winner may turn; not at all where matched points keep to no plane, unknown where they are too few to tell.
+pub fn turning(
+    views: &Views,
+    winner: &Winner,
+    matches: &[TangentMatch],
+    volume: &[Correspondence],
+    plane_residual: f64,
+) -> Turning {
+    if plane_residual.is_nan() || matches.len() < MIN_POINTS {
+        return Turning::UNKNOWN;
+    }
+    if reaches(plane_residual, DEPTH) {
+        return Turning::NONE;
+    }
+    let about = Plane::new(&winner.fundamental, matches, views);
+    let started: Vec<Fundamental> =
+        about.iter().flat_map(|plane| plane.turned(views.pixel_scale())).collect();
+    started
+        .par_iter()
+        .filter_map(|turned| refine(views, turned, &[winner.radius], ROUNDS))
+        .filter(|turned| as_likely(winner.beside(turned)))
+        .map(|turned| Turning {
+            over_images: image_distance(&winner.fundamental, &turned, views.sizes()),
+            over_volume: disagreement(volume, &turned),
+        })
+        .reduce(|| Turning::NONE, Turning::larger)
+}
+
+fn as_likely(turned: Beside) -> bool {
+    !reaches(turned.z, RIVAL_Z) || reaches(turned.share, TURNED_SHARE)
+}
+
+/// A plane that `F` allows, in normalised coordinates.
+struct Plane<'f> {
+    of: &'f Fundamental,
+    views: &'f Views,
+    homography: Matrix3<f64>,
+    epipole_b: Vector3<f64>,
+}
+
+impl<'f> Plane<'f> {
+    /// The one to which half of the matches keep closest, by random samples, which are the same for any seed; `None` where all
+    /// samples are degenerate.
+    fn new(of: &'f Fundamental, matches: &[TangentMatch], views: &'f Views) -> Option<Self> {
+        const SALT: u64 = 0x74_75_72_6E;
+        let sizes = views.sizes();
+        let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
+        let f = denormaliser(sizes[1]).transpose() * of.matrix() * denormaliser(sizes[0]);
+        let epipole_b = (tb * of.epipole_b()).normalize();
+        let on_line = |p: &TangentMatch| {
+            let (a, b) = (ta * Vector3::new(p.a[0], p.a[1], 1.0), tb * Vector3::new(p.b[0], p.b[1], 1.0));
+            let line = f * a;
+            let off = line.dot(&b) / line.xy().norm_squared();
+            (a, b - off * Vector3::new(line.x, line.y, 0.0))
+        };
+        let points: Vec<PointMatch> =
+            matches.iter().step_by(matches.len().div_ceil(POINTS).max(1)).map(on_line).collect();
+        let of_half = |chosen: &[PointMatch]| {
+            let homography = compatible(&f, &epipole_b, chosen)?;
+            let mut distances: Vec<f64> = points.iter().map(|m| transfer_distance(&homography, m)).collect();
+            let half = distances.len() / 2;
+            let (_, median, _) = distances.select_nth_unstable_by(half, f64::total_cmp);
+            Some((*median, homography))
+        };
+        let sample = |k: u64| {
+            let mut random = generator(SALT, k);
+            let three: [PointMatch; 3] =
+                std::array::from_fn(|_| points[random.random_range(0..points.len())]);
+            of_half(&three)
+        };
+        let mut best = (0..SAMPLES).into_par_iter().filter_map(sample).min_by(|p, q| p.0.total_cmp(&q.0))?;
+        for _ in 0..FITS {
+            let near = points.iter().filter(|m| transfer_distance(&best.1, m) <= best.0).copied();
+            match of_half(&near.collect::<Vec<_>>()) {
+                Some(closer) if closer.0 < best.0 => best = closer,
+                _ => break,
+            }
+        }
+        Some(Self { of, views, homography: best.1, epipole_b })
+    }
+
+    /// `[e']× H` with the epipole moved by an angle towards one side.
+    fn with_epipole(&self, side: &Vector3<f64>, angle: f64) -> Option<Fundamental> {
+        let [a, b] = self.views.sizes();
+        let epipole = self.epipole_b * angle.cos() + side * angle.sin();
+        let matrix = normaliser(b).transpose() * epipole.cross_matrix() * self.homography * normaliser(a);
+        Fundamental::from_matrix(&matrix, a, b)
+    }
+
+    /// The geometries that are [`AWAY`] over the images, to all sides.
+    fn turned(&self, scale: f64) -> Vec<Fundamental> {
+        let e = self.epipole_b;
+        let across = e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize();
+        let along = e.cross(&across);
+        let sides = (0..SIDES).map(|k| {
+            let (sin, cos) = (k as f64 * TAU / SIDES as f64).sin_cos();
+            across * cos + along * sin
+        });
+        sides.flat_map(|side| AWAY.map(|away| self.away(&side, away * scale))).flatten().collect()
+    }
+
+    /// The geometry that is so many pixels away over the images.
+    fn away(&self, side: &Vector3<f64>, pixels: f64) -> Option<Fundamental> {
+        let nearer = |angle| {
+            let distance =
+                self.with_epipole(side, angle).map(|f| image_distance(self.of, &f, self.views.sizes()));
+            distance.is_some_and(|distance| distance < pixels)
+        };
+        let (mut low, mut high) = (0.0, FARTHEST);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if nearer(middle) { low = middle } else { high = middle }
+        }
+        self.with_epipole(side, low)
+    }
+}
