@@ -32,4 +32,4 @@ pub use crate::refine::refine;
 pub use crate::verify::planarity::plane_residual;
 pub use crate::verify::rivals::Winner;
 pub use crate::verify::shift_curve::{HeldOut, normal_deviate, shift_curve};
-pub use crate::verify::turning::{Turning, turning};
+pub use crate::verify::turning::may_turn;

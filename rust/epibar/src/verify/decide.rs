@@ -7,7 +7,7 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    CLEAN_RADIUS, FLAT, FLAT_BEYOND, MAX_BEYOND, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z,
+    CLEAN_RADIUS, FLAT, FLAT_BEYOND, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z,
     MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z, SAME, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
@@ -76,17 +76,16 @@ fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
 
 fn may_not_turn(f: &Findings) -> Option<Verdict> {
     let turned = f.evidence.may_turn;
-    unless(within(turned, MAX_BEYOND * f.scale), Kind::Undetermined, || prose::turns(turned))
+    unless(within(turned, MAX_TURN * f.scale), Kind::Undetermined, || prose::turns(turned))
 }
 
 fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     if f.beyond_motion.is_nan() {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
-    let most = if reaches(f.evidence.plane_residual, FLAT) { MAX_BEYOND } else { FLAT_BEYOND };
-    unless(within(f.beyond_motion, most * f.scale), Kind::Undetermined, || {
-        prose::unknown_beyond(f.beyond_motion)
-    })
+    let flat = !reaches(f.evidence.plane_residual, FLAT);
+    let most = if flat { FLAT_BEYOND } else { MAX_BEYOND * f.scale };
+    unless(within(f.beyond_motion, most), Kind::Undetermined, || prose::unknown_beyond(f.beyond_motion))
 }
 
 fn as_tested(f: &Findings) -> Option<Verdict> {
@@ -178,7 +177,7 @@ mod tests {
             (Evidence { z_bottoms: 1.9, ..GOOD }, Kind::Undetermined),
             (Evidence { explained_tops: 0.01, ..GOOD }, Kind::Undetermined),
             (Evidence { z_whole: 0.4, ..GOOD }, Kind::Undetermined),
-            (Evidence { may_turn: 6.1, ..GOOD }, Kind::Undetermined),
+            (Evidence { may_turn: 8.1, ..GOOD }, Kind::Undetermined),
             (Evidence { tested_distance: 3.1, ..GOOD }, Kind::Ambiguous),
             (Evidence { plane_residual: 0.5, ..GOOD }, Kind::Accepted),
         ] {

@@ -46,7 +46,7 @@ use thresholds::{
     CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z, NEIGHBOUR,
     NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, reaches, within,
 };
-use turning::{Turning, turning};
+use turning::may_turn;
 
 /// Correspondences of the volume where things moved.
 const VOLUME: usize = 400;
@@ -110,16 +110,12 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
     let winner = Winner::new(views, fundamental, block);
     let (rivals, best_radius) = (rivals(&winner, others, &volume), winner.radius);
     // Where nothing stands out that is the verdict.
-    let stands_out = reaches(evidence.z, MIN_Z);
-    let turning = if stands_out {
-        turning(views, &winner, &matches, &volume, evidence.plane_residual)
-    } else {
-        Turning::UNKNOWN
-    };
-    evidence.may_turn = turning.over_images;
+    if reaches(evidence.z, MIN_Z) {
+        evidence.may_turn = may_turn(views, &winner, &matches, evidence.plane_residual);
+    }
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
-    let of_others = others.chain([turning.over_volume]).fold(evidence.tested_distance.max(0.0), f64::max);
+    let of_others = others.fold(evidence.tested_distance.max(0.0), f64::max);
     let of_chance = UNEXPLAINED_SHARE * radius * odds_of_chance(&evidence);
     let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
     let fit =

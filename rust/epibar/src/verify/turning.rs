@@ -13,9 +13,8 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use super::over_image::image_distance;
-use super::rivals::{Beside, Winner};
-use super::thresholds::{DEPTH, MIN_POINTS, RIVAL_Z, TURNED_SHARE, reaches};
-use crate::frontier::volume::{Correspondence, disagreement};
+use super::rivals::Winner;
+use super::thresholds::{DEPTH, MIN_POINTS, TURNED_SHARE, reaches};
 use crate::frontier::{TangentMatch, Views};
 use crate::geometry::fundamental::{denormaliser, normaliser};
 use crate::geometry::homography::{compatible, transfer_distance};
@@ -24,7 +23,7 @@ use crate::random::generator;
 use crate::refine::refine;
 
 /// How far apart over the images turned geometries start, pixels of a 640×480 image.
-const AWAY: [f64; 2] = [8.0, 16.0];
+const AWAY: [f64; 2] = [10.0, 20.0];
 /// To how many sides the epipole is moved.
 const SIDES: usize = 8;
 /// Rounds of refinement that may turn a geometry back.
@@ -39,42 +38,14 @@ const SAMPLES: u64 = 400;
 /// Rounds of fitting the plane to the half of the points that is nearest.
 const FITS: usize = 5;
 
-/// How far geometries that turned about a plane are from the answer where the evidence does not put them behind, pixels, the largest.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Turning {
-    /// Over the images.
-    pub over_images: f64,
-    /// Over the volume where things moved.
-    pub over_volume: f64,
-}
-
-impl Turning {
-    /// There is none.
-    pub const NONE: Self = Self { over_images: 0.0, over_volume: 0.0 };
-    /// It was not asked, or cannot be told.
-    pub const UNKNOWN: Self = Self { over_images: f64::NAN, over_volume: f64::NAN };
-
-    fn larger(self, other: Self) -> Self {
-        Self {
-            over_images: self.over_images.max(other.over_images),
-            over_volume: self.over_volume.max(other.over_volume),
-        }
-    }
-}
-
-/// How far the winner may turn; not at all where matched points keep to no plane, unknown where they are too few to tell.
-pub fn turning(
-    views: &Views,
-    winner: &Winner,
-    matches: &[TangentMatch],
-    volume: &[Correspondence],
-    plane_residual: f64,
-) -> Turning {
+/// The largest distance over the images of a geometry that turned about a plane and kept its evidence, pixels; 0 where there is none, or
+/// where matched points keep to no plane; NaN where they are too few to tell.
+pub fn may_turn(views: &Views, winner: &Winner, matches: &[TangentMatch], plane_residual: f64) -> f64 {
     if plane_residual.is_nan() || matches.len() < MIN_POINTS {
-        return Turning::UNKNOWN;
+        return f64::NAN;
     }
     if reaches(plane_residual, DEPTH) {
-        return Turning::NONE;
+        return 0.0;
     }
     let about = Plane::new(&winner.fundamental, matches, views);
     let started: Vec<Fundamental> =
@@ -82,16 +53,9 @@ pub fn turning(
     started
         .par_iter()
         .filter_map(|turned| refine(views, turned, &[winner.radius], ROUNDS))
-        .filter(|turned| as_likely(winner.beside(turned)))
-        .map(|turned| Turning {
-            over_images: image_distance(&winner.fundamental, &turned, views.sizes()),
-            over_volume: disagreement(volume, &turned),
-        })
-        .reduce(|| Turning::NONE, Turning::larger)
-}
-
-fn as_likely(turned: Beside) -> bool {
-    !reaches(turned.z, RIVAL_Z) || reaches(turned.share, TURNED_SHARE)
+        .filter(|turned| reaches(winner.beside(turned).share, TURNED_SHARE))
+        .map(|turned| image_distance(&winner.fundamental, &turned, views.sizes()))
+        .reduce(|| 0.0, f64::max)
 }
 
 /// A plane that `F` allows, in normalised coordinates.
