@@ -12,6 +12,7 @@
 #   make bench     speed of every stage, beside its limit and its peers; writes bench.json
 #   make paper     accuracy, in the settings of the paper
 #   make dist      source distribution and wheel, tried in an empty environment
+#   make cross     the wheel for Linux on aarch64, built on any machine
 
 VENV   := .venv
 BIN    := $(VENV)/bin
@@ -34,7 +35,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test readers fuzz audit docs check semver coverage bench paper dist clean
+.PHONY: help build demo test readers fuzz audit docs check semver coverage bench paper dist cross clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -151,14 +152,25 @@ DIST := $(abspath target/dist)
 dist: $(VENV)/.tools
 	rm -rf $(DIST)
 	$(BIN)/maturin build --sdist --release --locked --out $(DIST)
+	mkdir $(DIST)/source && tar xf $(DIST)/epibar-*.tar.gz -C $(DIST)/source --strip-components=1
+	cd $(DIST)/source && cargo fmt --all --check
 	$(BIN)/python -m venv $(DIST)/venv
 	PATH=/usr/bin:/bin $(DIST)/venv/bin/python -m pip install $(DIST)/*.whl
 	$(DIST)/venv/bin/python -m pip check
 	cd $(DIST) && PATH=/usr/bin:/bin venv/bin/epibar demo --out demo
 	cd $(DIST) && PATH=/usr/bin:/bin venv/bin/epibar inspect demo/videos/cam1.*
 	$(DIST)/venv/bin/python benchmarks/startup.py --rounds 5
-	rm -rf $(DIST)/venv $(DIST)/demo
+	rm -rf $(DIST)/venv $(DIST)/demo $(DIST)/source
 	ls $(DIST)
+
+# Zig links for another machine and for an old glibc, so that no other toolchain is needed.
+CROSS ?= aarch64-unknown-linux-gnu
+
+cross: $(VENV)/.tools
+	$(BIN)/python -m pip install ziglang
+	rustup target add $(CROSS)
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/maturin build --zig --release --locked --target $(CROSS) --compatibility manylinux_2_28 --out target/cross
+	@ls target/cross/*.whl
 
 clean:
 	rm -rf target $(VENV) $(READERS) demo build
