@@ -12,6 +12,8 @@ use crate::watch::{Stage, Watch, report};
 
 /// A solution with less than this share of the best one's score is no rival to settle.
 const WORTH_SETTLING: f64 = 0.5;
+/// A solution with this share of the best one's score contests it.
+const CONTESTING: f64 = 0.85;
 /// Solutions that differ by less are one, pixels of a 640×480 image.
 const APART: f64 = 0.5;
 /// Solutions that are kept.
@@ -25,14 +27,24 @@ pub fn settle(ground: &Ground, all: &Views, searched: Searched, watch: &mut dyn 
     report(watch, Stage::Settle, 0.0)?;
     let fitted = refined_on(ground, ground.train, &searched.solutions, polish);
     report(watch, Stage::Settle, 0.5)?;
-    let mut solutions = refined_on(ground, all, &fitted, touch_up);
-    let polished = |views, solution: Option<&Solution>| solution.map(|s| polish(views, &s.fundamental));
-    let (fitted, winner) =
-        rayon::join(|| polished(ground.train, fitted.first()), || polished(all, solutions.first()));
-    if let (Some(solution), Some(polished)) = (solutions.first_mut(), winner) {
-        solution.fundamental = polished;
-    }
+    let (fitted, solutions) = rayon::join(
+        || fitted.first().map(|s| polish(ground.train, &s.fundamental)),
+        || followed(ground, all, refined_on(ground, all, &fitted, touch_up)),
+    );
     Ok(Found { solutions, fitted, floor: searched.floor })
+}
+
+/// What contests the best, and the best itself, polished: a point on the way to the answer is no rival of it.
+fn followed(ground: &Ground, all: &Views, solutions: Vec<Solution>) -> Vec<Solution> {
+    let contesting = solutions.first().map_or(0.0, |best| share_of(best.score, CONTESTING));
+    let ends = solutions
+        .into_par_iter()
+        .filter_map(|s| {
+            let end = || Solution::new(all, polish(all, &s.fundamental), s.source);
+            if s.score >= contesting { end() } else { Some(s) }
+        })
+        .collect();
+    ground.distinct(ends, APART * ground.scale, KEPT)
 }
 
 /// The best, each refined on `views` by `refine`.
