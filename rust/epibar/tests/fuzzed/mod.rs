@@ -7,8 +7,11 @@ mod entries;
 pub mod files;
 mod scenes;
 
+/// What takes any bytes.
+type Target = fn(&[u8]);
+
 /// Every function, by the name of its target and of its folder of inputs.
-pub const ALL: [(&str, fn(&[u8])); 8] = [
+pub const ALL: [(&str, Target); 8] = [
     ("archive", files::archive),
     ("recording", files::recording),
     ("calibration", files::calibration),
@@ -20,6 +23,6 @@ pub const ALL: [(&str, fn(&[u8])); 8] = [
 ];
 
 /// The function of a target.
-pub fn target(name: &str) -> fn(&[u8]) {
+pub fn target(name: &str) -> Target {
     ALL.iter().find(|(known, _)| *known == name).expect("a target that is listed").1
 }

@@ -123,10 +123,6 @@ fn recording(
 /// Changes one value.
 fn damage(u: &mut Unstructured, parts: &mut RecordingParts) -> Result<()> {
     let (which, at) = (u.int_in_range(0..=12)?, usize::from(u.arbitrary::<u16>()?));
-    fn place<T>(values: &mut [T], at: usize) -> Option<&mut T> {
-        let count = values.len().max(1);
-        values.get_mut(at % count)
-    }
     macro_rules! put {
         ($values:expr, $value:expr) => {
             if let Some(found) = place(&mut $values, at) {
@@ -147,9 +143,15 @@ fn damage(u: &mut Unstructured, parts: &mut RecordingParts) -> Result<()> {
         9 => put!(parts.outline_points, u.arbitrary()?),
         10 => put!(parts.outline_start, u.arbitrary::<u8>()?.into()),
         11 => {
-            put!(parts.segments, Segment { x0: number(u)?, y0: number(u)?, x1: number(u)?, y1: number(u)? })
+            put!(parts.segments, Segment { x0: number(u)?, y0: number(u)?, x1: number(u)?, y1: number(u)? });
         }
         _ => parts.size = [usize::from(u.arbitrary::<u8>()?), parts.size[1]],
     }
     Ok(())
+}
+
+/// The value at a place, counted around.
+fn place<T>(values: &mut [T], at: usize) -> Option<&mut T> {
+    let count = values.len().max(1);
+    values.get_mut(at % count)
 }
