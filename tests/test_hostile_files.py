@@ -306,6 +306,15 @@ def test_masks_that_say_they_are_large(shape, tmp_path):
             epibar.record(tmp_path / name, masks=True, lines=10)
 
 
+def test_masks_that_are_compressed_otherwise(tmp_path):
+    """A kilobyte holds gigabytes of frames."""
+    masks = {"masks.npy": array(np.zeros((1000, 64, 64), bool))}
+    path = entries(tmp_path / "masks.npz", masks, zipfile.ZIP_BZIP2)
+    assert path.stat().st_size < 1000
+    with pytest.raises(EpibarError, match="never uses"):
+        epibar.record(path, masks=True, lines=10)
+
+
 def test_a_rate_of_masks_that_expands(tmp_path):
     masks = array(np.zeros((3, 8, 8), bool))
     entries(tmp_path / "masks.npz", {"masks.npy": masks, "fps.npy": array(np.zeros(40_000_000))})
