@@ -13,7 +13,7 @@ import signal
 import subprocess
 import sys
 import time
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
 from collections import Counter
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -116,6 +116,50 @@ def kill(victim: str, process: subprocess.Popen[bytes], cluster: Cluster | None)
     return True
 
 
+def resumed(job: Job, expected: dict[str, bytes]) -> Counter[str]:
+    """Start the command again after a kill, and count what came of it."""
+    before = finished(job.out)
+    again = job.start()
+    again.communicate(timeout=PATIENCE)
+    return Counter(
+        {
+            "kills": 1,
+            "same bytes": int(again.returncode == 0 and results(job.out) == expected),
+            "tasks that were finished": len(before),
+            "of them done again": sum(job.tasks()[task] for task in before),
+            "with a finished network": int(NETWORK in before),
+            "left-over files": len(list(job.out.rglob("*.epibar-part"))),
+        }
+    )
+
+
+def killed_often(
+    args: Namespace, folder: Path, cluster: Cluster | None, rows: dict[str, Counter[str]]
+) -> None:
+    """Kill and resume, as often as asked for or until interrupted, and count in ``rows``."""
+    moments = random.Random(args.seed)
+    masks = write_masks(folder)
+    expected, took = Job(folder, masks).whole()
+    job = Job(folder, masks, cluster and cluster.address)
+    if cluster is not None:
+        shown, took = job.whole()
+        progress(f"Dask writes the same as threads: {shown == expected}")
+    killed = 0
+    while killed < args.kills:
+        victim = list(rows)[killed % len(rows)]
+        shutil.rmtree(job.out, ignore_errors=True)
+        process = job.start()
+        time.sleep(moments.uniform(0.0, took))
+        if not kill(victim, process, cluster):
+            continue  # it was quicker than the first one, and had ended
+        killed += 1
+        if cluster is not None:
+            cluster.complete()
+        rows[victim].update(resumed(job, expected))
+        progress(f"{killed} of {args.kills}: {victim} {dict(rows[victim])}")
+        write_json(args.json, args, [], {one: dict(row) for one, row in rows.items()})
+
+
 def main() -> int:
     """Run it."""
     parser = ArgumentParser(description=__doc__)
@@ -124,49 +168,23 @@ def main() -> int:
     parser.add_argument("--dask", action="store_true", help="on a Dask cluster of two workers")
     parser.add_argument("--json", type=Path, help="file for all of it")
     args = parser.parse_args()
-    moments = random.Random(args.seed)
-    rows = {victim: Counter() for victim in (VICTIMS if args.dask else ("run",))}
+    rows: dict[str, Counter[str]] = {victim: Counter() for victim in (VICTIMS if args.dask else ("run",))}
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        cluster = Cluster(folder) if args.dask else None
+        cluster = Cluster(Path(name)) if args.dask else None
         try:
-            masks = write_masks(folder)
-            expected, took = Job(folder, masks).whole()
-            job = Job(folder, masks, cluster and cluster.address)
-            if cluster is not None:
-                shown, took = job.whole()
-                progress(f"Dask writes the same as threads: {shown == expected}")
-            killed = 0
-            while killed < args.kills:
-                victim = list(rows)[killed % len(rows)]
-                shutil.rmtree(job.out, ignore_errors=True)
-                process = job.start()
-                time.sleep(moments.uniform(0.0, took))
-                if not kill(victim, process, cluster):
-                    continue  # it was quicker than the first one, and had ended
-                killed += 1
-                if cluster is not None:
-                    cluster.complete()
-                before = finished(job.out)
-                again = job.start()
-                again.communicate(timeout=PATIENCE)
-                found = rows[victim]
-                found["kills"] += 1
-                found["same bytes"] += again.returncode == 0 and results(job.out) == expected
-                found["tasks that were finished"] += len(before)
-                found["of them done again"] += sum(job.tasks()[task] for task in before)
-                found["with a finished network"] += NETWORK in before
-                found["left-over files"] += len(list(job.out.rglob("*.epibar-part")))
-                total = sum(rows.values(), Counter())
-                progress(f"{killed} of {args.kills}: {total['same bytes']} with the same bytes")
+            killed_often(args, Path(name), cluster, rows)
+        except KeyboardInterrupt:
+            progress("interrupted: the table is of what was done")
         finally:
             if cluster is not None:
                 cluster.kill_all()
     columns = ["kills", "same bytes", "tasks that were finished", "of them done again"]
     columns += ["with a finished network", "left-over files"]
-    cells = [[victim, *(row[column] for column in columns)] for victim, row in rows.items()]
-    print(table(["killed", *columns], cells))
-    write_json(args.json, args, [], {victim: dict(row) for victim, row in rows.items()})
+    print(
+        table(
+            ["killed", *columns], [[one, *(row[column] for column in columns)] for one, row in rows.items()]
+        )
+    )
     total = sum(rows.values(), Counter())
     good = total["same bytes"] == total["kills"] and not total["of them done again"]
     return 0 if good and not total["left-over files"] else 1

@@ -389,11 +389,15 @@ def test_every_public_name_exists():
 
 
 @pytest.mark.parametrize("number", [10**400, -(10**400)], ids=["above", "below"])
-def test_a_whole_number_that_is_larger_than_any_other(number):
+def test_a_whole_number_that_is_larger_than_any_other(number, tmp_path):
     """Python has no end of them, and what asks whether one is finite raises."""
-    recordings = {
-        name: epibar.Recording.from_masks(np.zeros((5, 8, 8), bool), fps=25.0, lines=5) for name in "abc"
-    }
+    masks = np.zeros((5, 8, 8), bool)
+    np.save(tmp_path / "masks.npy", masks)
+    with pytest.raises(epibar.EpibarError, match="fps"):
+        epibar.Recording.from_masks(masks, fps=number)
+    with pytest.raises(epibar.EpibarError, match=r"masks\.npy|fps"):
+        epibar.record(tmp_path / "masks.npy", masks=True, fps=number)
+    recordings = {name: epibar.Recording.from_masks(masks, lines=5) for name in "abc"}
     with pytest.raises(epibar.EpibarError, match="time_offset"):
         epibar.calibrate_network(recordings, time_offset=number)
     with pytest.raises(epibar.EpibarError, match="time_offset"):
