@@ -79,11 +79,19 @@ class Job:
         words = ["calibrate", *masks, "--masks", "--lines", "1000", "--no-report", "--quiet"]
         self.words = [sys.executable, "-c", TOLD, str(self.handed_over), *words, "--out", str(self.out)]
         self.words += [] if scheduler is None else ["--scheduler", scheduler]
+        self.running: subprocess.Popen[bytes] | None = None
 
     def start(self) -> subprocess.Popen[bytes]:
         """Start the command, with nothing said yet of what it hands over."""
         self.handed_over.write_text("")
-        return subprocess.Popen(self.words, start_new_session=True, stderr=subprocess.PIPE)
+        self.running = subprocess.Popen(self.words, start_new_session=True, stderr=subprocess.PIPE)
+        return self.running
+
+    def stop(self) -> None:
+        """Leave nothing running behind."""
+        if self.running is not None and self.running.poll() is None:
+            os.killpg(self.running.pid, signal.SIGKILL)
+            self.running.communicate()
 
     def tasks(self) -> Counter[str]:
         """How often each task was handed over since the start."""
@@ -145,19 +153,22 @@ def killed_often(
         shown, took = job.whole()
         progress(f"Dask writes the same as threads: {shown == expected}")
     killed = 0
-    while killed < args.kills:
-        victim = list(rows)[killed % len(rows)]
-        shutil.rmtree(job.out, ignore_errors=True)
-        process = job.start()
-        time.sleep(moments.uniform(0.0, took))
-        if not kill(victim, process, cluster):
-            continue  # it was quicker than the first one, and had ended
-        killed += 1
-        if cluster is not None:
-            cluster.complete()
-        rows[victim].update(resumed(job, expected))
-        progress(f"{killed} of {args.kills}: {victim} {dict(rows[victim])}")
-        write_json(args.json, args, [], {one: dict(row) for one, row in rows.items()})
+    try:
+        while killed < args.kills:
+            victim = list(rows)[killed % len(rows)]
+            shutil.rmtree(job.out, ignore_errors=True)
+            process = job.start()
+            time.sleep(moments.uniform(0.0, took))
+            if not kill(victim, process, cluster):
+                continue  # it was quicker than the first one, and had ended
+            killed += 1
+            if cluster is not None:
+                cluster.complete()
+            rows[victim].update(resumed(job, expected))
+            progress(f"{killed} of {args.kills}: {victim} {dict(rows[victim])}")
+            write_json(args.json, args, [], {one: dict(row) for one, row in rows.items()})
+    finally:
+        job.stop()
 
 
 def main() -> int:
