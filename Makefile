@@ -3,7 +3,8 @@
 #   make demo      render videos of a crowd, calibrate them, compare with the known answer
 #   make test      every test, Rust and Python
 #   make readers   programs that read exports, into .readers: tests then ask them
-#   make fuzz      ten thousand hostile inputs for every reader and public function, in both languages
+#   make fuzz      coverage-guided fuzzing of every entry in both languages, SECONDS=30 for each
+#   make hostile   ten thousand hostile inputs for every reader and public function, FUZZ=10000
 #   make audit     known holes in what epibar depends on, and licences
 #   make docs      the documentation site, into build/docs; warnings are errors
 #   make check     formatting, lints, types, type stubs, documentation
@@ -35,7 +36,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test readers fuzz audit docs check semver coverage bench paper dist cross clean
+.PHONY: help build demo test readers fuzz hostile audit docs check semver coverage bench paper dist cross clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -78,10 +79,21 @@ $(READERS)/.made: $(VENV)/.created
 readers: build $(READERS)/.made
 	$(BIN)/python -m pytest tests/test_readers.py
 
+# The crate is instrumented by the nightly compiler, and Atheris has wheels for Linux and macOS.
+$(VENV)/.fuzzers: $(VENV)/.created
+	$(BIN)/python -m pip install --only-binary :all: 'atheris>=3'
+	cargo install --quiet --locked --root $(VENV) cargo-fuzz@0.13
+	touch $@
+
+SECONDS ?= 30
+
+fuzz: build $(VENV)/.fuzzers
+	PATH="$(abspath $(BIN)):$$PATH" $(BIN)/python benchmarks/fuzzing.py --seconds $(SECONDS)
+
 # Memory is limited, so that what grows without limit fails instead of taking the machine along.
 FUZZ ?= 10000
 
-fuzz: build
+hostile: build
 	ulimit -v 12000000; EPIBAR_FUZZ=$(FUZZ) $(BIN)/python -m pytest -q tests/test_properties_*.py
 	ulimit -v 12000000; PROPTEST_CASES=$(FUZZ) cargo test --package epibar --locked --test hostile_files --test hostile_recordings
 

@@ -386,3 +386,25 @@ def test_every_public_name_exists():
         assert getattr(epibar, name) is not None
     with pytest.raises(AttributeError):
         epibar.nonsense  # noqa: B018
+
+
+@pytest.mark.parametrize("number", [10**400, -(10**400)], ids=["above", "below"])
+def test_a_whole_number_that_is_larger_than_any_other(number, tmp_path):
+    """Python has no end of them, and what asks whether one is finite raises."""
+    masks = np.zeros((5, 8, 8), bool)
+    np.save(tmp_path / "masks.npy", masks)
+    with pytest.raises(epibar.EpibarError, match="fps"):
+        epibar.Recording.from_masks(masks, fps=number)
+    with pytest.raises(epibar.EpibarError, match=r"masks\.npy|fps"):
+        epibar.record(tmp_path / "masks.npy", masks=True, fps=number)
+    recordings = {name: epibar.Recording.from_masks(masks, lines=5) for name in "abc"}
+    with pytest.raises(epibar.EpibarError, match="time_offset"):
+        epibar.calibrate_network(recordings, time_offset=number)
+    with pytest.raises(epibar.EpibarError, match="time_offset"):
+        epibar.calibrate_network(recordings, time_offset={"a": 0.0, "b": number, "c": 0.0})
+
+
+@pytest.mark.parametrize("points", [[["x", "y"]], [[1, 2], [3]], [[10**400, 1]], [[None, {}]], [[1j, 2]]])
+def test_points_that_are_no_numbers(points):
+    with pytest.raises(epibar.EpibarError, match="points_a"):
+        epibar.symmetric_epipolar_distance(np.diag([1.0, 1, 0]), points, [[1, 2]])

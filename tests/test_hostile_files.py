@@ -15,6 +15,8 @@ from epibar import Calibration, EpibarError, Network, Recording
 from epibar.cli import main
 from epibar.files.archive import read_archive, room, write_archive
 from epibar.lens.cameras_toml import load_cameras
+from epibar.network import WalkerTracks
+from epibar.network.walker_file import load_tracks
 from epibar.runs import Run
 from epibar.sources.mask_array_file import MaskArrayFile
 
@@ -258,7 +260,7 @@ def test_json_that_is_too_large(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "row", ["0.5,1,1,1,1,1", "-1,1,1,1,1,1", "1e300,1,1,1,1,1", "1,nan,1,1,1,1", "1,1", "="]
+    "row", ["0.5,1,1,1,1,1", "-1,1,1,1,1,1", "1e300,1,1,1,1,1", "1,nan,1,1,1,1", "1,1", "1" + 11 * ",1", "="]
 )
 def test_frontier_points_of_a_stranger(row, calibrated, tmp_path):
     folder = shutil.copytree(calibrated, tmp_path / "run")
@@ -277,6 +279,21 @@ def test_a_pipe_is_not_waited_for(calibrated, tmp_path):
         Network.load(tmp_path / "calibration.json")
     with pytest.raises(EpibarError, match="not a file"):
         load_cameras(tmp_path / "calibration.json")
+    with pytest.raises(EpibarError, match="not a file"):
+        load_tracks(tmp_path / "calibration.json")
+
+
+def test_one_long_cell_of_a_table_of_tracks_costs_itself(tmp_path):
+    """As texts of one length these rows would be 20 GB."""
+    names = ("hall", "door")
+    ones, yes = np.ones((20_000, 3)), np.ones((20_000, 2), bool)
+    tracks = WalkerTracks(names, "metre", ones[:, 0], np.zeros(20_000, np.int64), ones, ones, yes, ones[:, 0])
+    tracks.save(tmp_path / "tracks.csv")
+    assert load_tracks(tmp_path / "tracks.csv").cameras.all()
+    text = (tmp_path / "tracks.csv").read_text().rstrip()
+    (tmp_path / "tracks.csv").write_text(text[:-1] + "1" * 130_000 + "\n")
+    with pytest.raises(EpibarError, match="neither 0 nor 1"):
+        load_tracks(tmp_path / "tracks.csv")
 
 
 @pytest.mark.parametrize("shape", [(1, 100_000, 2), (1, 2, 2**40), (1, 2**31, 2**31), (5, -2, 3), (-1, 2, 2)])
@@ -287,6 +304,15 @@ def test_masks_that_say_they_are_large(shape, tmp_path):
     for name in ("masks.npz", "masks.npy"):
         with pytest.raises(EpibarError, match=name):
             epibar.record(tmp_path / name, masks=True, lines=10)
+
+
+def test_masks_that_are_compressed_otherwise(tmp_path):
+    """A kilobyte holds gigabytes of frames."""
+    masks = {"masks.npy": array(np.zeros((1000, 64, 64), bool))}
+    path = entries(tmp_path / "masks.npz", masks, zipfile.ZIP_BZIP2)
+    assert path.stat().st_size < 1000
+    with pytest.raises(EpibarError, match="never uses"):
+        epibar.record(path, masks=True, lines=10)
 
 
 def test_a_rate_of_masks_that_expands(tmp_path):

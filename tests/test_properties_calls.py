@@ -1,6 +1,6 @@
 """Whatever public functions are given, they return what they promise or raise EpibarError.
 
-A short run with every test; ``make fuzz`` tries ten thousand of each.
+A short run with every test; ``make hostile`` tries ten thousand of each.
 """
 
 import numpy as np

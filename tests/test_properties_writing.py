@@ -1,6 +1,6 @@
 """What is written comes back, whole, whatever it is called; what is printed is harmless.
 
-A short run with every test; ``make fuzz`` tries ten thousand of each.
+A short run with every test; ``make hostile`` tries ten thousand of each.
 """
 
 import string

@@ -120,11 +120,12 @@ def as_numbers(name: str, value: Any, shape: tuple[int, ...] | None) -> Array:
 
 def is_number(value: Any) -> bool:
     """Whether a value is a finite real number, and not a truth value."""
-    return (
-        isinstance(value, (int, float, np.integer, np.floating))
-        and not isinstance(value, bool)
-        and bool(math.isfinite(value))
-    )
+    if not isinstance(value, (int, float, np.integer, np.floating)) or isinstance(value, bool):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number that is larger than any other
+        return False
 
 
 def as_positive(name: str, value: Any, unit: str) -> float:
@@ -152,7 +153,10 @@ def check_pairs(keys: Iterable[Any], cameras: int) -> None:
 
 def as_finite(name: str, value: ArrayLike, columns: int | tuple[int, int]) -> Array:
     """``value`` as finite float64 of shape (n, columns), or of the exact shape when a tuple is given."""
-    array = np.asarray(value, dtype=np.float64)
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise EpibarError(f"{name}: expected numbers") from None
     exact = isinstance(columns, tuple)
     if array.shape != columns if exact else (array.ndim != 2 or array.shape[1] != columns):
         wanted = columns if exact else f"(n, {columns})"

@@ -125,7 +125,7 @@ class Recording:
             matrix = as_camera_matrix(matrix)
         try:
             fps = float(fps)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise EpibarError(f"fps = {fps!r}: expected a number") from None
         if not (math.isfinite(fps) and fps > 0):
             raise EpibarError(f"fps = {fps}: it must be positive and finite")

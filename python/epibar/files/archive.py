@@ -23,7 +23,15 @@ from numpy.typing import NDArray
 from ..errors import EpibarError
 from .atomic import write_atomically
 
-__all__ = ["DAMAGED", "ArrayHeader", "read_archive", "read_array", "room", "write_archive"]
+__all__ = [
+    "DAMAGED",
+    "ArrayHeader",
+    "check_compression",
+    "read_archive",
+    "read_array",
+    "room",
+    "write_archive",
+]
 
 SLACK = 32 * 2**20
 MOST_EXPANDED = 64
@@ -119,14 +127,26 @@ def read_array(path: str | os.PathLike[str], name: str) -> NDArray[Any]:
         return _array(archive, archive.getinfo(f"{name}.npy"), room(0))
 
 
+def check_compression(archive: zipfile.ZipFile, where: str) -> None:
+    """Check that an archive is compressed as numpy does it: other ways expand a file to any length.
+
+    Raises
+    ------
+    EpibarError
+        It is not.
+    """
+    usual = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+    if any(entry.compress_type not in usual for entry in archive.infolist()):
+        raise EpibarError(f"{where}: damaged: compressed in a way that epibar never uses")
+
+
 def _entries(archive: zipfile.ZipFile, where: str, file_bytes: int) -> dict[str, zipfile.ZipInfo]:
     """Entries by the name of their array, if they may be read."""
     entries = archive.infolist()
     names = [entry.filename.removesuffix(".npy") for entry in entries]
     if len(entries) > MOST_ENTRIES or len(set(names)) < len(names):
         raise EpibarError(f"{where}: damaged: {len(entries)} arrays, of {len(set(names))} names")
-    if any(entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) for entry in entries):
-        raise EpibarError(f"{where}: damaged: compressed in a way that epibar never uses")
+    check_compression(archive, where)
     expanded = sum(entry.file_size for entry in entries)
     if expanded > room(file_bytes):
         raise EpibarError(

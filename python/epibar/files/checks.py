@@ -6,12 +6,12 @@ check.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import numpy as np
 
+from ..arguments import is_number
 from ..errors import EpibarError
 
 __all__ = ["LONGEST_SIDE", "check_calibration", "check_format", "check_recording"]
@@ -129,7 +129,7 @@ def _number(value: Any) -> bool:
 
 
 def _finite(value: Any) -> bool:
-    return _number(value) and math.isfinite(value)
+    return is_number(value)
 
 
 def _positive(value: Any) -> bool:

@@ -47,7 +47,10 @@ def read_frontier_points(path: Path) -> FrontierPoints:
         lines = path.read_text(encoding="utf-8").splitlines()
         if not lines or lines[0] != COLUMNS:
             raise ValueError(f"the first line is not {COLUMNS}")
-        table = np.array([[float(number) for number in line.split(",")] for line in lines[1:]]).reshape(-1, 6)
+        rows = [[float(number) for number in line.split(",")] for line in lines[1:]]
+        if any(len(row) != 6 for row in rows):
+            raise ValueError("a line does not have six numbers")
+        table = np.array(rows).reshape(-1, 6)
         frames = table[:, 0]
         if not np.isfinite(table).all() or not ((frames >= 0) & (frames < 2**32) & (frames % 1 == 0)).all():
             raise ValueError("a number is not finite, or a frame is no whole number")

@@ -24,6 +24,8 @@ def load_tracks(path: str | os.PathLike[str]) -> WalkerTracks:
         The file is missing, or something else.
     """
     try:
+        if Path(path).exists() and not Path(path).is_file():  # a pipe would be waited for
+            raise ValueError("not a file")
         with Path(path).open(encoding="utf-8", newline="") as stream:
             header, *rows = csv.reader(stream)
         return _tracks(header, rows)
@@ -43,12 +45,15 @@ def _tracks(header: list[str], rows: list[list[str]]) -> WalkerTracks:
     if len(units) > 1 or not units <= {BASELINE, METRE}:
         raise ValueError("a unit is unknown")
     numbers = np.array([[float(cell) for cell in row[:unit_at]] for row in rows]).reshape(-1, unit_at)
-    cameras = np.array([row[fixed:] for row in rows], dtype=np.str_).reshape(-1, len(seen_by))
+    # Not as an array of texts, in which every cell is as large as the longest.
+    if not all(cell in ("0", "1") for row in rows for cell in row[fixed:]):
+        raise ValueError("whether a camera sees somebody is neither 0 nor 1")
+    cameras = np.array([[cell == "1" for cell in row[fixed:]] for row in rows], bool).reshape(
+        -1, len(seen_by)
+    )
     tracks = numbers[:, 1]
     if not np.isfinite(numbers).all() or not ((tracks >= 0) & (tracks < 2**32) & (tracks % 1 == 0)).all():
         raise ValueError("a number is not finite, or a track is no whole number")
-    if not np.isin(cameras, ["0", "1"]).all():
-        raise ValueError("whether a camera sees somebody is neither 0 nor 1")
     return WalkerTracks(
         names=tuple(name.removeprefix(SEEN_BY) for name in seen_by),
         unit=units.pop(),
@@ -56,6 +61,6 @@ def _tracks(header: list[str], rows: list[list[str]]) -> WalkerTracks:
         track=tracks.astype(np.int64),
         foot=numbers[:, 2:5],
         top=numbers[:, 5:8],
-        cameras=cameras == "1",
+        cameras=cameras,
         residual=numbers[:, COLUMNS.index("residual")],
     )

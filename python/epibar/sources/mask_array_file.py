@@ -12,7 +12,7 @@ from typing import IO
 import numpy as np
 
 from ..errors import EpibarError
-from ..files.archive import DAMAGED, read_array
+from ..files.archive import DAMAGED, check_compression, read_array
 from ..files.checks import LONGEST_SIDE
 
 __all__ = ["ARRAY_SUFFIXES", "MaskArrayFile"]
@@ -56,10 +56,13 @@ class MaskArrayFile:
     def _read_keys(self) -> None:
         try:
             with open(self.path, "rb") as stream, zipfile.ZipFile(stream) as archive:
+                check_compression(archive, self.path)
                 keys = [name.removesuffix(".npy") for name in archive.namelist()]
             if "fps" in keys:
                 fps = float(read_array(self.path, "fps").reshape(-1)[0])
                 self.fps = fps if math.isfinite(fps) and fps > 0 else None
+        except EpibarError:
+            raise
         except (*DAMAGED, IndexError) as error:
             raise EpibarError(f"{self.path}: not a numpy archive that can be read ({error})") from error
         if "masks" not in keys:

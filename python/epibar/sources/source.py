@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+from ..arguments import is_number
 from ..errors import EpibarError, address_without_secrets, is_address
 from .frame_range import FrameRange
 
@@ -39,7 +39,7 @@ class FrameSource(Generic[T]):
     def __init__(
         self, path: str | os.PathLike[str], fps: float | None, frames: FrameRange | None = None
     ) -> None:
-        if fps is not None and not (math.isfinite(fps) and fps > 0):
+        if fps is not None and not (is_number(fps) and fps > 0):
             shown = address_without_secrets(os.fspath(path))
             raise EpibarError(f"{shown}: fps is {fps}; give a positive number of frames per second")
         self.path = os.fspath(path)

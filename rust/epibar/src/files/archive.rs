@@ -13,7 +13,7 @@ use zip::{CompressionMethod, ZipArchive, ZipWriter};
 use crate::error::{Error, Result};
 
 /// An array as the bytes of a `.npy` file.
-pub(super) type Arrays = BTreeMap<String, Vec<u8>>;
+pub type Arrays = BTreeMap<String, Vec<u8>>;
 
 /// [`Error::File`] with a reason.
 pub(super) fn failed(path: &Path, reason: impl std::fmt::Display) -> Error {

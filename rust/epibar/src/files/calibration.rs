@@ -42,7 +42,7 @@ impl Calibration {
         Self::from_arrays(&arrays).map_err(|error| failed(path, error))
     }
 
-    fn to_arrays(&self) -> Result<Arrays> {
+    pub(super) fn to_arrays(&self) -> Result<Arrays> {
         let mut arrays = Arrays::new();
         let a = &mut arrays;
         put(a, MARK, &[], [FORMAT])?;
@@ -75,7 +75,7 @@ impl Calibration {
         Ok(arrays)
     }
 
-    fn from_arrays(a: &Arrays) -> Result<Self> {
+    pub(super) fn from_arrays(a: &Arrays) -> Result<Self> {
         check_format(scalar(a, MARK)?, FORMAT)?;
         let text: String = scalar(a, "header")?;
         let mut calibration = header::read(&text)?;

@@ -87,7 +87,7 @@ impl SavedRecording {
         Self::from_arrays(&arrays).map_err(|error| failed(path, error))
     }
 
-    fn to_arrays(&self) -> Result<Arrays> {
+    pub(super) fn to_arrays(&self) -> Result<Arrays> {
         let parts = RecordingParts::from(self.recording.clone());
         let ([width, height], frames) = (parts.size, parts.times.len());
         let words = frames.div_ceil(64);
@@ -126,7 +126,7 @@ impl SavedRecording {
         Ok(arrays)
     }
 
-    fn from_arrays(a: &Arrays) -> Result<Self> {
+    pub(super) fn from_arrays(a: &Arrays) -> Result<Self> {
         check_format(scalar(a, MARK)?, FORMAT)?;
         let size: Vec<u64> = shaped(a, "core_size", &[Some(2)])?;
         let size = [size[0] as usize, size[1] as usize];
