@@ -35,8 +35,10 @@ UNMOVED = {
     "shifted": 0.001,
     "shifted_error": 0.004,
     "focal": 0.0,
+    "focal_error": 0.004,
     "deviate": 0.3,
     "since": None,
+    "place": None,
 }
 MOVED = {
     "status": "moved",
@@ -46,8 +48,10 @@ MOVED = {
     "shifted": 0.02,
     "shifted_error": float("inf"),
     "focal": 0.012,
+    "focal_error": 0.003,
     "deviate": 25.0,
     "since": 12.34,
+    "place": None,
 }
 UNSURE = {
     **dict.fromkeys(UNMOVED),
@@ -55,6 +59,22 @@ UNSURE = {
     "reason": "too little moves in it",
     "deviate": float("nan"),
 }
+
+
+def replaced(camera, others, zoomed=True):
+    """MOVED, with a new place beside that of a camera of :func:`network`."""
+    half = np.deg2rad(3.0)
+    turn = np.array([[np.cos(half), -np.sin(half), 0], [np.sin(half), np.cos(half), 0], [0, 0, 1.0]])
+    place = {
+        "matrix": camera.matrix * [[1.012], [1.012], [1.0]] if zoomed else camera.matrix,
+        "rotation": turn @ camera.rotation,
+        "translation": turn @ camera.translation,
+        "zoomed": zoomed,
+        "reposed": True,
+        "expected": {"focal": 0.003 if zoomed else 0.0, "rotation": 0.04, "position": 0.001},
+        "pairs": dict.fromkeys(others, (12.0, 4.0)),
+    }
+    return {**MOVED, "place": place}
 
 
 class Stub:

@@ -52,7 +52,7 @@ def test_a_camera_has_moved(core, folder, capsys):
     assert row.startswith("cam2    HAS MOVED")
     assert "3.01° ± 0.061°" in row
     assert "0.02 ± unknown" in row
-    assert "+1.2 %" in row
+    assert "+1.20 % ± 0.3 %" in row
     assert row.endswith("12.3 s")
     assert "cam2: it is turned by 3.0 degrees" in printed.err
 

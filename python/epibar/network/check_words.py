@@ -30,7 +30,7 @@ def _row(camera: CameraCheck, unit: str) -> tuple[str, ...]:
         VERDICTS.get(camera.status, "unsure"),
         _measured(camera.turned, camera.turned_error, "°"),
         _measured(camera.shifted, camera.shifted_error, unit),
-        "-" if camera.focal is None else f"{100 * camera.focal:+.1f} %",
+        _zoomed(camera),
         "-" if camera.since is None else f"{camera.since:.1f} s",
     )
 
@@ -40,6 +40,13 @@ def _measured(value: float | None, error: float | None, unit: str) -> str:
         return "-"
     known = error is not None and math.isfinite(error)
     return f"{value:.3g}{unit} ± " + (f"{error:.2g}{unit}" if known else "unknown")
+
+
+def _zoomed(camera: CameraCheck) -> str:
+    if camera.focal is None:
+        return "-"
+    known = camera.focal_error is not None and math.isfinite(camera.focal_error)
+    return f"{100 * camera.focal:+.2f} %" + (f" ± {100 * (camera.focal_error or 0):.2g} %" if known else "")
 
 
 def check_notes(check: NetworkCheck, network: NetworkParts) -> list[str]:

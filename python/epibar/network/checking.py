@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..arguments import as_positive, core_errors
+from ..arguments import Array, as_positive, core_errors
 from ..errors import EpibarError
 from ..recording import Recording
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
-from .parts import NetworkCamera, NetworkParts
+from .parts import NetworkCamera, NetworkParts, evidence_of
 from .recordings import Recordings, named_recordings
 
 __all__ = [
@@ -22,6 +22,7 @@ __all__ = [
     "UNSURE",
     "CameraCheck",
     "NetworkCheck",
+    "NewPlace",
     "cameras_to_check",
     "check_network",
     "stored_camera",
@@ -33,6 +34,37 @@ SAME_MATRIX = 1e-9
 """By how much two camera matrices may differ and be one, of each element."""
 
 Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class NewPlace:
+    """Where a camera that moved stands now, by the new footage, the cameras that did not move being held.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (3, 3)
+        Camera matrix, pixels; distortions stay as stored.
+    rotation : ndarray, shape (3, 3)
+        World to camera, ``X_c = R X + t``.
+    translation : ndarray, shape (3,)
+        In the network's unit.
+    zoomed, reposed : bool
+        Whether the focal length, or rotation and position, were solved for; the others are as stored.
+    expected : dict of str to float
+        ``focal``, ``rotation`` and ``position`` as those of a :class:`NetworkCamera`, of what was solved for:
+        errors against the cameras that did not move; 0 of what was not.
+    pairs : dict of str to dict of str to float
+        What speaks for the pairs with the other cameras, by their names, as the evidence of a
+        :class:`NetworkPair`.
+    """
+
+    matrix: Array
+    rotation: Array
+    translation: Array
+    zoomed: bool
+    reposed: bool
+    expected: dict[str, float]
+    pairs: dict[str, dict[str, float]]
 
 
 @dataclass(frozen=True)
@@ -51,13 +83,17 @@ class CameraCheck:
         ten. None, as all that follows, where nothing tells.
     shifted, shifted_error : float or None
         By how much it stands elsewhere, in the network's unit, and the error of that.
-    focal : float or None
-        Relative change of the focal length; None, as it is not looked for yet.
+    focal, focal_error : float or None
+        Relative change of the focal length, and the error of that. A camera whose ``reason`` does not speak
+        of it has the one that is stored, within errors.
     deviate : float or None
         What speaks for what it has in common with the others, as a normal deviate.
     since : float or None
         Seconds of the new recording, since its first frame, from which on it is so; None where it is so of
         all of it.
+    place : NewPlace or None
+        Where it stands now. None where it did not move, and where its new place is not confirmed: by two
+        cameras that did not move.
     """
 
     name: str
@@ -68,8 +104,10 @@ class CameraCheck:
     shifted: float | None = None
     shifted_error: float | None = None
     focal: float | None = None
+    focal_error: float | None = None
     deviate: float | None = None
     since: float | None = None
+    place: NewPlace | None = None
 
 
 @dataclass(frozen=True)
@@ -154,8 +192,23 @@ def check_network(
         found = _core.check_network(
             [one._core for one in checked], names, cameras, offsets.to_core(), _stage("check", progress)
         )
-    answers = {name: CameraCheck(**one) for name, one in zip(names, found, strict=True)}
+    answers = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
     return NetworkCheck(answers, left_out, network.unit)
+
+
+def _answer(one: Mapping[str, Any], film: Recording) -> CameraCheck:
+    """What the compiled module says of a camera."""
+    place = None if one["place"] is None else _place(one["place"])
+    reason = one["reason"]
+    if place is not None and place.zoomed and film.matrix is not None:
+        place = None
+        reason += "; its lens was taken out as it was before: calibrate the lens again, and then the network"
+    return CameraCheck(**{**one, "place": place, "reason": reason})
+
+
+def _place(one: Mapping[str, Any]) -> NewPlace:
+    pairs = {name: evidence_of(deviates) for name, deviates in one["pairs"].items()}
+    return NewPlace(**{**one, "expected": dict(one["expected"]), "pairs": pairs})
 
 
 def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[str], dict[str, str]]:

@@ -1,0 +1,83 @@
+//! What new footage says of a camera, as a result with its sentence.
+
+use super::moves::{LATER, Move};
+use super::observed::Observed;
+use super::result::{CameraCheck, CheckStatus, Place};
+use super::thresholds as limits;
+
+/// What a camera saw, and how much of it the others saw.
+pub struct Footage<'o> {
+    /// Its silhouettes.
+    pub observed: &'o Observed,
+    /// What it has in common with the others, as a normal deviate.
+    pub deviate: f64,
+}
+
+/// The result of one camera.
+pub fn said(
+    name: &str,
+    seen: &Footage,
+    found: Option<&Move>,
+    moved: bool,
+    place: Option<Place>,
+    cameras: usize,
+) -> CameraCheck {
+    let enough = seen.deviate >= limits::CAMERA_DEVIATES;
+    let status = match found {
+        Some(_) if moved && enough => CheckStatus::Moved,
+        Some(_) if enough => CheckStatus::Unmoved,
+        _ => CheckStatus::Unsure,
+    };
+    let seconds = seen.observed.times.last().copied().unwrap_or(0.0);
+    let since = found.filter(|f| status == CheckStatus::Moved && f.since > LATER).map(|f| f.since * seconds);
+    let of = |value: fn(&Move) -> f64| found.map_or(f64::NAN, value);
+    let place = place.filter(|_| status == CheckStatus::Moved);
+    let reason = match (status, found) {
+        (CheckStatus::Moved, Some(found)) => of_move(found, since, cameras, place.is_some()),
+        (CheckStatus::Unmoved, Some(found)) => format!(
+            "it stands as stored: a turn of {:.2} degrees would have been noticed, and a focal length changed by {:.1} %",
+            limits::MOVED * found.turned_error.to_degrees(),
+            100.0 * limits::MOVED * found.focal_error
+        ),
+        _ => {
+            "what moves in it does not agree with the others: too little moved before several cameras, it moved by more than a few degrees, or it shows something else".to_owned()
+        }
+    };
+    CameraCheck {
+        name: name.to_owned(),
+        status,
+        reason,
+        turned: of(|f| f.turned),
+        turned_error: of(|f| f.turned_error),
+        shifted: of(|f| f.shifted),
+        shifted_error: of(|f| f.shifted_error),
+        focal: of(|f| f.focal.exp_m1()),
+        focal_error: of(|f| f.focal_error * f.focal.exp()),
+        deviate: seen.deviate,
+        since,
+        place,
+    }
+}
+
+fn of_move(found: &Move, since: Option<f64>, cameras: usize, placed: bool) -> String {
+    let when = since.map_or_else(|| "before this footage".to_owned(), |s| format!("at about {s:.0} s"));
+    let which = if cameras == 2 { "it or the other camera" } else { "it" };
+    let turned = format!(
+        "turned by {:.2} degrees (to {:.2}), and {:.3} from where it stood (to {:.3})",
+        found.turned.to_degrees(),
+        found.turned_error.to_degrees(),
+        found.shifted,
+        found.shifted_error
+    );
+    let zoomed = format!(
+        "its focal length changed by {:+.2} % (to {:.2} %)",
+        100.0 * found.focal.exp_m1(),
+        100.0 * found.focal_error * found.focal.exp()
+    );
+    let what = match (found.zoomed, found.reposed) {
+        (true, true) => format!("{which} changed {when}: {zoomed}, and it is {turned}"),
+        (true, false) => format!("{which} was zoomed {when}: {zoomed}; it stands and looks as stored"),
+        (false, _) => format!("{which} moved {when}: it is {turned}"),
+    };
+    if placed { what } else { format!("{what}; too few cameras that stand confirm its new place") }
+}
