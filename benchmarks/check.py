@@ -1,8 +1,8 @@
-"""Has a camera moved? Made-up networks with new footage, one of their cameras turned, shifted, zoomed or left alone.
+"""Has a camera moved? Made-up networks with new footage: a camera turned, shifted, zoomed or left alone.
 
-The stored network is the true one, or (``--stored calibrated``) what the package makes of other footage of the same
-cameras, nothing known of their lenses; only its pairs are given the true geometry, so that no search is waited
-for. Every camera starts with the others. Seeds of a reported table come from the commit's own hash.
+The stored network is the true one, or (``--stored calibrated``) what the package makes of other footage of
+the same cameras, nothing known of their lenses; only its pairs are given the true geometry, so that no search
+is waited for. Every camera starts with the others. Seeds of a reported table come from the commit's own hash.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def true_network(made: Any) -> Any:
 
 
 def calibrated_network(made: Any, lines: int) -> Any:
-    """What is made of the first frames, nothing known of the cameras, the pairs' geometry being the true one."""
+    """What is made of the first frames, nothing known of the cameras but the geometry of pairs."""
     from epibar import _core
     from epibar.network.core_result import network_of
     from epibar.network.joining import knowledge_of
@@ -154,7 +154,7 @@ def calibrated_network(made: Any, lines: int) -> Any:
 
 
 def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
-    """Check a network against as many minutes as are asked for as it stood, and with each damage done to a camera."""
+    """Check a network against some minutes as it stood, and against one with each damage done to a camera."""
     made = situation(seed, count, arguments.minutes)
     stored = true_network(made)
     if arguments.stored == "calibrated":
@@ -215,7 +215,7 @@ def checked(made: Any, stored: Any, films: Any, what: str, name: str | None, fil
 
 
 def update_error(made: Any, network: Any, name: str, camera: Any) -> list[float]:
-    """Errors of the camera that was solved for again, those stated, both as focal, rotation (°), share of the rig."""
+    """Errors of what was solved for again and those stated: focal length, rotation (°), share of the rig."""
     from epibar import synthetic
     from epibar.synthetic.camera import Camera
 

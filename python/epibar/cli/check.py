@@ -87,7 +87,7 @@ def run(args: Namespace) -> int:
 
 
 class Update:
-    """The folder of a run, held, whose network is to be updated; all that can be refused is before any work."""
+    """The folder of a run, held, whose network is to be updated; what can be refused is before any work."""
 
     def __init__(self, folder: Folder, intrinsics: str | None) -> None:
         from ..runs.run import Run

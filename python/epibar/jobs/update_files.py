@@ -107,12 +107,13 @@ def _pair(pair: dict[str, Any], network: Network, moved: Sequence[str], straight
     key = (pair.get("a"), pair.get("b"))
     if not moved or key not in network.pairs:
         return pair
+    who = " and ".join(moved)
     same_pixels = set(key) <= straight
     whose = "F is the network's" if same_pixels else "the network has its F, in undistorted pixels"
     now = {
         "accepted": False,
         "kind": MOVED_KIND,
-        "reason": f"{' and '.join(moved)} moved after the pair was calibrated, whose points are of before; {whose}",
+        "reason": f"{who} moved after the pair was calibrated, whose points are of before; {whose}",
         "F": network.pairs[key].F if same_pixels else None,
         "expected_error": None,
         "floor": None,

@@ -135,10 +135,10 @@ class Network(NetworkParts):
     def updated(self, check: NetworkCheck) -> Network:
         """Return the network with the cameras that moved where they stand now; all else stays as it is.
 
-        Cameras whose new place is not confirmed stay as well: look at ``place`` of each of the check's. What is
-        expected of a camera that was solved for again is its own error against the cameras that did not move,
-        and what these are expected to be wrong by, added as independent. Clocks, ground and scale are still
-        those of the recordings that the network was made of.
+        Cameras whose new place is not confirmed stay as well: look at ``place`` of each of the check's. What
+        is expected of a camera that was solved for again is its own error against the cameras that did not
+        move, and what these are expected to be wrong by, added as independent. Clocks, ground and scale are
+        still those of the recordings that the network was made of.
 
         Parameters
         ----------
