@@ -28,6 +28,7 @@ FPS = 6.25
 CALIBRATED, CHECKED = 1000, 375
 """Frames that a network is made of, and of a minute that is held against it."""
 
+SIZE = (640, 480)
 PAUSE = 125
 """Frames between two stretches of film."""
 
@@ -88,6 +89,7 @@ def situation(seed: int, count: int, minutes: int) -> Any:
         seconds=(0.0, 1e6),
         clocks=None,
         budget=1e12,
+        rig=replace(NETWORK.rig, sizes={SIZE: 1.0}),
     )
     return draw(seed, f"check {count}", setting)
 

@@ -104,7 +104,7 @@ def _pair(pair: dict[str, Any], network: Network, moved: Sequence[str], straight
 
     The network's F is in undistorted pixels, which are those of the pair only where lenses were taken out.
     """
-    key = (pair.get("a"), pair.get("b"))
+    key = (str(pair.get("a")), str(pair.get("b")))
     if not moved or key not in network.pairs:
         return pair
     who = " and ".join(moved)

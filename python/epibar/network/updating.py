@@ -9,8 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import EpibarError
-from ..geometry.cameras import fundamental_from_cameras
-from ..lens.intrinsics import Pose
+from ..geometry.cameras import Pose, fundamental_from_cameras
 from .checking import CameraCheck, NetworkCheck, NewPlace
 from .parts import NetworkCamera, NetworkPair, NetworkPairs, NetworkParts
 

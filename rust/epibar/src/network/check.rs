@@ -2,7 +2,8 @@
 //!
 //! Clocks are found anew, poses stay as they are stored. Then every camera by itself is solved for with all others held. The one that
 //! agrees most clearly better with another pose or focal length than the stored one has moved; it is put there, and the others are
-//! asked again, until none moves any more: beside a camera that moved all others seem to have.
+//! asked again, until none moves any more: beside a camera that moved all others seem to have. A camera that was knocked while it was
+//! filmed agrees as stored with a part of the footage; so where all of it shows no move the end is asked by itself.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -43,6 +44,8 @@ pub struct StoredCamera<'r> {
 
 /// Frames on which turns are tried.
 const FEW: usize = 60;
+/// Where the end begins, by which a camera is asked for that moved in the midst of the footage, as a share of it.
+const END: f64 = 2.0 / 3.0;
 
 /// Which of the cameras of a network has moved since it was calibrated.
 ///
@@ -60,14 +63,20 @@ pub fn check_network(
     let few = Survey::new(&observed, FEW);
     let (mut now, beliefs) = by_new_clocks(cameras, clocks, &survey);
     let stored = now.cameras.clone();
-    let case = Case { survey: &survey, few: &few, beliefs: &beliefs };
+    let ends: Vec<f64> = observed.iter().map(|o| END * o.times.last().copied().unwrap_or(0.0)).collect();
+    let [last, last_few] =
+        [FRAMES, FEW].map(|limit| Survey::among(&observed, limit, |c, seconds| seconds >= ends[c]));
+    let case = Case { whole: &survey, survey: &survey, few: &few, beliefs: &beliefs };
+    let at_end = Case { whole: &survey, survey: &last, few: &last_few, beliefs: &beliefs };
     let mut moved = vec![false; cameras.len()];
     let mut found: Vec<Option<Move>> = vec![None; cameras.len()];
     for round in 0..=cameras.len() {
         for c in (0..cameras.len()).filter(|&c| !moved[c]) {
             let asked = round * cameras.len() + c;
             report(watch, Stage::Network, asked as f64 / (cameras.len() * (cameras.len() + 1)) as f64)?;
-            found[c] = case.elsewhere(&now, c).map(|posed| case.zoomed(&now, c, posed));
+            let of_all = case.found(&now, c);
+            let within = || at_end.found(&now, c).filter(Move::is_clear_within);
+            found[c] = of_all.filter(Move::is_clear).or_else(within).or(of_all);
         }
         let clear = (0..cameras.len()).filter(|&c| !moved[c]).filter_map(|c| Some((c, found[c]?)));
         let best = clear.filter(|(_, m)| m.is_clear()).max_by(|p, q| p.1.gain.total_cmp(&q.1.gain));

@@ -85,6 +85,11 @@ impl Move {
         self.focal.abs() > limits::MOVED * self.focal_error
     }
 
+    /// Whether so much speaks for a move in the midst of the footage, which is asked for at every moment of it.
+    pub fn is_clear_within(&self) -> bool {
+        self.is_clear() && self.since > LATER && self.gain > limits::MOVED_WITHIN_DEVIATES
+    }
+
     /// Whether so much speaks for it that it moved.
     pub fn is_clear(&self) -> bool {
         let far = if self.zoomed { self.is_zoomed() } else { self.is_reposed() };
@@ -94,7 +99,11 @@ impl Move {
 
 /// New footage against which cameras are held.
 pub struct Case<'a> {
+    /// All of it, on which cameras are compared part by part.
+    pub whole: &'a Survey<'a>,
+    /// That on which they are solved for: all, or the end.
     pub survey: &'a Survey<'a>,
+    /// Few frames of that.
     pub few: &'a Survey<'a>,
     pub beliefs: &'a [Beliefs],
 }
@@ -190,7 +199,7 @@ impl Case<'_> {
 
     /// Evidence over the parts of the footage.
     pub fn parts(&self, cameras: &[Camera], pairs: &[(usize, usize)]) -> [f64; PARTS] {
-        self.survey.evidence_by_part::<PARTS>(cameras, pairs, COMPARED)
+        self.whole.evidence_by_part::<PARTS>(cameras, pairs, COMPARED)
     }
 
     /// By how many standard deviations the footage agrees better with other cameras, and from when on.

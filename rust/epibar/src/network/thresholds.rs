@@ -51,6 +51,8 @@ pub const DRIFT: f64 = 30.0;
 pub const MOVED: f64 = 2.0;
 /// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
 pub const MOVED_DEVIATES: f64 = 4.0;
+/// The same of a move that only the end of the footage shows, which is asked for besides.
+pub const MOVED_WITHIN_DEVIATES: f64 = 6.0;
 /// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment.
 pub const KNOCKED_KEEPS: f64 = 0.35;
 /// And at least this share of what pairs keep that it has no part in.

@@ -15,8 +15,13 @@ use super::thresholds as limits;
 const ZOOMS: [f64; 8] = [0.75, 0.8, 0.86, 0.93, 1.07, 1.15, 1.25, 1.33];
 
 impl Case<'_> {
+    /// A camera by the new footage; `None` where it shows too little.
+    pub fn found(&self, network: &Placed, camera: usize) -> Option<Move> {
+        self.elsewhere(network, camera).map(|posed| self.zoomed(network, camera, &posed))
+    }
+
     /// The move of a camera with what its focal length did; `posed` is the best that its pose alone explains.
-    pub fn zoomed(&self, network: &Placed, camera: usize, posed: Move) -> Move {
+    fn zoomed(&self, network: &Placed, camera: usize, posed: &Move) -> Move {
         let with = |at: Camera| {
             let mut cameras = network.cameras.clone();
             cameras[camera] = at;
@@ -26,8 +31,8 @@ impl Case<'_> {
         let start = self.other_focal(network, camera, &posed.camera);
         let mut beliefs = self.beliefs.to_vec();
         beliefs[camera] = Beliefs { posed: false, ..freed(&beliefs[camera]) };
-        let Some(both) = self.measured(network, camera, start, &beliefs) else { return posed };
-        let measured = Move { focal: both.focal, focal_error: both.focal_error, ..posed };
+        let Some(both) = self.measured(network, camera, start, &beliefs) else { return *posed };
+        let measured = Move { focal: both.focal, focal_error: both.focal_error, ..*posed };
         if !both.is_zoomed() {
             return measured;
         }
