@@ -190,13 +190,14 @@ def checked(made: Any, stored: Any, films: Any, what: str, name: str | None, fil
         "what": what,
         "name": name,
         "moved": check.moved,
+        "suspects": check.suspects,
         "unsure": check.unsure,
         "seconds": time.perf_counter() - started,
         "answers": {
             key: [one.turned, one.turned_error, one.shifted, one.shifted_error, one.focal, one.focal_error]
             for key, one in check.cameras.items()
         },
-        "reasons": {key: check.cameras[key].reason for key in check.moved},
+        "reasons": {key: check.cameras[key].reason for key in (*check.moved, *check.suspects)},
     }
     if name is None or name not in check.moved:
         return outcome
@@ -236,17 +237,24 @@ def update_error(made: Any, network: Any, name: str, camera: Any) -> list[float]
 
 
 HEAD = (
-    *("what was done", "cameras", "checks", "it alone is named", "others named", "unsure"),
-    *("taken for a zoom", "error, median", "stated, median", "within, %", "updated within, % (f R C)"),
+    *("what was done", "cameras", "checks", "it alone is named", "it or another", "others named", "unsure"),
+    *("taken for a zoom", "error, median", "stated, median", "within, %", "updates: within, % (f R C)"),
     *("since, s off", "check, s"),
 )
 
 
+def names_others(outcome: dict[str, Any]) -> bool:
+    """Whether a camera is said to have moved that did not, or suspects among which is none that did."""
+    suspects = outcome["suspects"]
+    return bool(set(outcome["moved"]) - {outcome["name"]} or (suspects and outcome["name"] not in suspects))
+
+
 def row(what: str, count: int, outcomes: list[dict[str, Any]]) -> list[str]:
     """One kind of damage in a row of the table."""
-    right = [o for o in outcomes if o["moved"] == [o["name"]]]
-    wrong = sum(bool(set(o["moved"]) - {o["name"]}) for o in outcomes)
-    cells = [what, str(count), str(len(outcomes)), f"{len(right)}", str(wrong)]
+    right = [o for o in outcomes if o["moved"] == [o["name"]] and not o["suspects"]]
+    among = sum(not o["moved"] and o["name"] in o["suspects"] for o in outcomes)
+    wrong = sum(names_others(o) for o in outcomes)
+    cells = [what, str(count), str(len(outcomes)), f"{len(right)}", str(among), str(wrong)]
     cells.append(str(sum(bool(o["unsure"]) for o in outcomes)))
     known = [o for o in right if "error" in o]
     cells.append(str(sum(o["focal"] for o in known)) if known else "")
@@ -257,7 +265,8 @@ def row(what: str, count: int, outcomes: list[dict[str, Any]]) -> list[str]:
         cells.append(f"{100 * (error <= stated).mean():.0f}")
         updates = np.array([o["update"] for o in known if "update" in o]).reshape(-1, 6)
         within = updates[:, :3] <= updates[:, 3:] + 1e-9
-        cells.append(" ".join(f"{100 * share:.0f}" for share in within.mean(axis=0)) if len(updates) else "")
+        shares = " ".join(f"{100 * share:.0f}" for share in within.mean(axis=0)) if len(updates) else "-"
+        cells.append(f"{len(updates)}: {shares}")
         late = [abs((o["since"] or 0) - CHECKED / FPS / 2) for o in known]
         cells.append(f"{np.median(late):.1f}, {max(late):.1f}" if "half way" in what else "")
     else:
@@ -269,7 +278,7 @@ def alarms(outcomes: list[dict[str, Any]]) -> str:
     """False alarms among the checks in which no camera moved."""
     calm = [o for o in outcomes if o["what"] == UNMOVED]
     cameras = sum(o["cameras"] for o in calm)
-    false = sum(len(o["moved"]) for o in calm)
+    false = sum(len(o["moved"]) + len(o["suspects"]) for o in calm)
     return (
         f"false alarms: {false} of {cameras} cameras in {len(calm)} checks; with 95 % confidence below "
         f"{100 * upper_bound(false, max(cameras, 1)):.1f} % of cameras"

@@ -39,6 +39,7 @@ UNMOVED = {
     "deviate": 0.3,
     "since": None,
     "place": None,
+    "rivals": [],
 }
 MOVED = {
     "status": "moved",
@@ -52,13 +53,20 @@ MOVED = {
     "deviate": 25.0,
     "since": 12.34,
     "place": None,
+    "rivals": [],
 }
 UNSURE = {
     **dict.fromkeys(UNMOVED),
     "status": "unsure",
     "reason": "too little moves in it",
     "deviate": float("nan"),
+    "rivals": [],
 }
+
+
+def suspect(*rivals):
+    """MOVED, or one of these did."""
+    return {**MOVED, "status": "suspect", "reason": f"it or {' or '.join(rivals)} moved", "rivals": [*rivals]}
 
 
 def replaced(camera, others, zoomed=True):

@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from check_input import MOVED, UNSURE, films, network, replaced, some_masks, stand_in
+from check_input import MOVED, UNSURE, films, network, replaced, some_masks, stand_in, suspect
 
 import epibar
 from epibar import EpibarError
@@ -16,7 +16,7 @@ from epibar.files.calibration_json import schema
 from epibar.files.json_file import write_json
 from epibar.geometry.cameras import fundamental_from_cameras
 from epibar.jobs.folder import Folder
-from epibar.lens.camera_file import load_cameras
+from epibar.lens.cameras_toml import load_cameras
 from epibar.network import updating
 
 FEW = ["--masks", "--lines", "50", "--time-offset", "0"]
@@ -120,7 +120,7 @@ def test_what_is_not_confirmed_stays(core):
     assert all(now.cameras[name] is net.cameras[name] for name in net.cameras)
     assert updating.update_notes(check) == [
         "nothing was updated",
-        "cam2 was not updated: its new place is not confirmed",
+        "cam2 was not updated: its new place is not certain, see above",
         "cam3 was not updated: it cannot be judged",
     ]
 
@@ -221,7 +221,15 @@ def test_nothing_is_written_where_nothing_is_confirmed(core, folder, capsys):
     assert update(folder) == 0
     core.verdicts = {"cam2": MOVED}
     assert update(folder) == 4
-    assert "cam2 was not updated: its new place is not confirmed" in capsys.readouterr().out
+    assert "cam2 was not updated: its new place is not certain, see above" in capsys.readouterr().out
+    assert written(folder) == before
+
+
+def test_nothing_is_written_where_it_is_not_known_which_moved(core, folder, capsys):
+    before = written(folder)
+    core.verdicts = {"cam2": suspect("cam3"), "cam3": suspect("cam2")}
+    assert update(folder) == 4
+    assert "cam2, cam3: none was updated, for which of them moved is not known" in capsys.readouterr().out
     assert written(folder) == before
 
 

@@ -139,7 +139,7 @@ def _checked(args: Namespace, network: Network, update: Update | None, console: 
 
 def exit_code(check: NetworkCheck, failed: Mapping[str, str], updated: Sequence[str] = ()) -> int:
     """Exit code of what was checked; ``failed`` could not be, ``updated`` is put where it stands now."""
-    if check.unsure or set(check.moved) - set(updated):
+    if check.unsure or check.suspects or set(check.moved) - set(updated):
         return MOVED
     return PARTLY if failed else DONE
 

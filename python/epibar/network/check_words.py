@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from .checking import MOVED, UNMOVED, CameraCheck, NetworkCheck
+from .checking import MOVED, SUSPECT, UNMOVED, CameraCheck, NetworkCheck
 from .parts import BASELINE, NetworkParts
 
 __all__ = ["check_notes", "check_table"]
 
 HEADER = ("camera", "verdict", "turned by", "shifted by", "focal length", "since")
 
-VERDICTS = {UNMOVED: "has not moved", MOVED: "HAS MOVED"}
+VERDICTS = {UNMOVED: "has not moved", MOVED: "HAS MOVED", SUSPECT: "MAY HAVE MOVED"}
 
 
 def check_table(check: NetworkCheck) -> list[str]:

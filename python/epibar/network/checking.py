@@ -18,6 +18,7 @@ from .recordings import Recordings, named_recordings
 
 __all__ = [
     "MOVED",
+    "SUSPECT",
     "UNMOVED",
     "UNSURE",
     "CameraCheck",
@@ -28,7 +29,7 @@ __all__ = [
     "stored_camera",
 ]
 
-UNMOVED, MOVED, UNSURE = "unmoved", "moved", "unsure"
+UNMOVED, MOVED, SUSPECT, UNSURE = "unmoved", "moved", "suspect", "unsure"
 
 SAME_MATRIX = 1e-9
 """By how much two camera matrices may differ and be one, of each element."""
@@ -75,7 +76,7 @@ class CameraCheck:
     ----------
     name : str
     status : str
-        "unmoved", "moved" or "unsure".
+        "unmoved", "moved", "suspect" or "unsure"; of suspects one moved, and it is not known which.
     reason : str
         The same in plain English.
     turned, turned_error : float or None
@@ -92,8 +93,11 @@ class CameraCheck:
         Seconds of the new recording, since its first frame, from which on it is so; None where it is so of
         all of it.
     place : NewPlace or None
-        Where it stands now. None where it did not move, and where its new place is not confirmed: by two
-        cameras that did not move.
+        Where it stands now. None where it did not move, and where its new place is not certain: two cameras
+        that did not move must confirm it, and no pair of it may agree better with another one; ``reason``
+        tells.
+    rivals : list of str
+        Of a suspect the others: it moved, or one of them. What is said of its move is true if it did.
     """
 
     name: str
@@ -108,6 +112,7 @@ class CameraCheck:
     deviate: float | None = None
     since: float | None = None
     place: NewPlace | None = None
+    rivals: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -130,31 +135,39 @@ class NetworkCheck:
 
     @property
     def moved(self) -> list[str]:
-        """Names of the cameras that have moved."""
+        """Names of the cameras that are known to have moved."""
         return [name for name, camera in self.cameras.items() if camera.status == MOVED]
+
+    @property
+    def suspects(self) -> list[str]:
+        """Names of the cameras one of which has moved, or several; which is not known."""
+        return [name for name, camera in self.cameras.items() if camera.status == SUSPECT]
 
     @property
     def unsure(self) -> list[str]:
         """Names of the cameras that cannot be judged."""
-        return [name for name, camera in self.cameras.items() if camera.status not in (MOVED, UNMOVED)]
+        known = (MOVED, SUSPECT, UNMOVED)
+        return [name for name, camera in self.cameras.items() if camera.status not in known]
 
     @property
     def ok(self) -> bool:
         """Whether every camera that was looked at is known not to have moved."""
-        return not (self.moved or self.unsure)
+        return not (self.moved or self.suspects or self.unsure)
 
     @property
     def reason(self) -> str:
         """What was found, in one sentence."""
         count = len(self.cameras)
-        found = f"none of {count} cameras has moved"
-        unsure = f"{', '.join(self.unsure)} cannot be judged"
-        if self.moved:
-            have = "has" if len(self.moved) == 1 else "have"
-            found = f"of {count} cameras {', '.join(self.moved)} {have} moved"
-            found += f", and {unsure}" if self.unsure else ""
-        elif self.unsure:
-            found = f"of {count} cameras none is known to have moved, but {unsure}"
+        have = "has" if len(self.moved) == 1 else "have"
+        known = [f"{', '.join(self.moved)} {have} moved"] if self.moved else []
+        known += [f"one of {', '.join(self.suspects)} has moved"] if self.suspects else []
+        unsure = [f"{', '.join(self.unsure)} cannot be judged"] if self.unsure else []
+        if known:
+            found = f"of {count} cameras {', and '.join(known + unsure)}"
+        elif unsure:
+            found = f"of {count} cameras none is known to have moved, but {unsure[0]}"
+        else:
+            found = f"none of {count} cameras has moved"
         return found + (f"; not looked at: {', '.join(self.left_out)}" if self.left_out else "")
 
     def as_dict(self) -> dict[str, Any]:
@@ -162,6 +175,7 @@ class NetworkCheck:
         return {
             "ok": self.ok,
             "moved": self.moved,
+            "suspects": self.suspects,
             "unsure": self.unsure,
             "reason": self.reason,
             "unit": self.unit,

@@ -30,7 +30,9 @@ def moved_parts(network: NetworkParts, check: NetworkCheck) -> tuple[dict[str, N
             f"the check is in the unit {check.unit}, the network in {network.unit}; check again"
         )
     standing = [
-        camera for name, camera in network.cameras.items() if camera.accepted and name not in check.moved
+        camera
+        for name, camera in network.cameras.items()
+        if camera.accepted and name not in (*check.moved, *check.suspects)
     ]
     cameras = dict(network.cameras)
     for name, place in places.items():
@@ -91,8 +93,12 @@ def update_notes(check: NetworkCheck) -> list[str]:
     """Say what was put where it stands now, and what was not, and why."""
     done = [name for name, one in check.cameras.items() if one.place is not None]
     notes = [f"updated: {', '.join(done)}; all else stays as it was"] if done else ["nothing was updated"]
-    for name, one in check.cameras.items():
-        if one.place is None and name in check.moved:
-            notes.append(f"{name} was not updated: its new place is not confirmed")
+    notes += [
+        f"{name} was not updated: its new place is not certain, see above"
+        for name in check.moved
+        if check.cameras[name].place is None
+    ]
+    if check.suspects:
+        notes.append(f"{', '.join(check.suspects)}: none was updated, for which of them moved is not known")
     notes += [f"{name} was not updated: it cannot be judged" for name in check.unsure]
     return notes

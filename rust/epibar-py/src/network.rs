@@ -242,6 +242,7 @@ pub fn check_network<'py>(
             dict.set_item("deviate", c.deviate)?;
             dict.set_item("since", c.since)?;
             dict.set_item("place", c.place.as_ref().map(|p| place(py, p, &names)).transpose()?)?;
+            dict.set_item("rivals", c.rivals.iter().map(|&r| &names[r]).collect::<Vec<_>>())?;
             Ok(dict)
         })
         .collect()

@@ -223,7 +223,8 @@ fn a_zoom_that_was_touched_is_no_turn() {
     assert_eq!(status, [unmoved, CheckStatus::Moved, unmoved, unmoved], "{found:#?}");
     let zoomed = &found[1];
     assert!((zoomed.focal - 0.03).abs() < 0.006 && zoomed.focal_error < 0.01, "{zoomed:#?}");
-    assert!(zoomed.reason.contains("was zoomed") && zoomed.reason.contains("stands and looks as stored"));
+    let alone = zoomed.reason.contains("was zoomed") && zoomed.reason.contains("stands and looks as stored");
+    assert!(alone, "{zoomed:#?}");
     let place = zoomed.place.as_ref().expect("three cameras that stand confirm it");
     assert!(place.zoomed && !place.reposed);
     assert!((place.matrix.m11 / stored[1].matrix().m11 - 1.0 - zoomed.focal).abs() < 1e-9);
@@ -246,4 +247,7 @@ fn where_a_camera_stands_now() {
     // Of two cameras nobody can say how far apart they stand now.
     let found = checked(&filmed[..2], &stored[..2], 24);
     assert!(found.iter().all(|c| c.place.is_none()), "{found:#?}");
+    // Nor which of them moved.
+    let groups: Vec<(CheckStatus, &[usize])> = found.iter().map(|c| (c.status, &c.rivals[..])).collect();
+    assert_eq!(groups, [(CheckStatus::Suspect, &[1][..]), (CheckStatus::Suspect, &[0][..])], "{found:#?}");
 }

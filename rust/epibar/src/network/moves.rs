@@ -9,19 +9,20 @@ use super::joint::{Belief, Beliefs, Problem};
 use super::relocate::Placed;
 use super::settle::{Settled, settle};
 use super::solve::COMPARED;
-use super::survey::Survey;
+use super::stretch::Stretch;
+use super::survey::{Survey, summed};
 use super::thresholds as limits;
 
-/// Frames of each camera that are looked at.
-pub const FRAMES: usize = 400;
 /// Turns that are tried about each axis, degrees.
 const TURNS: [f64; 9] = [-6.0, -4.0, -2.5, -1.2, 0.0, 1.2, 2.5, 4.0, 6.0];
 /// Rolls that go with each.
 const ROLLS: [f64; 3] = [-2.5, 0.0, 2.5];
 /// Radius at which these are compared, pixels of a 640×480 image.
 pub const ROUGH: f64 = 8.0;
-/// The best of them that are solved for.
-const SOLVED: usize = 3;
+/// The best of them that are solved for, on some of the frames.
+const SOLVED: usize = 2;
+/// Radius from which the best of these is solved for on all frames, pixels of a 640×480 image.
+pub const CLOSE: f64 = 6.0;
 /// Parts of the footage by which poses are compared.
 pub const PARTS: usize = 48;
 /// A move after this share of the footage is one that was filmed.
@@ -45,9 +46,15 @@ pub struct Move {
     pub zoomed: bool,
     /// Whether it may look another way or stand elsewhere.
     pub reposed: bool,
+    /// Another focal length alone would explain about as much as this pose.
+    pub or_zoomed: bool,
     /// By how many standard deviations over parts of the footage it agrees better there.
     pub gain: f64,
-    /// Share of the footage at which it begins to.
+    /// How much better, as evidence.
+    pub better: f64,
+    /// Part of the stretch from which on it does.
+    pub from: usize,
+    /// The same as a share of all footage.
     pub since: f64,
 }
 
@@ -65,14 +72,18 @@ impl Move {
             focal_error: unknown,
             zoomed: false,
             reposed: false,
+            or_zoomed: false,
             gain: 0.0,
+            better: 0.0,
+            from: 0,
             since: 0.0,
         }
     }
 
-    /// The errors of another solution's pose.
-    pub fn with_errors_of(self, other: &Self) -> Self {
-        Self { turned_error: other.turned_error, shifted_error: other.shifted_error, ..self }
+    /// The pose of another solution, in numbers.
+    pub fn with_pose_of(self, other: &Self) -> Self {
+        let Self { turned, turned_error, shifted, shifted_error, .. } = *other;
+        Self { turned, turned_error, shifted, shifted_error, ..self }
     }
 
     /// Whether it is turned or shifted by more than errors make.
@@ -85,9 +96,14 @@ impl Move {
         self.focal.abs() > limits::MOVED * self.focal_error
     }
 
+    /// Whether it was filmed.
+    pub fn is_within(&self) -> bool {
+        self.since > LATER
+    }
+
     /// Whether so much speaks for a move in the midst of the footage, which is asked for at every moment of it.
     pub fn is_clear_within(&self) -> bool {
-        self.is_clear() && self.since > LATER && self.gain > limits::MOVED_WITHIN_DEVIATES
+        self.is_clear() && self.is_within() && self.gain > limits::MOVED_WITHIN_DEVIATES
     }
 
     /// Whether so much speaks for it that it moved.
@@ -97,15 +113,38 @@ impl Move {
     }
 }
 
-/// New footage against which cameras are held.
+/// New footage against which the cameras of a network are held.
 pub struct Case<'a> {
-    /// All of it, on which cameras are compared part by part.
-    pub whole: &'a Survey<'a>,
-    /// That on which they are solved for: all, or the end.
-    pub survey: &'a Survey<'a>,
-    /// Few frames of that.
-    pub few: &'a Survey<'a>,
+    /// What of it is compared, part by part.
+    pub stretch: &'a Stretch<'a>,
+    /// That on which cameras are solved for: the same, or its end.
+    pub fitted: &'a Stretch<'a>,
     pub beliefs: &'a [Beliefs],
+    /// The cameras, where each is held while another is asked for.
+    pub network: &'a Placed,
+    /// Evidence of every pair as they stand.
+    pub standing: &'a Standing,
+}
+
+/// Evidence of the pairs of a network, part by part.
+pub struct Standing {
+    pub pairs: Vec<(usize, usize)>,
+    pub parts: Vec<[f64; PARTS]>,
+}
+
+impl Standing {
+    /// That of cameras over a stretch of footage.
+    pub fn of(stretch: &Stretch, network: &Placed) -> Self {
+        let pairs = network.pairs();
+        let parts = stretch.all.evidence_of_pairs(&network.cameras, &pairs, COMPARED);
+        Self { pairs, parts }
+    }
+
+    /// The sum over the pairs of a camera.
+    fn of_camera(&self, camera: usize) -> [f64; PARTS] {
+        let own = self.pairs.iter().zip(&self.parts).filter(|((a, b), _)| *a == camera || *b == camera);
+        summed(own.map(|(_, parts)| parts))
+    }
 }
 
 impl Case<'_> {
@@ -115,112 +154,134 @@ impl Case<'_> {
         others.map(|o| (o.min(camera), o.max(camera))).collect()
     }
 
-    /// The pose of a camera by the new footage; `None` where it shows too little.
-    pub fn elsewhere(&self, network: &Placed, camera: usize) -> Option<Move> {
-        let pairs = self.pairs_of(camera);
+    /// The network with a camera elsewhere.
+    pub fn with(&self, camera: usize, at: Camera) -> Vec<Camera> {
+        let mut cameras = self.network.cameras.clone();
+        cameras[camera] = at;
+        cameras
+    }
+
+    /// What is believed of all cameras where the pose of one is free.
+    pub fn beliefs_free(&self, camera: usize) -> Vec<Beliefs> {
         let mut beliefs = self.beliefs.to_vec();
         beliefs[camera].posed = false;
-        let mut moving = vec![false; beliefs.len()];
-        moving[camera] = true;
-        let with = |at: Camera| {
-            let mut cameras = network.cameras.clone();
-            cameras[camera] = at;
-            cameras
-        };
-        let evidence = |survey: &Survey, cameras: &[Camera], radius: f64| -> f64 {
-            survey.scores(cameras, &pairs, radius, 0).iter().map(|s| s.excess).sum()
-        };
-        let mut starts: Vec<(f64, Camera)> = turned(&network.cameras[camera])
+        beliefs
+    }
+
+    /// Evidence of the pairs of a camera that is at some place.
+    pub fn evidence(&self, survey: &Survey, camera: usize, at: Camera, radius: f64) -> f64 {
+        survey
+            .scores(&self.with(camera, at), &self.pairs_of(camera), radius, 0)
+            .iter()
+            .map(|s| s.excess)
+            .sum()
+    }
+
+    /// The pose of a camera by the new footage; `None` where it shows too little.
+    pub fn elsewhere(&self, camera: usize) -> Option<Move> {
+        let beliefs = self.beliefs_free(camera);
+        let stored = self.network.cameras[camera];
+        let mut starts: Vec<(f64, Camera)> = turned(&stored)
             .into_par_iter()
-            .map(|at| (evidence(self.few, &with(at), ROUGH), at))
+            .map(|at| (self.evidence(&self.fitted.few, camera, at, ROUGH), at))
             .collect();
         starts.sort_by(|p, q| q.0.total_cmp(&p.0));
         starts.truncate(SOLVED);
-        starts.push((0.0, network.cameras[camera]));
+        starts.push((0.0, stored));
         let solved = starts.into_iter().map(|(_, at)| {
-            let settled = settle(self.survey, &with(at), &beliefs, &pairs, &moving, None);
-            (evidence(self.survey, &settled.cameras, COMPARED), settled)
+            let found = self.settled(&self.fitted.some, camera, at, &beliefs, None).cameras[camera];
+            (self.evidence(&self.fitted.some, camera, found, COMPARED), found)
         });
-        let (_, settled) = solved.max_by(|p, q| p.0.total_cmp(&q.0))?;
-        self.measured_at(network, camera, &settled, &beliefs)
+        let (_, start) = solved.max_by(|p, q| p.0.total_cmp(&q.0))?;
+        self.measured(camera, start, &beliefs)
     }
 
-    /// A camera that is solved for from a start with all others held, beside what is stored of it.
-    pub fn measured(
+    /// The same of one that is no further off than tangents reach.
+    pub fn nearby(&self, camera: usize) -> Option<Move> {
+        let beliefs = self.beliefs_free(camera);
+        let stored = self.network.cameras[camera];
+        let start = self.settled(&self.fitted.some, camera, stored, &beliefs, None).cameras[camera];
+        self.measured(camera, start, &beliefs)
+    }
+
+    /// Whether much less speaks for a camera where it is stored at the end than at the start.
+    pub fn fades(&self, camera: usize) -> bool {
+        let parts = self.standing.of_camera(camera);
+        let sum = |parts: &[f64]| parts.iter().sum::<f64>();
+        let (start, end) = (sum(&parts[..PARTS / 3]), sum(&parts[PARTS - PARTS / 3..]));
+        end < limits::FADES * start
+    }
+
+    fn settled(
         &self,
-        network: &Placed,
+        survey: &Survey,
         camera: usize,
         start: Camera,
         beliefs: &[Beliefs],
-    ) -> Option<Move> {
-        let mut cameras = network.cameras.clone();
-        cameras[camera] = start;
-        let mut moving = vec![false; cameras.len()];
-        moving[camera] = true;
-        let settled = settle(self.survey, &cameras, beliefs, &self.pairs_of(camera), &moving, None);
-        self.measured_at(network, camera, &settled, beliefs)
+        from: Option<f64>,
+    ) -> Settled {
+        settle(survey, &self.with(camera, start), beliefs, &self.pairs_of(camera), &self.alone(camera), from)
     }
 
-    fn measured_at(
-        &self,
-        network: &Placed,
-        camera: usize,
-        settled: &Settled,
-        beliefs: &[Beliefs],
-    ) -> Option<Move> {
-        let mut moving = vec![false; beliefs.len()];
-        moving[camera] = true;
-        let problem = Problem {
-            pairs: &settled.pairs,
-            beliefs,
-            scale: settled.scale,
-            prior_weight: settled.prior_weight,
-            moving,
+    fn alone(&self, camera: usize) -> Vec<bool> {
+        (0..self.beliefs.len()).map(|c| c == camera).collect()
+    }
+
+    /// A camera that is solved for from a start that is close, with all others held, beside what is stored of it.
+    pub fn measured(&self, camera: usize, start: Camera, beliefs: &[Beliefs]) -> Option<Move> {
+        let settled = self.settled(&self.fitted.all, camera, start, beliefs, Some(CLOSE));
+        let found = self.covariance(&settled, camera, beliefs)?;
+        let (before, after) = (&self.network.cameras[camera], &settled.cameras[camera]);
+        let posed = Move {
+            focal: after.log_focal - before.log_focal,
+            focal_error: focal_error(&found, camera).unwrap_or(f64::NAN),
+            ..self.gained(camera, Move::none(*after))
         };
-        // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
-        let found = covariance(&problem, &settled.cameras, 0.0)?;
-        let (before, after) = (&network.cameras[camera], &settled.cameras[camera]);
+        if beliefs[camera].posed {
+            return Some(posed);
+        }
         // The stored pose is of other footage, and about as uncertain.
         let error = |from: usize| Some(length_quantile(&(found.block(camera, from)? * 2.0)));
-        let (gain, since) = self.gain(network, &settled.cameras, camera, &self.pairs_of(camera));
         Some(Move {
             turned: before.rotation.angle_to(&after.rotation),
             turned_error: error(ROTATION)?,
             shifted: (before.position - after.position).norm(),
             shifted_error: error(POSITION)?,
-            focal: after.log_focal - before.log_focal,
-            focal_error: focal_error(&found, camera).unwrap_or(f64::NAN),
-            gain,
-            since,
             reposed: true,
-            ..Move::none(*after)
+            ..posed
         })
     }
 
-    /// Evidence over the parts of the footage.
-    pub fn parts(&self, cameras: &[Camera], pairs: &[(usize, usize)]) -> [f64; PARTS] {
-        self.whole.evidence_by_part::<PARTS>(cameras, pairs, COMPARED)
+    fn covariance(&self, settled: &Settled, camera: usize, beliefs: &[Beliefs]) -> Option<Covariance> {
+        let problem = Problem {
+            pairs: &settled.pairs,
+            beliefs,
+            scale: settled.scale,
+            prior_weight: settled.prior_weight,
+            moving: self.alone(camera),
+        };
+        // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
+        covariance(&problem, &settled.cameras, 0.0)
     }
 
-    /// By how many standard deviations the footage agrees better with other cameras, and from when on.
-    pub fn gain(
-        &self,
-        network: &Placed,
-        other: &[Camera],
-        camera: usize,
-        pairs: &[(usize, usize)],
-    ) -> (f64, f64) {
+    /// Evidence of the pairs of a camera that is at some place, part by part.
+    pub fn parts(&self, camera: usize, at: Camera) -> [f64; PARTS] {
+        self.stretch.all.evidence_by_part(&self.with(camera, at), &self.pairs_of(camera), COMPARED)
+    }
+
+    /// How much better the footage agrees with a camera that moved, and from when on.
+    fn gained(&self, camera: usize, found: Move) -> Move {
         // By the same clock and inset, which are of the footage and not of the pose.
-        let mut held = network.cameras.clone();
-        let Camera { offset, drift, inset, .. } = other[camera];
-        held[camera] = Camera { offset, drift, inset, ..held[camera] };
-        let parts = |cameras: &[Camera]| self.parts(cameras, pairs);
-        let (old, stored, new) = (parts(&network.cameras), parts(&held), parts(other));
+        let Camera { offset, drift, inset, .. } = found.camera;
+        let held = Camera { offset, drift, inset, ..self.network.cameras[camera] };
+        let old = self.standing.of_camera(camera);
+        let (stored, new) = (self.parts(camera, held), self.parts(camera, found.camera));
         let better: Vec<f64> = (0..PARTS).map(|k| new[k] - old[k].max(stored[k])).collect();
         // Where the sum from here on is greatest it began.
         let tail = |from: usize| better[from..].iter().sum::<f64>();
-        let start = (0..PARTS).max_by(|&p, &q| tail(p).total_cmp(&tail(q)).then(q.cmp(&p))).unwrap_or(0);
-        (deviates(&better[start..]), start as f64 / PARTS as f64)
+        let from = (0..PARTS).max_by(|&p, &q| tail(p).total_cmp(&tail(q)).then(q.cmp(&p))).unwrap_or(0);
+        let since = self.stretch.share(from as f64 / PARTS as f64);
+        Move { gain: deviates(&better[from..]), better: tail(from), from, since, ..found }
     }
 }
 

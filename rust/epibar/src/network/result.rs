@@ -184,6 +184,8 @@ pub enum CheckStatus {
     Unmoved,
     /// It does not.
     Moved,
+    /// It or another one does not, and which is not known.
+    Suspect,
     /// Too little moved before it and the others to say.
     Unsure,
 }
@@ -194,6 +196,7 @@ impl CheckStatus {
         match self {
             Self::Unmoved => "unmoved",
             Self::Moved => "moved",
+            Self::Suspect => "suspect",
             Self::Unsure => "unsure",
         }
     }
@@ -227,6 +230,8 @@ pub struct CameraCheck {
     pub since: Option<f64>,
     /// Where it stands now; `None` where it did not move, or where two cameras that stand do not confirm it.
     pub place: Option<Place>,
+    /// Of a suspect the others, by index: one of them moved, or this one.
+    pub rivals: Vec<usize>,
 }
 
 /// Where a camera that moved stands now.

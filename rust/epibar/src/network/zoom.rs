@@ -1,14 +1,11 @@
 //! A camera whose focal length was changed: told from one that was turned, or that stands elsewhere.
 //!
-//! A pose can stand for some of what a zoom does, and a zoom for some of a pose: a camera that went closer shows all larger. So the
-//! simplest that explains the footage is taken, as it does over parts of it: the pose alone, the focal length alone, or both.
+//! A pose can stand for some of what a zoom does, and a zoom for some of a pose: a camera that went closer shows all larger. So a
+//! zoom is stated only where no pose alone explains the footage nearly as well, as it does over parts of it.
 
 use super::camera::Camera;
-use super::covariance::covariance;
-use super::joint::{Beliefs, Problem};
-use super::moves::{Case, Move, PARTS, ROUGH, deviates, focal_error, freed};
-use super::relocate::Placed;
-use super::settle::settle;
+use super::joint::Beliefs;
+use super::moves::{Case, Move, PARTS, ROUGH, deviates, freed};
 use super::thresholds as limits;
 
 /// Focal lengths that are tried, as shares of the stored one: beyond what a few per cent at once would find.
@@ -16,84 +13,69 @@ const ZOOMS: [f64; 8] = [0.75, 0.8, 0.86, 0.93, 1.07, 1.15, 1.25, 1.33];
 
 impl Case<'_> {
     /// A camera by the new footage; `None` where it shows too little.
-    pub fn found(&self, network: &Placed, camera: usize) -> Option<Move> {
-        self.elsewhere(network, camera).map(|posed| self.zoomed(network, camera, &posed))
+    pub fn found(&self, camera: usize) -> Option<Move> {
+        self.elsewhere(camera).map(|posed| self.zoomed(camera, &posed))
+    }
+
+    /// The same by the end of the footage alone; `None` where nothing speaks for a move in the midst of it.
+    pub fn found_at_end(&self, camera: usize) -> Option<Move> {
+        let posed = if self.fades(camera) { self.elsewhere(camera) } else { self.nearby(camera) };
+        let posed = posed.filter(|m| m.gain > limits::MOVED_DEVIATES && m.is_within())?;
+        Some(self.zoomed(camera, &posed)).filter(Move::is_clear_within)
     }
 
     /// The move of a camera with what its focal length did; `posed` is the best that its pose alone explains.
-    fn zoomed(&self, network: &Placed, camera: usize, posed: &Move) -> Move {
-        let with = |at: Camera| {
-            let mut cameras = network.cameras.clone();
-            cameras[camera] = at;
-            cameras
-        };
-        let pairs = self.pairs_of(camera);
-        let start = self.other_focal(network, camera, &posed.camera);
-        let mut beliefs = self.beliefs.to_vec();
-        beliefs[camera] = Beliefs { posed: false, ..freed(&beliefs[camera]) };
-        let Some(both) = self.measured(network, camera, start, &beliefs) else { return *posed };
-        let measured = Move { focal: both.focal, focal_error: both.focal_error, ..*posed };
+    pub fn zoomed(&self, camera: usize, posed: &Move) -> Move {
+        let mut beliefs = self.beliefs_free(camera);
+        let of_pose = beliefs.clone();
+        beliefs[camera] = freed(&beliefs[camera]);
+        let start = self.other_focal(camera, &posed.camera);
+        let Some(both) = self.measured(camera, start, &beliefs) else { return *posed };
+        let measured = |posed: &Move| Move { focal: both.focal, focal_error: both.focal_error, ..*posed };
         if !both.is_zoomed() {
-            return measured;
+            return measured(posed);
         }
-        let stored = network.cameras[camera];
+        let stored = self.network.cameras[camera];
+        // A pose that was not found by itself may be beside the one with another focal length.
+        let beside = Camera { log_focal: stored.log_focal, ..both.camera };
+        let again = self.measured(camera, beside, &of_pose).filter(|m| m.better > posed.better);
+        let posed = again.unwrap_or(*posed);
+        beliefs[camera] = Beliefs { posed: true, ..beliefs[camera] };
         let start = Camera { log_focal: both.camera.log_focal, ..stored };
-        beliefs[camera].posed = true;
-        let Some(only) = self.focal_alone(camera, &with(start), &beliefs, stored.log_focal) else {
-            return measured;
+        let Some(only) = self.measured(camera, start, &beliefs) else { return measured(&posed) };
+        self.simplest(camera, &posed, &Move { zoomed: true, ..only }, &Move { zoomed: true, ..both })
+    }
+
+    /// Which of a pose, a focal length, and both explains the footage and is no more than what it takes.
+    fn simplest(&self, camera: usize, posed: &Move, only: &Move, both: &Move) -> Move {
+        let measured = Move { focal: both.focal, focal_error: both.focal_error, ..*posed };
+        let of = |found: &Move| self.parts(camera, found.camera);
+        let (by_both, by_pose, by_focal) = (of(both), of(posed), of(only));
+        let more = |one: &[f64; PARTS], than: &[f64; PARTS]| -> Vec<f64> {
+            one.iter().zip(than).skip(both.from).map(|(p, q)| p - q).collect()
         };
-        let from = (both.since * PARTS as f64) as usize;
-        let of = |at: Camera| self.parts(&with(at), &pairs)[from..].to_vec();
-        let (by_both, by_pose, by_focal) = (of(both.camera), of(posed.camera), of(only.camera));
-        let better = |one: &[f64], than: &[f64]| {
-            let parts: Vec<f64> = one.iter().zip(than).map(|(p, q)| p - q).collect();
-            deviates(&parts) > limits::MOVED_DEVIATES
+        let better = |more: &[f64]| deviates(more) > limits::ZOOMED_DEVIATES;
+        let clearly = |one, than| {
+            let more = more(one, than);
+            better(&more) && more.iter().sum::<f64>() > limits::ZOOMED_SHARE * both.better
         };
-        let sum = |parts: &[f64]| parts.iter().sum::<f64>();
-        // One number that explains as much as six is the simpler answer.
-        if !better(&by_both, &by_pose) && sum(&by_focal) < sum(&by_pose) {
-            return measured;
+        // One number that explains more than six needs no share of it.
+        if !clearly(&by_both, &by_pose) && !better(&more(&by_focal, &by_pose)) {
+            return Move { or_zoomed: !clearly(&by_pose, &by_focal), ..measured };
         }
-        if both.is_reposed() && better(&by_both, &by_focal) {
-            return Move { zoomed: true, ..both };
+        if both.is_reposed() && clearly(&by_both, &by_focal) {
+            return *both;
         }
-        let (gain, since) = self.gain(network, &with(only.camera), camera, &pairs);
-        Move { turned: both.turned, shifted: both.shifted, gain, since, ..only }.with_errors_of(&both)
+        // That the pose is as stored is known no better than its errors.
+        Move { focal_error: both.focal_error, ..only.with_pose_of(both) }
     }
 
     /// The camera, or the stored one with the best of other focal lengths where that agrees better.
-    fn other_focal(&self, network: &Placed, camera: usize, posed: &Camera) -> Camera {
-        let pairs = self.pairs_of(camera);
-        let stored = network.cameras[camera];
+    fn other_focal(&self, camera: usize, posed: &Camera) -> Camera {
+        let stored = self.network.cameras[camera];
         let zoomed = ZOOMS.map(|by| Camera { log_focal: stored.log_focal + by.ln(), ..stored });
-        let evidence = |at: &Camera| -> f64 {
-            let mut cameras = network.cameras.clone();
-            cameras[camera] = *at;
-            self.few.scores(&cameras, &pairs, ROUGH, 0).iter().map(|s| s.excess).sum()
-        };
-        let tried = zoomed.into_iter().chain([*posed]).map(|at| (evidence(&at), at));
-        tried.max_by(|p, q| p.0.total_cmp(&q.0)).map_or(*posed, |best| best.1)
-    }
-
-    /// The focal length by the new footage, the camera standing and looking as stored.
-    fn focal_alone(&self, camera: usize, start: &[Camera], beliefs: &[Beliefs], stored: f64) -> Option<Move> {
-        let mut moving = vec![false; start.len()];
-        moving[camera] = true;
-        let settled = settle(self.survey, start, beliefs, &self.pairs_of(camera), &moving, None);
-        let problem = Problem {
-            pairs: &settled.pairs,
-            beliefs,
-            scale: settled.scale,
-            prior_weight: settled.prior_weight,
-            moving,
-        };
-        let found = covariance(&problem, &settled.cameras, 0.0)?;
-        let at = settled.cameras[camera];
-        Some(Move {
-            focal: at.log_focal - stored,
-            focal_error: focal_error(&found, camera)?,
-            zoomed: true,
-            ..Move::none(at)
-        })
+        let tried = zoomed.into_iter().chain([*posed]);
+        let scored = tried.map(|at| (self.evidence(&self.fitted.few, camera, at, ROUGH), at));
+        scored.max_by(|p, q| p.0.total_cmp(&q.0)).map_or(*posed, |best| best.1)
     }
 }
