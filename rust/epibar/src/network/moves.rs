@@ -235,7 +235,7 @@ impl Case<'_> {
         let posed = Move {
             focal: after.log_focal - before.log_focal,
             focal_error: focal_error(&found, camera).unwrap_or(f64::NAN),
-            ..self.gained(camera, Move::none(*after))
+            ..self.gained(camera, &Move::none(*after))
         };
         if beliefs[camera].posed {
             return Some(posed);
@@ -270,7 +270,7 @@ impl Case<'_> {
     }
 
     /// How much better the footage agrees with a camera that moved, and from when on.
-    fn gained(&self, camera: usize, found: Move) -> Move {
+    fn gained(&self, camera: usize, found: &Move) -> Move {
         // By the same clock and inset, which are of the footage and not of the pose.
         let Camera { offset, drift, inset, .. } = found.camera;
         let held = Camera { offset, drift, inset, ..self.network.cameras[camera] };
@@ -281,7 +281,7 @@ impl Case<'_> {
         let tail = |from: usize| better[from..].iter().sum::<f64>();
         let from = (0..PARTS).max_by(|&p, &q| tail(p).total_cmp(&tail(q)).then(q.cmp(&p))).unwrap_or(0);
         let since = self.stretch.share(from as f64 / PARTS as f64);
-        Move { gain: deviates(&better[from..]), better: tail(from), from, since, ..found }
+        Move { gain: deviates(&better[from..]), better: tail(from), from, since, ..*found }
     }
 }
 

@@ -141,9 +141,12 @@ impl Footage<'_> {
         }
         let mut explained = Vec::new();
         if found.iter().flatten().any(Move::is_clear) {
-            explained =
-                (0..n).filter_map(|c| Some(self.explanation(stretch, so_far, c, &found[c]?))).collect();
-            explained.iter().for_each(|e: &Explanation| found[e.camera] = Some(e.found));
+            for (c, found) in found.iter_mut().enumerate() {
+                let Some(found) = found else { continue };
+                let explanation = self.explanation(stretch, so_far, c, found);
+                *found = explanation.found;
+                explained.push(explanation);
+            }
         }
         Ok(Round { pairs: standing.pairs, found, explained })
     }
@@ -214,7 +217,8 @@ impl Round {
         let likely = |e: &Explanation| e.found.gain > limits::MOVED_DEVIATES;
         let Some(best) = all.iter().map(|(_, e)| *e).find(|e| likely(e)) else { return Vec::new() };
         let others = all.into_iter().map(|(_, e)| e).filter(|e| e.camera != best.camera);
-        let rivals = others.filter(|e| !self.rules_out(best, e));
+        // Of two cameras either explains the same.
+        let rivals = others.filter(|e| self.pairs.len() == 1 || !self.rules_out(best, e));
         [best].into_iter().chain(rivals).collect()
     }
 
