@@ -35,8 +35,11 @@ UNMOVED = {
     "shifted": 0.001,
     "shifted_error": 0.004,
     "focal": 0.0,
+    "focal_error": 0.004,
     "deviate": 0.3,
     "since": None,
+    "place": None,
+    "rivals": [],
 }
 MOVED = {
     "status": "moved",
@@ -46,15 +49,40 @@ MOVED = {
     "shifted": 0.02,
     "shifted_error": float("inf"),
     "focal": 0.012,
+    "focal_error": 0.003,
     "deviate": 25.0,
     "since": 12.34,
+    "place": None,
+    "rivals": [],
 }
 UNSURE = {
     **dict.fromkeys(UNMOVED),
     "status": "unsure",
     "reason": "too little moves in it",
     "deviate": float("nan"),
+    "rivals": [],
 }
+
+
+def suspect(*rivals):
+    """MOVED, or one of these did."""
+    return {**MOVED, "status": "suspect", "reason": f"it or {' or '.join(rivals)} moved", "rivals": [*rivals]}
+
+
+def replaced(camera, others, zoomed=True):
+    """MOVED, with a new place beside that of a camera of :func:`network`."""
+    half = np.deg2rad(3.0)
+    turn = np.array([[np.cos(half), -np.sin(half), 0], [np.sin(half), np.cos(half), 0], [0, 0, 1.0]])
+    place = {
+        "matrix": camera.matrix * [[1.012], [1.012], [1.0]] if zoomed else camera.matrix,
+        "rotation": turn @ camera.rotation,
+        "translation": turn @ camera.translation,
+        "zoomed": zoomed,
+        "reposed": True,
+        "expected": {"focal": 0.003 if zoomed else 0.0, "rotation": 0.04, "position": 0.001},
+        "pairs": dict.fromkeys(others, (12.0, 4.0)),
+    }
+    return {**MOVED, "place": place}
 
 
 class Stub:

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from check_input import MOVED, SIZE, UNSURE, network, some_masks, stand_in
+from check_input import MOVED, SIZE, UNSURE, network, some_masks, stand_in, suspect
 
 from epibar.cli import main
 from epibar.lens import Intrinsics, write_cameras
@@ -52,7 +52,7 @@ def test_a_camera_has_moved(core, folder, capsys):
     assert row.startswith("cam2    HAS MOVED")
     assert "3.01° ± 0.061°" in row
     assert "0.02 ± unknown" in row
-    assert "+1.2 %" in row
+    assert "+1.20 % ± 0.3 %" in row
     assert row.endswith("12.3 s")
     assert "cam2: it is turned by 3.0 degrees" in printed.err
 
@@ -61,6 +61,21 @@ def test_a_camera_that_cannot_be_judged(core, folder, capsys):
     core.verdicts = {"cam3": UNSURE}
     assert main(["check", str(folder), *videos(folder), *FEW, "-q"]) == 4
     assert capsys.readouterr() == ("", "")
+
+
+def test_one_of_two_cameras_has_moved(core, folder, capsys):
+    core.verdicts = {"cam1": suspect("cam3"), "cam3": suspect("cam1")}
+    assert main(["check", str(folder), *videos(folder), *FEW]) == 4
+    printed = capsys.readouterr()
+    rows = [line for line in printed.out.splitlines() if "MAY HAVE MOVED" in line]
+    assert [row.split()[0] for row in rows] == ["cam1", "cam3"]
+    assert "check: of 3 cameras one of cam1, cam3 has moved" in printed.out
+    assert "cam1: it or cam3 moved" in printed.err
+    assert main(["check", str(folder), *videos(folder), *FEW, "--json", "-q"]) == 4
+    result = json.loads(capsys.readouterr().out)
+    assert (result["ok"], result["moved"], result["suspects"]) == (False, [], ["cam1", "cam3"])
+    assert result["cameras"]["cam1"]["rivals"] == ["cam3"]
+    assert result["cameras"]["cam2"]["rivals"] == []
 
 
 def test_for_programs(core, folder, capsys):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from .exit_codes import CHECK_EXPLANATION, DONE, MOVED, PARTLY
@@ -10,9 +11,10 @@ from .options import CommandParser, add_output_options, offset, seconds
 from .recording_options import add_recording_options, record_options
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
+    from ..jobs.folder import Folder
     from ..jobs.inputs import CameraInput
     from ..lens.intrinsics import Intrinsics
     from ..network.checking import NetworkCheck
@@ -28,7 +30,7 @@ HELP = "has a camera moved? A minute of new footage against a calibrated network
 DESCRIPTION = (
     "Tell which cameras of the network in DIR have moved since it was calibrated, from new footage of two "
     "cameras or more in which something moves; a minute or so. A camera is found by the name of the file "
-    "without its suffix. Nothing in DIR is changed."
+    "without its suffix. Nothing in DIR is changed, unless --update asks for it."
 )
 
 
@@ -55,45 +57,89 @@ def add_options(command: CommandParser) -> None:
         metavar="S",
         help="how far either way a time offset is looked for (default: %(default)g)",
     )
+    command.add_argument(
+        "--update",
+        action="store_true",
+        help="put cameras that moved where they stand now, in the network in DIR; all else stays as it is",
+    )
     add_recording_options(command, several=True)
     add_output_options(command, json="print the result as one JSON object on stdout, all else on stderr")
 
 
 def run(args: Namespace) -> int:
     """Run the command; what can be recorded is checked, and what cannot is unsure."""
+    from pathlib import Path
+
+    from ..jobs.folder import Folder
+    from ..jobs.inputs import NETWORK_FILE
+    from ..network.result import Network
+    from .console import Console
+
+    path = Path(args.folder)
+    network = Network.load(path / NETWORK_FILE)
+    with ExitStack() as held, Console(args.quiet, json=args.json, verbose=args.verbose) as console:
+        if not args.update:
+            return _checked(args, network, None, console)
+        folder = held.enter_context(Folder(path))
+        folder.refuse_foreign([path / NETWORK_FILE])
+        network = Network.load(path / NETWORK_FILE)
+        return _checked(args, network, Update(folder, args.intrinsics), console)
+
+
+class Update:
+    """The folder of a run, held, whose network is to be updated; what can be refused is before any work."""
+
+    def __init__(self, folder: Folder, intrinsics: str | None) -> None:
+        from ..runs.run import Run
+
+        self._folder = folder
+        self._made = Run.load(folder.path) if (folder.path / "calibration.json").exists() else None
+        self._lenses = self._made.lenses(intrinsics) if self._made else {}
+
+    def write(self, network: Network, moved: Sequence[str]) -> list[str]:
+        """Write the network after some cameras moved; returns warnings."""
+        from ..jobs.update_files import write_update
+
+        given = self._made.intrinsics if self._made else None
+        return write_update(self._folder, network, moved, self._lenses, given)
+
+
+def _checked(args: Namespace, network: Network, update: Update | None, console: Console) -> int:
+    """Check the network, and update it where that is asked for."""
     from dataclasses import replace
     from pathlib import Path
 
     from ..files.json_file import json_text
-    from ..jobs.inputs import NETWORK_FILE
     from ..network.checking import UNSURE, CameraCheck
-    from ..network.result import Network
-    from .console import Console
+    from ..network.updating import update_notes
 
-    folder = Path(args.folder)
-    network = Network.load(folder / NETWORK_FILE)
-    with Console(args.quiet, json=args.json, verbose=args.verbose) as console:
-        cameras = _cameras(args, network, folder)
-        recordings, failed = _recorded(cameras, args, console)
-        check = network.check(
-            recordings,
-            _clocks(args, recordings),
-            lambda stage, share: console.progress(stage, share, 1),
-            search_seconds=args.search_seconds,
-        )
-        code = exit_code(check, failed)
-        unread = {name: CameraCheck(name, UNSURE, f"not recorded: {why}") for name, why in failed.items()}
-        left_out = {name: why for name, why in check.left_out.items() if name not in failed}
-        check = replace(check, cameras={**check.cameras, **unread}, left_out=left_out)
-        console.checked(check, network)
-        if args.json:
-            console.json(json_text(check.as_dict()))
+    cameras = _cameras(args, network, Path(args.folder))
+    recordings, failed = _recorded(cameras, args, console)
+    check = network.check(
+        recordings,
+        _clocks(args, recordings),
+        lambda stage, share: console.progress(stage, share, 1),
+        search_seconds=args.search_seconds,
+    )
+    updated = [name for name, one in check.cameras.items() if one.place is not None] if update else []
+    code = exit_code(check, failed, updated)
+    unread = {name: CameraCheck(name, UNSURE, f"not recorded: {why}") for name, why in failed.items()}
+    left_out = {name: why for name, why in check.left_out.items() if name not in failed}
+    check = replace(check, cameras={**check.cameras, **unread}, left_out=left_out)
+    console.checked(check, network)
+    if update is not None:
+        for text in update.write(network.updated(check), updated) if updated else ():
+            console.warning(text)
+        for text in update_notes(check):
+            console.result(text)
+    if args.json:
+        console.json(json_text({**check.as_dict(), **({"updated": updated} if update else {})}))
     return code
 
 
-def exit_code(check: NetworkCheck, failed: Mapping[str, str]) -> int:
-    """Exit code of what was checked; ``failed`` are the cameras that could not be."""
-    if not check.ok:
+def exit_code(check: NetworkCheck, failed: Mapping[str, str], updated: Sequence[str] = ()) -> int:
+    """Exit code of what was checked; ``failed`` could not be, ``updated`` is put where it stands now."""
+    if check.unsure or check.suspects or set(check.moved) - set(updated):
         return MOVED
     return PARTLY if failed else DONE
 

@@ -32,7 +32,8 @@ EXPLANATION = (
 CHECK_EXPLANATION = (
     "Exit codes: 0 done, and no camera has moved; 4 a camera has moved, or cannot be judged; 2 unusable "
     "input, nothing was checked; 3 a video could not be read, and no other camera has moved; 130 "
-    "interrupted. A scheduled job should tell of anything but 0."
+    "interrupted. With --update a camera that was updated counts as one that has not moved. A scheduled job "
+    "should tell of anything but 0."
 )
 
 

@@ -5,7 +5,7 @@ before; a :class:`Network` is saved, scaled to metres, exported, and checked aga
 """
 
 from .calibrating import calibrate_network
-from .checking import CameraCheck, NetworkCheck
+from .checking import CameraCheck, NetworkCheck, NewPlace
 from .joining import join_pairs
 from .knowledge import KnownCamera
 from .offsets import ClockOffsets, find_offsets
@@ -24,6 +24,7 @@ __all__ = [
     "NetworkCheck",
     "NetworkClock",
     "NetworkPair",
+    "NewPlace",
     "Scale",
     "StartTime",
     "WalkerTracks",

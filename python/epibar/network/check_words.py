@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from .checking import MOVED, UNMOVED, CameraCheck, NetworkCheck
+from .checking import MOVED, SUSPECT, UNMOVED, CameraCheck, NetworkCheck
 from .parts import BASELINE, NetworkParts
 
 __all__ = ["check_notes", "check_table"]
 
 HEADER = ("camera", "verdict", "turned by", "shifted by", "focal length", "since")
 
-VERDICTS = {UNMOVED: "has not moved", MOVED: "HAS MOVED"}
+VERDICTS = {UNMOVED: "has not moved", MOVED: "HAS MOVED", SUSPECT: "MAY HAVE MOVED"}
 
 
 def check_table(check: NetworkCheck) -> list[str]:
@@ -30,7 +30,7 @@ def _row(camera: CameraCheck, unit: str) -> tuple[str, ...]:
         VERDICTS.get(camera.status, "unsure"),
         _measured(camera.turned, camera.turned_error, "°"),
         _measured(camera.shifted, camera.shifted_error, unit),
-        "-" if camera.focal is None else f"{100 * camera.focal:+.1f} %",
+        _zoomed(camera),
         "-" if camera.since is None else f"{camera.since:.1f} s",
     )
 
@@ -40,6 +40,13 @@ def _measured(value: float | None, error: float | None, unit: str) -> str:
         return "-"
     known = error is not None and math.isfinite(error)
     return f"{value:.3g}{unit} ± " + (f"{error:.2g}{unit}" if known else "unknown")
+
+
+def _zoomed(camera: CameraCheck) -> str:
+    if camera.focal is None:
+        return "-"
+    known = camera.focal_error is not None and math.isfinite(camera.focal_error)
+    return f"{100 * camera.focal:+.2f} %" + (f" ± {100 * (camera.focal_error or 0):.2g} %" if known else "")
 
 
 def check_notes(check: NetworkCheck, network: NetworkParts) -> list[str]:

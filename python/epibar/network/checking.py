@@ -9,30 +9,63 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..arguments import as_positive, core_errors
+from ..arguments import Array, as_positive, core_errors
 from ..errors import EpibarError
 from ..recording import Recording
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
-from .parts import NetworkCamera, NetworkParts
+from .parts import NetworkCamera, NetworkParts, evidence_of
 from .recordings import Recordings, named_recordings
 
 __all__ = [
     "MOVED",
+    "SUSPECT",
     "UNMOVED",
     "UNSURE",
     "CameraCheck",
     "NetworkCheck",
+    "NewPlace",
     "cameras_to_check",
     "check_network",
     "stored_camera",
 ]
 
-UNMOVED, MOVED, UNSURE = "unmoved", "moved", "unsure"
+UNMOVED, MOVED, SUSPECT, UNSURE = "unmoved", "moved", "suspect", "unsure"
 
 SAME_MATRIX = 1e-9
 """By how much two camera matrices may differ and be one, of each element."""
 
 Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class NewPlace:
+    """Where a camera that moved stands now, by the new footage, the cameras that did not move being held.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (3, 3)
+        Camera matrix, pixels; distortions stay as stored.
+    rotation : ndarray, shape (3, 3)
+        World to camera, ``X_c = R X + t``.
+    translation : ndarray, shape (3,)
+        In the network's unit.
+    zoomed, reposed : bool
+        Whether the focal length, or rotation and position, were solved for; the others are as stored.
+    expected : dict of str to float
+        ``focal``, ``rotation`` and ``position`` as those of a :class:`NetworkCamera`, of what was solved for:
+        errors against the cameras that did not move; 0 of what was not.
+    pairs : dict of str to dict of str to float
+        What speaks for the pairs with the other cameras, by their names, as the evidence of a
+        :class:`NetworkPair`.
+    """
+
+    matrix: Array
+    rotation: Array
+    translation: Array
+    zoomed: bool
+    reposed: bool
+    expected: dict[str, float]
+    pairs: dict[str, dict[str, float]]
 
 
 @dataclass(frozen=True)
@@ -43,7 +76,7 @@ class CameraCheck:
     ----------
     name : str
     status : str
-        "unmoved", "moved" or "unsure".
+        "unmoved", "moved", "suspect" or "unsure"; of suspects one moved, and it is not known which.
     reason : str
         The same in plain English.
     turned, turned_error : float or None
@@ -51,13 +84,20 @@ class CameraCheck:
         ten. None, as all that follows, where nothing tells.
     shifted, shifted_error : float or None
         By how much it stands elsewhere, in the network's unit, and the error of that.
-    focal : float or None
-        Relative change of the focal length; None, as it is not looked for yet.
+    focal, focal_error : float or None
+        Relative change of the focal length, and the error of that. A camera whose ``reason`` does not speak
+        of it has the one that is stored, within errors.
     deviate : float or None
         What speaks for what it has in common with the others, as a normal deviate.
     since : float or None
         Seconds of the new recording, since its first frame, from which on it is so; None where it is so of
         all of it.
+    place : NewPlace or None
+        Where it stands now. None where it did not move, and where its new place is not certain: two cameras
+        that did not move must confirm it, and no pair of it may agree better with another one; ``reason``
+        tells.
+    rivals : list of str
+        Of a suspect the others: it moved, or one of them. What is said of its move is true if it did.
     """
 
     name: str
@@ -68,8 +108,11 @@ class CameraCheck:
     shifted: float | None = None
     shifted_error: float | None = None
     focal: float | None = None
+    focal_error: float | None = None
     deviate: float | None = None
     since: float | None = None
+    place: NewPlace | None = None
+    rivals: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -92,31 +135,39 @@ class NetworkCheck:
 
     @property
     def moved(self) -> list[str]:
-        """Names of the cameras that have moved."""
+        """Names of the cameras that are known to have moved."""
         return [name for name, camera in self.cameras.items() if camera.status == MOVED]
+
+    @property
+    def suspects(self) -> list[str]:
+        """Names of the cameras one of which has moved, or several; which is not known."""
+        return [name for name, camera in self.cameras.items() if camera.status == SUSPECT]
 
     @property
     def unsure(self) -> list[str]:
         """Names of the cameras that cannot be judged."""
-        return [name for name, camera in self.cameras.items() if camera.status not in (MOVED, UNMOVED)]
+        known = (MOVED, SUSPECT, UNMOVED)
+        return [name for name, camera in self.cameras.items() if camera.status not in known]
 
     @property
     def ok(self) -> bool:
         """Whether every camera that was looked at is known not to have moved."""
-        return not (self.moved or self.unsure)
+        return not (self.moved or self.suspects or self.unsure)
 
     @property
     def reason(self) -> str:
         """What was found, in one sentence."""
         count = len(self.cameras)
-        found = f"none of {count} cameras has moved"
-        unsure = f"{', '.join(self.unsure)} cannot be judged"
-        if self.moved:
-            have = "has" if len(self.moved) == 1 else "have"
-            found = f"of {count} cameras {', '.join(self.moved)} {have} moved"
-            found += f", and {unsure}" if self.unsure else ""
-        elif self.unsure:
-            found = f"of {count} cameras none is known to have moved, but {unsure}"
+        have = "has" if len(self.moved) == 1 else "have"
+        known = [f"{', '.join(self.moved)} {have} moved"] if self.moved else []
+        known += [f"one of {', '.join(self.suspects)} has moved"] if self.suspects else []
+        unsure = [f"{', '.join(self.unsure)} cannot be judged"] if self.unsure else []
+        if known:
+            found = f"of {count} cameras {', and '.join(known + unsure)}"
+        elif unsure:
+            found = f"of {count} cameras none is known to have moved, but {unsure[0]}"
+        else:
+            found = f"none of {count} cameras has moved"
         return found + (f"; not looked at: {', '.join(self.left_out)}" if self.left_out else "")
 
     def as_dict(self) -> dict[str, Any]:
@@ -124,6 +175,7 @@ class NetworkCheck:
         return {
             "ok": self.ok,
             "moved": self.moved,
+            "suspects": self.suspects,
             "unsure": self.unsure,
             "reason": self.reason,
             "unit": self.unit,
@@ -154,8 +206,23 @@ def check_network(
         found = _core.check_network(
             [one._core for one in checked], names, cameras, offsets.to_core(), _stage("check", progress)
         )
-    answers = {name: CameraCheck(**one) for name, one in zip(names, found, strict=True)}
+    answers = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
     return NetworkCheck(answers, left_out, network.unit)
+
+
+def _answer(one: Mapping[str, Any], film: Recording) -> CameraCheck:
+    """What the compiled module says of a camera."""
+    place = None if one["place"] is None else _place(one["place"])
+    reason = one["reason"]
+    if place is not None and place.zoomed and film.matrix is not None:
+        place = None
+        reason += "; its lens was taken out as it was before: calibrate the lens again, and then the network"
+    return CameraCheck(**{**one, "place": place, "reason": reason})
+
+
+def _place(one: Mapping[str, Any]) -> NewPlace:
+    pairs = {name: evidence_of(deviates) for name, deviates in one["pairs"].items()}
+    return NewPlace(**{**one, "expected": dict(one["expected"]), "pairs": pairs})
 
 
 def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[str], dict[str, str]]:

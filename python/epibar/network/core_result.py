@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..recording import Recording
-from .parts import BASELINE, Ground, NetworkCamera, NetworkClock, NetworkPair, NetworkPairs
+from .parts import BASELINE, Ground, NetworkCamera, NetworkClock, NetworkPair, NetworkPairs, evidence_of
 from .result import Network
 
 __all__ = ["network_of"]
@@ -28,7 +28,7 @@ def network_of(found: Mapping[str, Any], recordings: Mapping[str, Recording]) ->
             rotation=one["rotation"],
             translation=one["translation"],
             expected=None if one["expected"] is None else dict(one["expected"]),
-            evidence=_evidence(one["deviates"]),
+            evidence=evidence_of(one["deviates"]),
         )
         for one in found["cameras"]
     }
@@ -40,7 +40,7 @@ def network_of(found: Mapping[str, Any], recordings: Mapping[str, Recording]) ->
             bool(one["accepted"]),
             one["status"],
             one["F"],
-            _evidence(one["deviates"]),
+            evidence_of(one["deviates"]),
         )
         for one in found["pairs"]
     ]
@@ -63,12 +63,6 @@ def _clock(one: Mapping[str, Any]) -> NetworkClock:
         return NetworkClock()
     offset, drift = one["clock"]
     return NetworkClock(float(offset), float(drift), _finite(one["offset_error"]))
-
-
-def _evidence(deviates: tuple[float, float]) -> dict[str, float]:
-    """Name the statistics; those that there are none of are left out."""
-    named = zip(("tangents", "silhouettes"), deviates, strict=True)
-    return {name: float(value) for name, value in named if math.isfinite(value)}
 
 
 def _finite(value: float) -> float | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -22,10 +23,17 @@ __all__ = [
     "NetworkPairs",
     "NetworkParts",
     "Scale",
+    "evidence_of",
 ]
 
 BASELINE = "baseline"
 """Unit of length where the scale is not known: the distance between the first two cameras that stand."""
+
+
+def evidence_of(deviates: tuple[float, float]) -> dict[str, float]:
+    """Name the compiled module's statistics; those that there are none of are left out."""
+    named = zip(("tangents", "silhouettes"), deviates, strict=True)
+    return {name: float(value) for name, value in named if math.isfinite(value)}
 
 
 @dataclass(frozen=True, eq=False)

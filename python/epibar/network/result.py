@@ -21,6 +21,7 @@ from .recordings import Recordings
 from .saved import as_dict, network_from
 from .scaling import rescaled
 from .start_times import StartTime, start_times
+from .updating import moved_parts
 from .walkers import WalkerTracks, walker_tracks
 
 __all__ = ["Network"]
@@ -131,6 +132,27 @@ class Network(NetworkParts):
         """
         return check_network(self, recordings, time_offset, search_seconds, progress)
 
+    def updated(self, check: NetworkCheck) -> Network:
+        """Return the network with the cameras that moved where they stand now; all else stays as it is.
+
+        Cameras whose new place is not confirmed stay as well: look at ``place`` of each of the check's. What
+        is expected of a camera that was solved for again is its own error against the cameras that did not
+        move, and what these are expected to be wrong by, added as independent. Clocks, ground and scale are
+        still those of the recordings that the network was made of.
+
+        Parameters
+        ----------
+        check : NetworkCheck
+            Of this network, by :meth:`check`.
+
+        Raises
+        ------
+        EpibarError
+            The check is of another network.
+        """
+        cameras, pairs = moved_parts(self, check)
+        return replace(self, cameras=cameras, pairs=pairs)
+
     def tracks(self, recordings: Recordings, progress: Progress | None = None) -> WalkerTracks:
         """Follow walkers over all cameras: where their tops and bottoms are in space, from second to second.
 
@@ -227,7 +249,7 @@ class Network(NetworkParts):
         unit = self.unit
         if self.unit == BASELINE:
             first, second = [name for name, camera in self.cameras.items() if camera.rotation is not None][:2]
-            unit = f"the distance between {first} and {second}, not metres"
+            unit = f"the distance between {first} and {second} when calibrated, not metres"
         zero = "the floor" if self.ground.source == "floor" else "the mean height of the cameras"
         notes = [self.reason, *(self.scale.sources if self.scale else ())]
         notes += [f"left out: {name}: {self.cameras[name].reason}" for name in self.left_out]

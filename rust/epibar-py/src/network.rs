@@ -2,8 +2,8 @@
 
 use epibar::nalgebra::Vector3;
 use epibar::network::{
-    Aspect, CameraInput, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime, Offsets,
-    PairFound, StoredCamera,
+    Aspect, CameraInput, Expected, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime,
+    Offsets, PairFound, Place, StoredCamera,
 };
 use numpy::IntoPyArray;
 use pyo3::exceptions::PyValueError;
@@ -169,14 +169,7 @@ fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'py, P
     dict.set_item("distortions", camera.distortions().map(|d| d.to_vec().into_pyarray(py)))?;
     dict.set_item("rotation", camera.rotation().map(|m| matrix(&m).into_pyarray(py)))?;
     dict.set_item("translation", camera.translation().map(|t| t.as_slice().to_vec().into_pyarray(py)))?;
-    let expected = camera.expected.map(|e| {
-        let dict = PyDict::new(py);
-        dict.set_item("focal", e.focal)?;
-        dict.set_item("rotation", e.rotation.to_degrees())?;
-        dict.set_item("position", e.position)?;
-        PyResult::Ok(dict)
-    });
-    dict.set_item("expected", expected.transpose()?)?;
+    dict.set_item("expected", camera.expected.map(|e| errors(py, &e)).transpose()?)?;
     dict.set_item("deviates", (camera.deviates.tangents, camera.deviates.whole))?;
     dict.set_item("clock", camera.clock())?;
     dict.set_item("offset_error", camera.offset_error)?;
@@ -244,10 +237,37 @@ pub fn check_network<'py>(
             dict.set_item("turned_error", number(c.turned_error.to_degrees()))?;
             dict.set_item("shifted", number(c.shifted))?;
             dict.set_item("shifted_error", number(c.shifted_error))?;
-            dict.set_item("focal", None::<f64>)?;
+            dict.set_item("focal", number(c.focal))?;
+            dict.set_item("focal_error", number(c.focal_error))?;
             dict.set_item("deviate", c.deviate)?;
             dict.set_item("since", c.since)?;
+            dict.set_item("place", c.place.as_ref().map(|p| place(py, p, &names)).transpose()?)?;
+            dict.set_item("rivals", c.rivals.iter().map(|&r| &names[r]).collect::<Vec<_>>())?;
             Ok(dict)
         })
         .collect()
+}
+
+fn place<'py>(py: Python<'py>, place: &Place, names: &[String]) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("matrix", matrix(&place.matrix).into_pyarray(py))?;
+    dict.set_item("rotation", matrix(&place.rotation).into_pyarray(py))?;
+    dict.set_item("translation", place.translation.as_slice().to_vec().into_pyarray(py))?;
+    dict.set_item("zoomed", place.zoomed)?;
+    dict.set_item("reposed", place.reposed)?;
+    dict.set_item("expected", errors(py, &place.expected)?)?;
+    let pairs = PyDict::new(py);
+    for (other, d) in &place.pairs {
+        pairs.set_item(&names[*other], (d.tangents, d.whole))?;
+    }
+    dict.set_item("pairs", pairs)?;
+    Ok(dict)
+}
+
+fn errors<'py>(py: Python<'py>, expected: &Expected) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    dict.set_item("focal", expected.focal)?;
+    dict.set_item("rotation", expected.rotation.to_degrees())?;
+    dict.set_item("position", expected.position)?;
+    Ok(dict)
 }

@@ -192,7 +192,7 @@ fn checked(filmed: &[Camera], stored: &[Camera], seed: u64) -> Vec<CameraCheck> 
             translation: -(camera.rotation() * camera.centre()),
         })
         .collect();
-    check_network(&stored, &Offsets::given(vec![0.0; 4]), &mut |_, _| true).unwrap()
+    check_network(&stored, &Offsets::given(vec![0.0; filmed.len()]), &mut |_, _| true).unwrap()
 }
 
 #[test]
@@ -210,4 +210,44 @@ fn a_camera_that_was_turned_is_named() {
 
     let found = checked(&stored, &stored, 22);
     assert!(found.iter().all(|c| c.status == unmoved), "{found:#?}");
+}
+
+#[test]
+fn a_zoom_that_was_touched_is_no_turn() {
+    let stored = cameras();
+    let mut filmed = stored.clone();
+    filmed[1] = filmed[1].clone().zoomed(1.03);
+    let found = checked(&filmed, &stored, 23);
+    let status: Vec<CheckStatus> = found.iter().map(|c| c.status).collect();
+    let unmoved = CheckStatus::Unmoved;
+    assert_eq!(status, [unmoved, CheckStatus::Moved, unmoved, unmoved], "{found:#?}");
+    let zoomed = &found[1];
+    assert!((zoomed.focal - 0.03).abs() < 0.006 && zoomed.focal_error < 0.01, "{zoomed:#?}");
+    let alone = zoomed.reason.contains("was zoomed") && zoomed.reason.contains("stands and looks as stored");
+    assert!(alone, "{zoomed:#?}");
+    let place = zoomed.place.as_ref().expect("three cameras that stand confirm it");
+    assert!(place.zoomed && !place.reposed);
+    assert!((place.matrix.m11 / stored[1].matrix().m11 - 1.0 - zoomed.focal).abs() < 1e-9);
+    assert_eq!(place.rotation, stored[1].rotation());
+}
+
+#[test]
+fn where_a_camera_stands_now() {
+    let stored = cameras();
+    let turned = Rotation3::new(nalgebra::Vector3::new(1.0, -0.4, 0.2).normalize() * 2f64.to_radians());
+    let mut filmed = stored.clone();
+    filmed[0] = filmed[0].clone().turned(&turned);
+    let found = checked(&filmed, &stored, 24);
+    let place = found[0].place.as_ref().unwrap_or_else(|| panic!("{found:#?}"));
+    assert!(place.reposed && !place.zoomed && found[1..].iter().all(|c| c.place.is_none()));
+    let off = angle(&(place.rotation * filmed[0].rotation().transpose()));
+    assert!(off < 0.15 && place.expected.rotation.to_degrees() < 0.3, "{off} {place:#?}");
+    assert_eq!(place.expected.focal, 0.0);
+    assert_eq!(place.pairs.iter().map(|(other, _)| *other).collect::<Vec<_>>(), [1, 2, 3]);
+    // Of two cameras nobody can say how far apart they stand now.
+    let found = checked(&filmed[..2], &stored[..2], 24);
+    assert!(found.iter().all(|c| c.place.is_none()), "{found:#?}");
+    // Nor which of them moved.
+    let groups: Vec<(CheckStatus, &[usize])> = found.iter().map(|c| (c.status, &c.rivals[..])).collect();
+    assert_eq!(groups, [(CheckStatus::Suspect, &[1][..]), (CheckStatus::Suspect, &[0][..])], "{found:#?}");
 }

@@ -69,6 +69,12 @@ impl Camera {
         }
     }
 
+    /// Whether the pixels of another show the same directions.
+    pub fn has_lens_of(&self, other: &Self) -> bool {
+        let of = |c: &Self| (c.log_focal, c.log_aspect, c.principal, c.lens);
+        of(self) == of(other)
+    }
+
     /// `f_x` and `f_y`, pixels.
     pub fn focal(&self) -> [f64; 2] {
         [self.log_focal.exp(), (self.log_focal + self.log_aspect).exp()]

@@ -103,6 +103,15 @@ pub struct Covariance {
     pub matrix: DMatrix<f64>,
 }
 
+impl Covariance {
+    /// The block of three parameters of a camera from one on; `None` where they were not solved for.
+    pub fn block(&self, camera: usize, from: usize) -> Option<Matrix3<f64>> {
+        let place = |k: usize| self.active.iter().position(|p| *p == (camera, k));
+        let at = [place(from)?, place(from + 1)?, place(from + 2)?];
+        Some(Matrix3::from_fn(|i, j| self.matrix[(at[i], at[j])]))
+    }
+}
+
 /// Covariance of the active parameters; `None` where the normal matrix is not usable.
 pub fn covariance(problem: &Problem, cameras: &[Camera], outline_error: f64) -> Option<Covariance> {
     let active = problem.active();
@@ -158,7 +167,7 @@ impl Expected {
 }
 
 /// Quantile of a normal deviate's absolute value below which nine in ten lie.
-const NINE_IN_TEN: f64 = 1.645;
+pub const NINE_IN_TEN: f64 = 1.645;
 
 /// Errors of every camera after the best similarity, from a covariance of the active parameters.
 pub fn expected(

@@ -161,7 +161,7 @@ impl Case<'_> {
 
 /// By how many pixels the outlines of one camera may be wrong alike: what scatters more than pixels do by themselves is
 /// wrong outlines, and part of it is common to all.
-fn outline_error(scatter: f64, strained: bool) -> f64 {
+pub(super) fn outline_error(scatter: f64, strained: bool) -> f64 {
     let own = limits::OUTLINE_SHARE[1] * (scatter.powi(2) - limits::PIXELS.powi(2)).max(0.0).sqrt();
     if strained {
         limits::OUTLINE_STRAINED * scatter

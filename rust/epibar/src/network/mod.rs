@@ -31,6 +31,7 @@ mod calibrate;
 mod camera;
 mod case;
 mod check;
+mod check_words;
 mod clocks;
 mod covariance;
 mod ends;
@@ -40,18 +41,22 @@ mod input;
 mod join;
 mod joint;
 mod median;
+mod moves;
 mod observed;
 mod pose;
 mod principal;
 mod relocate;
+mod replace;
 mod residual;
 mod result;
 mod settle;
 mod solve;
 mod start;
 mod stated;
+mod stretch;
 mod support;
 mod survey;
+mod suspects;
 mod tangents;
 mod thresholds;
 mod tracks;
@@ -59,6 +64,7 @@ mod verdict;
 mod walkers;
 mod words;
 mod world;
+mod zoom;
 
 pub use calibrate::{
     NetworkOptions, NetworkTime, calibrate_network, calibrate_network_watched, clock_offsets, pairs_to_search,
@@ -69,7 +75,9 @@ pub use covariance::Expected;
 pub use graph::PairFound;
 pub use input::{Aspect, CameraInput, Knowledge};
 pub use join::join;
-pub use result::{CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus};
+pub use result::{
+    CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus, Place,
+};
 pub use support::Deviates;
 pub use tracks::{TrackPoint, TrackingCamera, walker_tracks};
 pub use world::Ground;

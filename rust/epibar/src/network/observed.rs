@@ -29,6 +29,8 @@ pub struct Observed {
     cut: Vec<bool>,
     /// Which silhouette of one frame is which of the next.
     links: Links,
+    /// Directions of the points before a camera, of which the lens is known; NaN where it shows nothing.
+    through: Option<(Camera, Vec<Vector3<f64>>)>,
     /// Median share of a hull that its silhouette fills: 0.5 to 0.9 of people and animals, 1 of boxes, ellipses and balls.
     pub fill: f64,
 }
@@ -107,8 +109,19 @@ impl Observed {
             points,
             cut,
             links: Links::new(recording),
+            through: None,
             fill: fill(recording),
         }
+    }
+
+    /// The same, made ready for cameras of one lens, of which rays then take next to nothing.
+    #[must_use]
+    pub fn through(self, camera: &Camera) -> Self {
+        let direction = |p: &[f64; 2]| {
+            camera.direction(*p).map_or(Vector3::repeat(f64::NAN), |[x, y]| Vector3::new(x, y, 1.0))
+        };
+        let directions = self.points.par_iter().map(direction).collect();
+        Self { through: Some((*camera, directions)), ..self }
     }
 
     /// Number of frames.
@@ -168,6 +181,15 @@ impl Observed {
                 parts.push((part, range.start));
             }
             rest = after;
+        }
+        if let Some((_, directions)) = self.through.as_ref().filter(|(known, _)| known.has_lens_of(camera)) {
+            let back = camera.rotation.inverse();
+            parts.into_par_iter().with_min_len(256).for_each(|(part, first)| {
+                for (ray, direction) in part.iter_mut().zip(&directions[first..]) {
+                    *ray = back * direction;
+                }
+            });
+            return rays;
         }
         parts.into_par_iter().with_min_len(64).for_each(|(part, first)| {
             for (ray, p) in part.iter_mut().zip(&self.points[first..]) {

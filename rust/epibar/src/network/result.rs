@@ -184,6 +184,8 @@ pub enum CheckStatus {
     Unmoved,
     /// It does not.
     Moved,
+    /// It or another one does not, and which is not known.
+    Suspect,
     /// Too little moved before it and the others to say.
     Unsure,
 }
@@ -194,6 +196,7 @@ impl CheckStatus {
         match self {
             Self::Unmoved => "unmoved",
             Self::Moved => "moved",
+            Self::Suspect => "suspect",
             Self::Unsure => "unsure",
         }
     }
@@ -217,10 +220,38 @@ pub struct CameraCheck {
     pub shifted: f64,
     /// Below this, nine times in ten, is the error of that.
     pub shifted_error: f64,
+    /// Relative change of the focal length.
+    pub focal: f64,
+    /// Below this, nine times in ten, is the error of that.
+    pub focal_error: f64,
     /// What it has in common with the others on this footage, as a normal deviate.
     pub deviate: f64,
     /// When it moved, seconds since its first frame; `None` where it did not, or before.
     pub since: Option<f64>,
+    /// Where it stands now; `None` where it did not move, or where two cameras that stand do not confirm it.
+    pub place: Option<Place>,
+    /// Of a suspect the others, by index: one of them moved, or this one.
+    pub rivals: Vec<usize>,
+}
+
+/// Where a camera that moved stands now.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Place {
+    /// The camera matrix, pixels.
+    pub matrix: Matrix3<f64>,
+    /// `R` of `X_c = R X + t`.
+    pub rotation: Matrix3<f64>,
+    /// `t` of `X_c = R X + t`, unit of the network.
+    pub translation: Vector3<f64>,
+    /// Whether the focal length is another one.
+    pub zoomed: bool,
+    /// Whether rotation and position were solved for.
+    pub reposed: bool,
+    /// Errors to expect, with the cameras that did not move where they are stored; 0 of what was not solved for.
+    pub expected: Expected,
+    /// The other cameras that were looked at, by index, and what speaks for the pair.
+    pub pairs: Vec<(usize, Deviates)>,
 }
 
 /// `F` of two cameras in undistorted pixels, of norm 1.

@@ -20,6 +20,15 @@ pub struct Survey<'a> {
     frames: Vec<Vec<u32>>,
 }
 
+/// The sum over some pairs, part by part.
+pub fn summed<'p, const PARTS: usize>(pairs: impl IntoIterator<Item = &'p [f64; PARTS]>) -> [f64; PARTS] {
+    let mut sums = [0.0; PARTS];
+    for parts in pairs {
+        sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part);
+    }
+    sums
+}
+
 /// Rays of one camera's silhouettes.
 pub type Rays = Vec<Vector3<f64>>;
 
@@ -154,16 +163,27 @@ impl<'a> Survey<'a> {
         pairs: &[(usize, usize)],
         radius: f64,
     ) -> [f64; PARTS] {
+        summed(&self.evidence_of_pairs(cameras, pairs, radius))
+    }
+
+    /// The same of each pair by itself.
+    pub fn evidence_of_pairs<const PARTS: usize>(
+        &self,
+        cameras: &[Camera],
+        pairs: &[(usize, usize)],
+        radius: f64,
+    ) -> Vec<[f64; PARTS]> {
         let rays = self.all_rays(cameras);
-        let mut sums = [0.0; PARTS];
-        for &(a, b) in pairs {
+        let of_pair = |&(a, b): &(usize, usize)| {
             let tangents = self.tangents(cameras, &rays, a, b);
             let scores = tangents.scorer(radius * self.scale(a, b)).by_moment(0);
+            let mut sums = [0.0; PARTS];
             for (k, score) in scores.iter().enumerate() {
                 sums[k * PARTS / scores.len()] += score.excess;
             }
-        }
-        sums
+            sums
+        };
+        pairs.par_iter().map(of_pair).collect()
     }
 
     /// Pixels of an 800-pixel diagonal (640×480) in the images of a pair.

@@ -51,6 +51,25 @@ pub const DRIFT: f64 = 30.0;
 pub const MOVED: f64 = 2.0;
 /// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
 pub const MOVED_DEVIATES: f64 = 4.0;
+/// The same of a move that only the end of the footage shows, which is asked for besides.
+pub const MOVED_WITHIN_DEVIATES: f64 = 6.0;
+/// A camera may have been turned far while it was filmed where less than this share of its evidence is left at the end.
+pub const FADES: f64 = 0.6;
+/// One camera is named, and not another, where by so many standard deviations over parts of the footage more speaks for it. On
+/// development seeds those that did not move were ruled out by 6 or more, but for moves of about a pixel, by 2.
+pub const RULED_OUT: f64 = 5.0;
+/// And by at least this share of what its move explains: of two that explain nearly the same, either may have moved. Those that did
+/// not move explained 20 % less or worse.
+pub const RULED_OUT_SHARE: f64 = 0.15;
+/// Or where the other would have spoiled pairs that stand by this share of it: 5 to 17 %.
+pub const SPOILED_SHARE: f64 = 0.05;
+/// A focal length changed where it explains more than a pose does, by so many standard deviations over parts of the footage.
+pub const ZOOMED_DEVIATES: f64 = 4.0;
+/// And, where a pose has changed too, by at least this share of all that is explained: seven numbers always explain more than six.
+pub const ZOOMED_SHARE: f64 = 0.1;
+/// A place leaves something over where a pair by itself agrees better with another one by this share of its evidence: of true places
+/// below 0.02.
+pub const LEFT_OVER: f64 = 0.05;
 /// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment.
 pub const KNOCKED_KEEPS: f64 = 0.35;
 /// And at least this share of what pairs keep that it has no part in.

@@ -45,6 +45,13 @@ impl Camera {
         Self { t: -(r * centre), r, ..self }
     }
 
+    /// The same with its focal length so many times as long.
+    pub fn zoomed(mut self, by: f64) -> Self {
+        self.k.m11 *= by;
+        self.k.m22 *= by;
+        self
+    }
+
     /// The camera matrix.
     pub fn matrix(&self) -> Matrix3<f64> {
         self.k

@@ -1,0 +1,334 @@
+"""Has a camera moved? Made-up networks with new footage: a camera turned, shifted, zoomed or left alone.
+
+The stored network is the true one, or (``--stored calibrated``) what the package makes of other footage of
+the same cameras, nothing known of their lenses; only its pairs are given the true geometry, so that no search
+is waited for. Every camera starts with the others. Seeds of a reported table come from the commit's own hash.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from argparse import ArgumentParser, Namespace
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fresh_seeds import commit, commit_seed
+from networks import start_worker
+from options import natural, numbers
+from tables import progress, table
+from verdicts import upper_bound
+
+FPS = 6.25
+CALIBRATED, CHECKED = 1000, 375
+"""Frames that a network is made of, and of a minute that is held against it."""
+
+SIZE = (640, 480)
+PAUSE = 125
+"""Frames between two stretches of film."""
+
+UNMOVED = "unmoved"
+DAMAGE = (
+    *("turned 0.1°", "turned 0.3°", "turned 1°", "turned 3°"),
+    *("shifted 1 cm", "shifted 5 cm", "shifted 20 cm"),
+    *("zoomed 1 %", "zoomed 3 %", "turned 1° half way"),
+)
+
+
+@dataclass(frozen=True)
+class Damage:
+    """What was done to a camera."""
+
+    what: str
+
+    @property
+    def size(self) -> float:
+        """By how much: degrees, metres, or a share of the focal length."""
+        value = float(self.what.split()[1].rstrip("°"))
+        return value if self.kind == "turned" else 0.01 * value
+
+    @property
+    def kind(self) -> str:
+        """Turned, shifted or zoomed."""
+        return self.what.split()[0]
+
+    def done_to(self, film: Any, rng: np.random.Generator) -> Any:
+        """Return what the camera films then."""
+        from epibar.synthetic.settings import turned
+
+        camera = film.camera
+        if self.kind == "turned":
+            moved = turned(camera, rng, self.size)
+        elif self.kind == "shifted":
+            way = rng.normal(size=3)
+            moved = replace(camera, t=camera.t - camera.R @ (self.size * way / np.linalg.norm(way)))
+        else:
+            by = 1 + self.size * rng.choice([-1, 1])
+            moved = replace(camera, K=camera.K * [[by, 1, 1], [1, by, 1], [1, 1, 1]])
+        if "half way" in self.what:
+            return replace(film, knocked=moved, knocked_at=film.knocked_at + CHECKED // 2)
+        return replace(film, camera=moved)
+
+
+def situation(seed: int, count: int, minutes: int) -> Any:
+    """Draw cameras with their lenses before walkers, for as long as all films together."""
+    from epibar.synthetic.networks import NETWORK
+    from epibar.synthetic.settings import draw
+
+    frames = CALIBRATED + minutes * (PAUSE + CHECKED)
+    setting = replace(
+        NETWORK,
+        cameras=(count, count),
+        frames=(frames, frames),
+        rates=(FPS,),
+        seconds=(0.0, 1e6),
+        clocks=None,
+        budget=1e12,
+        rig=replace(NETWORK.rig, sizes={SIZE: 1.0}),
+    )
+    return draw(seed, f"check {count}", setting)
+
+
+def recorded(film: Any, first: int, last: int, seed: int, lines: int) -> Any:
+    """Record some frames of a film."""
+    from epibar.recording import MIN_COMPONENT_AREA, Recording, new_recorder
+
+    recorder = new_recorder(*film.camera.size, lines, seed, MIN_COMPONENT_AREA)
+    for frame, mask in enumerate(film.iter_masks(first, last)):
+        recorder.push(np.ascontiguousarray(mask), frame / FPS)
+    return Recording(recorder.finish(), name=film.camera.name)
+
+
+def true_network(made: Any) -> Any:
+    """The true cameras as a network, in metres."""
+    import epibar
+    from epibar.network import Ground, NetworkCamera, NetworkClock, NetworkPair
+    from epibar.network.parts import METRE, NetworkPairs
+
+    nothing = {"focal": 0.0, "rotation": 0.0, "position": 0.0}
+    cameras = {
+        c.name: NetworkCamera(
+            *(c.name, c.size, True, "accepted", "true", c.K),
+            *(np.resize(c.distortions or (0.0,), 5), c.R, c.t, nothing),
+        )
+        for c in made.cameras
+    }
+    pairs = [
+        NetworkPair(made.names[a], made.names[b], True, "confirmed", made.fundamental(a, b))
+        for a, b in made.pairs()
+    ]
+    clocks = {name: NetworkClock(0.0, 0.0, 0.0) for name in cameras}
+    return epibar.Network(
+        cameras, NetworkPairs(pairs), clocks, True, "the true one", METRE, Ground("floor"), 1.0
+    )
+
+
+def calibrated_network(made: Any, lines: int) -> Any:
+    """What is made of the first frames, nothing known of the cameras but the geometry of pairs."""
+    from epibar import _core
+    from epibar.network.core_result import network_of
+    from epibar.network.joining import knowledge_of
+
+    films = {
+        film.camera.name: recorded(film, 0, CALIBRATED, 7 * k, lines) for k, film in enumerate(made.films)
+    }
+    pairs = [
+        {
+            "a": a,
+            "b": b,
+            "geometries": [(made.fundamental(a, b).tolist(), 1.0)],
+            "offset": 0.0,
+            "frames_per_frame": 1.0,
+            "z": 10.0,
+            "accepted": True,
+        }
+        for a, b in made.pairs()
+    ]
+    cores = [one._core for one in films.values()]
+    clocks = ([0.0] * len(films), False, True)
+    found = _core.join_network(cores, list(films), knowledge_of(films, None), pairs, clocks, None)
+    return network_of(found, films)
+
+
+def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
+    """Check a network against some minutes as it stood, and against one with each damage done to a camera."""
+    made = situation(seed, count, arguments.minutes)
+    stored = true_network(made)
+    if arguments.stored == "calibrated":
+        stored = calibrated_network(made, arguments.lines)
+        if not stored.accepted:
+            return [{"cameras": count, "seed": seed, "what": "not calibrated", "reason": stored.reason}]
+    outcomes = []
+    rng = np.random.default_rng((seed, 99))
+    for minute in range(arguments.minutes):
+        first = CALIBRATED + PAUSE + minute * (PAUSE + CHECKED)
+        films = {
+            film.camera.name: recorded(film, first, first + CHECKED, 31 * minute + k, arguments.lines)
+            for k, film in enumerate(made.films)
+        }
+        outcomes.append({**checked(made, stored, films, UNMOVED, None, None), "seed": seed})
+        for what in arguments.damage if minute == 0 else ():
+            damage, index = Damage(what), int(rng.integers(count))
+            film = damage.done_to(replace(made.films[index], knocked_at=first), rng)
+            again = recorded(film, first, first + CHECKED, 31 * minute + index, arguments.lines)
+            name = made.names[index]
+            outcomes.append({**checked(made, stored, {**films, name: again}, what, name, film), "seed": seed})
+    return outcomes
+
+
+def checked(made: Any, stored: Any, films: Any, what: str, name: str | None, film: Any) -> dict[str, Any]:
+    """Check a network, and hold what is said of the camera to which something was done against the truth."""
+    started = time.perf_counter()
+    check = stored.check(films, 0.0)
+    outcome = {
+        "cameras": len(films),
+        "what": what,
+        "name": name,
+        "moved": check.moved,
+        "suspects": check.suspects,
+        "unsure": check.unsure,
+        "seconds": time.perf_counter() - started,
+        "answers": {
+            key: [one.turned, one.turned_error, one.shifted, one.shifted_error, one.focal, one.focal_error]
+            for key, one in check.cameras.items()
+        },
+        "reasons": {key: check.cameras[key].reason for key in (*check.moved, *check.suspects)},
+    }
+    if name is None or name not in check.moved:
+        return outcome
+    one, damage = check.cameras[name], Damage(what)
+    unit = float(np.linalg.norm(made.cameras[0].centre - made.cameras[1].centre))
+    places = [stored.cameras[key].position for key in made.names[:2]]
+    unit /= float(np.linalg.norm(places[0] - places[1]))
+    found, error = {
+        "turned": (one.turned, one.turned_error),
+        "shifted": (unit * (one.shifted or 0), unit * (one.shifted_error or 0)),
+        "zoomed": (abs(one.focal or 0), one.focal_error),
+    }[damage.kind]
+    outcome |= {"error": abs(found - damage.size), "stated": error, "since": one.since}
+    outcome["focal"] = one.place is not None and one.place.zoomed
+    if one.place is not None:
+        outcome["update"] = update_error(made, stored.updated(check), name, film.knocked or film.camera)
+    return outcome
+
+
+def update_error(made: Any, network: Any, name: str, camera: Any) -> list[float]:
+    """Errors of what was solved for again and those stated: focal length, rotation (°), share of the rig."""
+    from epibar import synthetic
+    from epibar.synthetic.camera import Camera
+
+    after = replace(made, cameras=[camera if one.name == name else one for one in made.cameras])
+    found = {
+        key: Camera(c.matrix, c.rotation, c.translation, (1, 1), key) for key, c in network.cameras.items()
+    }
+    wrong = synthetic.network_errors(after, found)[name]
+    places = np.array([one.centre for one in found.values()])
+    rig = max(np.linalg.norm(p - q) for p in places for q in places)
+    stated = network.cameras[name].expected
+    return [
+        *(abs(wrong.focal), wrong.rotation, wrong.position),
+        *(stated["focal"], stated["rotation"], stated["position"] / rig),
+    ]
+
+
+HEAD = (
+    *("what was done", "cameras", "checks", "it alone is named", "it or another", "others named", "unsure"),
+    *("taken for a zoom", "error, median", "stated, median", "within, %", "updates: within, % (f R C)"),
+    *("since, s off", "check, s"),
+)
+
+
+def names_others(outcome: dict[str, Any]) -> bool:
+    """Whether a camera is said to have moved that did not, or suspects among which is none that did."""
+    suspects = outcome["suspects"]
+    return bool(set(outcome["moved"]) - {outcome["name"]} or (suspects and outcome["name"] not in suspects))
+
+
+def row(what: str, count: int, outcomes: list[dict[str, Any]]) -> list[str]:
+    """One kind of damage in a row of the table."""
+    right = [o for o in outcomes if o["moved"] == [o["name"]] and not o["suspects"]]
+    among = sum(not o["moved"] and o["name"] in o["suspects"] for o in outcomes)
+    wrong = sum(names_others(o) for o in outcomes)
+    cells = [what, str(count), str(len(outcomes)), f"{len(right)}", str(among), str(wrong)]
+    cells.append(str(sum(bool(o["unsure"]) for o in outcomes)))
+    known = [o for o in right if "error" in o]
+    cells.append(str(sum(o["focal"] for o in known)) if known else "")
+    if known:
+        scale, unit = {"turned": (1, "°"), "shifted": (100, " cm"), "zoomed": (100, " %")}[what.split()[0]]
+        error, stated = (scale * np.array([o[key] for o in known]) for key in ("error", "stated"))
+        cells += [f"{np.median(error):.2g}{unit}", f"{np.median(stated):.2g}{unit}"]
+        cells.append(f"{100 * (error <= stated).mean():.0f}")
+        updates = np.array([o["update"] for o in known if "update" in o]).reshape(-1, 6)
+        within = updates[:, :3] <= updates[:, 3:] + 1e-9
+        shares = " ".join(f"{100 * share:.0f}" for share in within.mean(axis=0)) if len(updates) else "-"
+        cells.append(f"{len(updates)}: {shares}")
+        late = [abs((o["since"] or 0) - CHECKED / FPS / 2) for o in known]
+        cells.append(f"{np.median(late):.1f}, {max(late):.1f}" if "half way" in what else "")
+    else:
+        cells += [""] * 5
+    return [*cells, f"{np.median([o['seconds'] for o in outcomes]):.1f}"]
+
+
+def alarms(outcomes: list[dict[str, Any]]) -> str:
+    """False alarms among the checks in which no camera moved."""
+    calm = [o for o in outcomes if o["what"] == UNMOVED]
+    cameras = sum(o["cameras"] for o in calm)
+    false = sum(len(o["moved"]) + len(o["suspects"]) for o in calm)
+    return (
+        f"false alarms: {false} of {cameras} cameras in {len(calm)} checks; with 95 % confidence below "
+        f"{100 * upper_bound(false, max(cameras, 1)):.1f} % of cameras"
+    )
+
+
+def main(arguments: Namespace) -> None:
+    origin = None if arguments.seeds else commit()
+    arguments.damage = [what for what in DAMAGE if not arguments.only or what.split()[0] in arguments.only]
+    jobs = [
+        (count, seed, arguments)
+        for k in range(len(arguments.seeds or range(arguments.networks)))
+        for count in arguments.cameras
+        for seed in [
+            arguments.seeds[k] if arguments.seeds else commit_seed(origin or "", f"check {count}", k)
+        ]
+    ]
+    outcomes: list[dict[str, Any]] = []
+    with ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker) as pool:
+        pending = [pool.submit(run, *job) for job in jobs]
+        for number, done in enumerate(as_completed(pending), 1):
+            outcomes += done.result()
+            progress(f"{number} of {len(jobs)}")
+            if arguments.json:
+                arguments.json.write_text(json.dumps({"commit": origin, "outcomes": outcomes}, indent=1))
+    print(f"commit {origin}" if origin else "seeds by hand: no table to report")
+    rows = [
+        row(what, count, chosen)
+        for what in (UNMOVED, *arguments.damage)
+        for count in arguments.cameras
+        if (chosen := [o for o in outcomes if (o["what"], o["cameras"]) == (what, count)])
+    ]
+    print(table(HEAD, rows))
+    print(alarms(outcomes))
+    lost = sum(o["what"] == "not calibrated" for o in outcomes)
+    if lost:
+        print(f"{lost} networks were not accepted, and not checked")
+
+
+if __name__ == "__main__":
+    parser = ArgumentParser(description=__doc__)
+    parser.add_argument("--networks", type=natural, default=10, help="of each size (default %(default)s)")
+    parser.add_argument("--cameras", type=numbers, default=[3, 6], help="sizes (default 3,6)")
+    parser.add_argument("--minutes", type=natural, default=3, help="unmoved, of each (default %(default)s)")
+    parser.add_argument("--only", nargs="*", help="some of: turned shifted zoomed; 'none' for unmoved alone")
+    parser.add_argument("--stored", choices=("true", "calibrated"), default="true", help="what is stored")
+    parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
+    parser.add_argument(
+        "--lines", type=natural, default=100, help="per camera, of no use here (default %(default)s)"
+    )
+    parser.add_argument("--workers", type=natural, default=os.cpu_count() or 1)
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write every outcome there too")
+    main(parser.parse_args())

@@ -1,0 +1,104 @@
+"""Cameras that moved, put where they stand now: another network, in which all else stays as it was."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import EpibarError
+from ..geometry.cameras import Pose, fundamental_from_cameras
+from .checking import CameraCheck, NetworkCheck, NewPlace
+from .parts import NetworkCamera, NetworkPair, NetworkPairs, NetworkParts
+
+__all__ = ["CONFIRMED", "moved_parts", "update_notes"]
+
+CONFIRMED = 3.0
+"""Normal deviate of the tangents of a pair that confirms a network."""
+
+
+def moved_parts(network: NetworkParts, check: NetworkCheck) -> tuple[dict[str, NetworkCamera], NetworkPairs]:
+    """Return the cameras and pairs of a network after a check; see :meth:`epibar.Network.updated`."""
+    places = {name: one.place for name, one in check.cameras.items() if one.place is not None}
+    for name in places:
+        if name not in network.cameras or not network.cameras[name].accepted:
+            raise EpibarError(f"{name}: the check is of another network, which has such a camera")
+    if check.unit != network.unit:
+        raise EpibarError(
+            f"the check is in the unit {check.unit}, the network in {network.unit}; check again"
+        )
+    standing = [
+        camera
+        for name, camera in network.cameras.items()
+        if camera.accepted and name not in (*check.moved, *check.suspects)
+    ]
+    cameras = dict(network.cameras)
+    for name, place in places.items():
+        cameras[name] = _moved(cameras[name], check.cameras[name], place, standing)
+    pairs = [_pair(pair, cameras, places) for pair in network.pairs.values()]
+    return cameras, NetworkPairs(pairs)
+
+
+def _moved(
+    camera: NetworkCamera, check: CameraCheck, place: NewPlace, standing: Sequence[NetworkCamera]
+) -> NetworkCamera:
+    """Return a camera where it stands now; its errors are those against the others, and what these have."""
+    before = camera.expected or {}
+    solved = {"focal": place.zoomed, "rotation": place.reposed, "position": place.reposed}
+    expected = {
+        key: math.hypot(place.expected[key], _typical(key, standing)) if new else before.get(key, math.inf)
+        for key, new in solved.items()
+    }
+    said = f"solved for again after it moved: {check.reason}"
+    evidence = {} if check.deviate is None else {"tangents": check.deviate}
+    return replace(
+        camera,
+        reason=said,
+        matrix=place.matrix,
+        rotation=place.rotation,
+        translation=place.translation,
+        expected=expected,
+        evidence=evidence,
+    )
+
+
+def _typical(key: str, cameras: Sequence[NetworkCamera]) -> float:
+    """Root mean square of what the cameras that did not move are expected to be wrong by."""
+    known = [camera.expected[key] for camera in cameras if camera.expected is not None]
+    return float(np.sqrt(np.mean(np.square(known)))) if known else math.inf
+
+
+def _pair(pair: NetworkPair, cameras: dict[str, NetworkCamera], places: dict[str, NewPlace]) -> NetworkPair:
+    """Return a pair with the geometry of its cameras as they stand now, and what confirms that."""
+    if pair.F is None or not {pair.a, pair.b} & places.keys():
+        return pair
+    one, other = (pair.a, pair.b) if pair.a in places else (pair.b, pair.a)
+    evidence = places[one].pairs.get(other, {})
+    status = "confirmed" if evidence.get("tangents", 0.0) >= CONFIRMED else "predicted"
+    F = fundamental_from_cameras(_posed(cameras[pair.a]), _posed(cameras[pair.b]))
+    accepted = cameras[pair.a].accepted and cameras[pair.b].accepted
+    return replace(pair, accepted=accepted, status=status, F=F, evidence=evidence)
+
+
+def _posed(camera: NetworkCamera) -> Pose:
+    assert camera.matrix is not None
+    assert camera.rotation is not None
+    assert camera.translation is not None
+    return Pose(camera.matrix, camera.rotation, camera.translation, camera.size)
+
+
+def update_notes(check: NetworkCheck) -> list[str]:
+    """Say what was put where it stands now, and what was not, and why."""
+    done = [name for name, one in check.cameras.items() if one.place is not None]
+    notes = [f"updated: {', '.join(done)}; all else stays as it was"] if done else ["nothing was updated"]
+    notes += [
+        f"{name} was not updated: its new place is not certain, see above"
+        for name in check.moved
+        if check.cameras[name].place is None
+    ]
+    if check.suspects:
+        notes.append(f"{', '.join(check.suspects)}: none was updated, for which of them moved is not known")
+    notes += [f"{name} was not updated: it cannot be judged" for name in check.unsure]
+    return notes
