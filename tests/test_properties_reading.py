@@ -1,6 +1,6 @@
 """Whatever readers are given, they return what they promise or raise EpibarError.
 
-A short run with every test; ``make hostile`` tries ten thousand of each. What was found is in ``tests/corpus``.
+A short run with every test; ``make hostile`` tries ten thousand of each. What was found: ``tests/corpus``.
 """
 
 import json
