@@ -54,6 +54,14 @@ def test_videos_are_left_alone(words):
     )
 
 
+def test_where_videos_begin_is_said_if_it_was_guessed(capsys):
+    build_parser().parse_args(["calibrate", "--background", "b1", "c1", "c2", "c3", "-o", "D"])
+    assert capsys.readouterr().err == "--background: b1, c1; videos: c2, c3\n"
+    for words in ("--background b1 c1 c2 c3 -o D -q", "--background b1 b2 -o D c1 c2"):
+        build_parser().parse_args(["calibrate", *words.split()])
+        assert capsys.readouterr().err == ""
+
+
 @pytest.mark.parametrize(
     "words",
     [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+import sys
 from typing import Any, NoReturn
 
 from ..errors import printable, without_secrets
@@ -65,7 +66,7 @@ class CommandParser(argparse.ArgumentParser):
         super().error(printable(without_secrets(message)))
 
     def _give_back(self, found: argparse.Namespace) -> None:
-        """Where all videos went to an option, leave it as many values as there are cameras."""
+        """Where all videos went to an option, leave it as many values as there are cameras, and say which."""
         taken = {name: getattr(found, name) for name in self._each if getattr(found, name)}
         count, over = divmod(sum(map(len, taken.values())), 1 + len(taken))
         if found.videos or not count or over:
@@ -75,6 +76,9 @@ class CommandParser(argparse.ArgumentParser):
             values = taken[greedy[0]]
             setattr(found, greedy[0], values[:count])
             found.videos = values[count:]
+            if not getattr(found, "quiet", False):
+                said = f"--{greedy[0]}: {', '.join(values[:count])}; videos: {', '.join(values[count:])}"
+                print(printable(without_secrets(said)), file=sys.stderr)
 
 
 def add_output_options(command: argparse.ArgumentParser, json: str | None = None) -> None:
