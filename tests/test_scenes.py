@@ -91,5 +91,15 @@ def test_rolled_cameras(rolls):
     check(rolled(walkers(1), rolls), upright=False)
 
 
+def test_rolled_cameras_without_a_common_clock():
+    """Up is found before the clocks: tangents are told apart by it while they are fitted, too."""
+    scene, late = rolled(walkers(1), (90, -90)), 37
+    a = epibar.Recording.from_masks(scene.masks(0), lines=LINES, seed=0)
+    b = epibar.Recording.from_masks(scene.masks(1, late), lines=LINES, seed=1)
+    calibration = epibar.calibrate(a, b, upright=False, time_offset="search")
+    assert calibration.accepted, calibration.reason
+    assert abs(calibration.time_offset + late) < 0.2
+
+
 def test_rolled_cameras_before_what_has_no_up():
     check(rolled(cubes(1), (90, -120)), upright=False)

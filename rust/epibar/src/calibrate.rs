@@ -6,7 +6,7 @@
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
 use crate::clock::{Aligned, Clocks, Timing};
 use crate::error::Result;
-use crate::frontier::{Up, Views, busy_frames, up::up_of};
+use crate::frontier::{Views, busy_frames};
 use crate::hypotheses::{Draws, LineModel};
 use crate::lines;
 use crate::matching::{Candidates, find_candidates};
@@ -121,13 +121,20 @@ impl<'a> Pair<'a> {
         find_candidates(a, b, &self.common, compared, &self.options.candidate_options())
     }
 
+    /// Silhouettes of both at some of the frames.
+    fn views(&self, frames: &[FramePair]) -> Views {
+        // The paper's method knows nothing of camera matrices.
+        let cameras = self.options.cameras.filter(|_| self.options.method == Method::Frontier);
+        self.aligned.views(frames).with_cameras(cameras)
+    }
+
     /// The method of frontier points: search on the fitted frames, then refine on all.
     fn by_tangents(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
         let defaults = SearchOptions::default();
         let draws = Draws { lines: self.options.draws, ..defaults.draws };
         let some = |limit| {
             let busy = busy_frames(self.aligned.a(), self.aligned.b(), &self.split.fitted_busy, limit);
-            seen.views_of(self, &busy)
+            self.views(&busy)
         };
         let ground =
             Ground::new(&seen.fitted, some, SearchOptions { seed: self.options.seed, draws, ..defaults });
@@ -180,7 +187,6 @@ impl<'a> Pair<'a> {
 
 /// The silhouettes of both cameras.
 struct Seen {
-    up: [Up; 2],
     all: Views,
     fitted: Views,
     busy: Views,
@@ -188,20 +194,11 @@ struct Seen {
 
 impl Seen {
     fn new(pair: &Pair) -> Self {
-        let recordings = [pair.aligned.a(), pair.aligned.b()];
-        let up = recordings.map(|r| if pair.options.upright { Up::IMAGE } else { up_of(r) });
-        let of = |frames: &[FramePair]| Self::views(pair, up, frames);
-        Self { up, all: of(&pair.common), fitted: of(&pair.split.fitted_busy), busy: of(&pair.busy) }
-    }
-
-    fn views(pair: &Pair, up: [Up; 2], frames: &[FramePair]) -> Views {
-        // The paper's method knows nothing of camera matrices.
-        let cameras = pair.options.cameras.filter(|_| pair.options.method == Method::Frontier);
-        pair.aligned.views(frames).with_up(up).with_cameras(cameras)
-    }
-
-    fn views_of(&self, pair: &Pair, frames: &[FramePair]) -> Views {
-        Self::views(pair, self.up, frames)
+        Self {
+            all: pair.views(&pair.common),
+            fitted: pair.views(&pair.split.fitted_busy),
+            busy: pair.views(&pair.busy),
+        }
     }
 
     fn case<'s>(&'s self, pair: &'s Pair, found: &'s Found) -> Case<'s> {

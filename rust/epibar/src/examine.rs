@@ -3,6 +3,7 @@
 use crate::calibration::FrontierPoint;
 use crate::clock::common_frames;
 use crate::error::{Error, Result};
+use crate::frontier::up::up_in;
 use crate::frontier::{ClassScore, Views, compare, symmetric_score};
 use crate::geometry::{CameraMatrices, Fundamental};
 use crate::recording::Recording;
@@ -123,7 +124,7 @@ pub fn examine(a: &Recording, b: &Recording, f: &Fundamental, options: &ExamineO
         return refuse("time_offset", time_offset, "a finite number of frames");
     }
     let common = common_frames(a, b, time_offset);
-    let views = Views::new(a, b, &common).with_upright(upright).with_cameras(cameras);
+    let views = Views::new(a, b, &common).with_up(up_in([a, b], upright)).with_cameras(cameras);
     let f = if refine { polish(&views, f) } else { *f };
     let comparison = compare(&views, &f, radius);
     let point =

@@ -2,7 +2,7 @@
 
 use super::between;
 use super::clock::{Clock, nearest};
-use crate::frontier::Views;
+use crate::frontier::{Up, Views};
 use crate::recording::tracker::Links;
 use crate::recording::{FramePair, Recording};
 
@@ -14,12 +14,13 @@ pub struct Aligned<'a> {
     clock: Clock,
     positions: Vec<f64>,
     links: &'a Links,
+    up: [Up; 2],
 }
 
 impl<'a> Aligned<'a> {
-    /// By a clock; `links` are those of the silhouettes of B.
-    pub fn new(a: &'a Recording, b: &'a Recording, links: &'a Links, clock: Clock) -> Self {
-        Self { a, b, clock, positions: clock.positions(a, b), links }
+    /// By a clock; `links` are those of the silhouettes of B, `up` is up in either image.
+    pub fn new(a: &'a Recording, b: &'a Recording, links: &'a Links, clock: Clock, up: [Up; 2]) -> Self {
+        Self { a, b, clock, positions: clock.positions(a, b), links, up }
     }
 
     /// With only every so many-th of the common frames, at most `limit` of them.
@@ -60,12 +61,12 @@ impl<'a> Aligned<'a> {
     /// Silhouettes of both at some of those pairs, B's drawn at the very moment of A's frame.
     pub fn views(&self, frame_pairs: &[FramePair]) -> Views {
         if frame_pairs.iter().all(|p| self.positions[p.a as usize].fract() == 0.0) {
-            return Views::new(self.a, self.b, frame_pairs);
+            return Views::new(self.a, self.b, frame_pairs).with_up(self.up);
         }
         let hulls = |frame: u32| {
             let found = between::hulls(&self.b.silhouettes, self.links, self.positions[frame as usize]);
             found.into_iter().map(|hull| hull.vertices).collect()
         };
-        Views::with_hulls_of_b(self.a, self.b, frame_pairs, hulls)
+        Views::with_hulls_of_b(self.a, self.b, frame_pairs, hulls).with_up(self.up)
     }
 }

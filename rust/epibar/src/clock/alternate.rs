@@ -6,6 +6,7 @@ use super::offset::{FoundOffset, find_offset};
 use super::offset_and_drift::{Measured, sharpen};
 use super::timing::{TimeOffset, Timing};
 use crate::error::Result;
+use crate::frontier::up::{Up, up_in};
 use crate::frontier::{busy_frames, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::recording::Recording;
@@ -29,7 +30,7 @@ pub struct Clocks<'a> {
     a: &'a Recording,
     b: &'a Recording,
     links: Links,
-    upright: bool,
+    up: [Up; 2],
     clock: Clock,
     found: Option<FoundOffset>,
     next: Next,
@@ -68,7 +69,7 @@ impl<'a> Clocks<'a> {
                 (Clock::at(found.map_or(0.0, |s| s.offset)), found, Next::First)
             }
         };
-        Ok(Self { a, b, links: Links::new(b), upright, clock, found, next })
+        Ok(Self { a, b, links: Links::new(b), up: up_in([a, b], upright), clock, found, next })
     }
 
     /// Both recordings on the time line for which a geometry is wanted.
@@ -124,13 +125,12 @@ impl<'a> Clocks<'a> {
     }
 
     fn aligned_at(&self, clock: Clock) -> Aligned<'_> {
-        Aligned::new(self.a, self.b, &self.links, clock)
+        Aligned::new(self.a, self.b, &self.links, clock, self.up)
     }
 
     /// What the recordings say of a clock that is about right, with a geometry that is.
     fn measured(&self, clock: Clock, f: &Fundamental) -> Option<Measured> {
-        sharpen(self.a, self.b, &self.links, clock, f, self.upright)
-            .filter(|m| m.offset_error < MAX_OFFSET_ERROR)
+        sharpen(self.a, self.b, &self.links, clock, f, self.up).filter(|m| m.offset_error < MAX_OFFSET_ERROR)
     }
 
     /// [`Clocks::measured`] from the clock, or from the best of those some whole frames away where it is not yet sharp.
@@ -158,7 +158,7 @@ impl<'a> Clocks<'a> {
                 return f64::NEG_INFINITY;
             }
             let busy = busy_frames(self.a, self.b, &pairs, FRAMES);
-            symmetric_score(&aligned.views(&busy).with_upright(self.upright), f).total
+            symmetric_score(&aligned.views(&busy), f).total
         };
         let by_score = (-REACH..=REACH).map(|k| (score(k), k));
         by_score

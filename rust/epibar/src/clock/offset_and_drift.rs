@@ -12,7 +12,7 @@ use super::aligned::Aligned;
 use super::between::{self, Hull};
 use super::clock::Clock;
 use super::equations::{ClockError, Equation, Row, Rows, Span};
-use crate::frontier::{TangentMatch, Views, busy_frames, compare};
+use crate::frontier::{TangentMatch, Up, Views, busy_frames, compare};
 use crate::geometry::Fundamental;
 use crate::geometry::seven_parameters::{SevenParameters, Step};
 use crate::recording::tracker::Links;
@@ -55,16 +55,16 @@ pub struct Measured {
 
 /// Sharpens a clock near which `f` is about right. `None` where too little moves across its epipolar lines.
 ///
-/// `upright`: both cameras are the right way up.
+/// `up`: in either image.
 pub fn sharpen(
     a: &Recording,
     b: &Recording,
     links: &Links,
     start: Clock,
     f: &Fundamental,
-    upright: bool,
+    up: [Up; 2],
 ) -> Option<Measured> {
-    let fitter = Fitter { a, b, links, upright };
+    let fitter = Fitter { a, b, links, up };
     let (alike, error) = fitter.settle(start, f, false)?;
     let (free, free_error) = fitter.settle(alike.clock, &alike.fundamental, true)?;
     let frames = a.frames() as f64 * (free.clock.rate - 1.0).abs();
@@ -92,7 +92,7 @@ struct Fitter<'a> {
     a: &'a Recording,
     b: &'a Recording,
     links: &'a Links,
-    upright: bool,
+    up: [Up; 2],
 }
 
 impl Fitter<'_> {
@@ -121,10 +121,10 @@ impl Fitter<'_> {
 
     /// The equations of a state: matched tangents whose motion is known.
     fn rows(&self, state: &State, radius: f64) -> Option<Rows> {
-        let aligned = Aligned::new(self.a, self.b, self.links, state.clock);
+        let aligned = Aligned::new(self.a, self.b, self.links, state.clock, self.up);
         let pairs = busy_frames(self.a, self.b, &aligned.frame_pairs(), FRAMES);
         let (first, last) = (pairs.first()?.a, pairs.last()?.a);
-        let views = aligned.views(&pairs).with_upright(self.upright);
+        let views = aligned.views(&pairs);
         let scale = views.pixel_scale();
         let within = |radius: f64| radius.clamp(RADII[1] * scale, RADII[0] * scale);
         let radius = within(radius);

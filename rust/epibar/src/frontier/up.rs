@@ -44,6 +44,11 @@ impl Up {
     pub const IMAGE: Self = Self { direction: IMAGE_UP, known: true };
 }
 
+/// Up in the images of two cameras: known where they are the right way up, else found.
+pub fn up_in(recordings: [&Recording; 2], upright: bool) -> [Up; 2] {
+    if upright { [Up::IMAGE; 2] } else { recordings.map(up_of) }
+}
+
 /// Up in the image of a recording, from how its silhouettes stand.
 pub fn up_of(recording: &Recording) -> Up {
     let silhouettes = &recording.silhouettes;

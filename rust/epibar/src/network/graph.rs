@@ -6,7 +6,7 @@ use super::residual::{LEAST_MEETINGS, Meeting};
 use super::start::{Hypothesis, PairHypotheses};
 use crate::calibration::Calibration;
 use crate::clock::{Aligned, Clock};
-use crate::frontier::compare;
+use crate::frontier::{Up, compare};
 use crate::geometry::Fundamental;
 use crate::recording::Recording;
 use crate::recording::tracker::Links;
@@ -54,7 +54,7 @@ impl PairFound {
     pub(super) fn hypotheses(&self, a: &Recording, b: &Recording) -> Option<PairHypotheses> {
         let clock = Clock::of_frames(self.offset, self.frames_per_frame, a, b);
         let links = Links::new(b);
-        let aligned = Aligned::new(a, b, &links, clock).thinned(FRAMES);
+        let aligned = Aligned::new(a, b, &links, clock, [Up::IMAGE; 2]).thinned(FRAMES);
         let common = aligned.frame_pairs();
         let views = aligned.views(&common);
         let scale = 0.5 * (a.size().diagonal() + b.size().diagonal()) / 800.0;
