@@ -39,7 +39,7 @@ const SAMPLES: u64 = 400;
 const FITS: usize = 5;
 
 /// The largest distance over the images of a geometry that turned about a plane and kept its evidence, pixels; 0 where there is none, or
-/// where matched points keep to no plane; NaN where they are too few to tell.
+/// where matched points keep to no plane; NaN where that cannot be told.
 pub fn may_turn(views: &Views, winner: &Winner, matches: &[TangentMatch], plane_residual: f64) -> f64 {
     if plane_residual.is_nan() || matches.len() < MIN_POINTS {
         return f64::NAN;
@@ -47,15 +47,15 @@ pub fn may_turn(views: &Views, winner: &Winner, matches: &[TangentMatch], plane_
     if reaches(plane_residual, DEPTH) {
         return 0.0;
     }
-    let about = Plane::new(&winner.fundamental, matches, views);
-    let started: Vec<Fundamental> =
-        about.iter().flat_map(|plane| plane.turned(views.pixel_scale())).collect();
-    started
+    let Some(plane) = Plane::new(&winner.fundamental, matches, views) else { return f64::NAN };
+    plane
+        .turned(views.pixel_scale())
         .par_iter()
         .filter_map(|turned| refine(views, turned, &[winner.radius], ROUNDS))
-        .filter(|turned| reaches(winner.beside(turned).share, TURNED_SHARE))
+        .filter(|turned| reaches(winner.share(turned), TURNED_SHARE))
         .map(|turned| image_distance(&winner.fundamental, &turned, views.sizes()))
-        .reduce(|| 0.0, f64::max)
+        // What is not known is not small.
+        .reduce(|| 0.0, |p, q| if p.is_nan() || q.is_nan() { f64::NAN } else { p.max(q) })
 }
 
 /// A plane that `F` allows, in normalised coordinates.
