@@ -6,6 +6,8 @@ from network_input import made_up
 from epibar import Recording, _core
 
 SIZE = (640, 480)
+FEW = ["--masks", "--lines", "50", "--time-offset", "0"]
+"""Options of the command line for masks of few pixels."""
 
 
 def network():

@@ -4,12 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from check_input import MOVED, SIZE, UNSURE, network, some_masks, stand_in, suspect
+from check_input import FEW, MOVED, SIZE, UNSURE, network, some_masks, stand_in, suspect
 
 from epibar.cli import main
 from epibar.lens import Intrinsics, write_cameras
-
-FEW = ["--masks", "--lines", "50", "--time-offset", "0"]
 
 
 @pytest.fixture

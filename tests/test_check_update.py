@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from check_input import MOVED, UNSURE, films, network, replaced, some_masks, stand_in, suspect
+from check_input import FEW, MOVED, UNSURE, films, network, replaced, some_masks, stand_in, suspect
 
 import epibar
 from epibar import EpibarError
@@ -18,8 +18,6 @@ from epibar.geometry.cameras import fundamental_from_cameras
 from epibar.jobs.folder import Folder
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import updating
-
-FEW = ["--masks", "--lines", "50", "--time-offset", "0"]
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from ..files.text_table import aligned
 from .checking import MOVED, SUSPECT, UNMOVED, CameraCheck, NetworkCheck
 from .parts import BASELINE, NetworkParts
 
@@ -17,11 +18,7 @@ VERDICTS = {UNMOVED: "has not moved", MOVED: "HAS MOVED", SUSPECT: "MAY HAVE MOV
 def check_table(check: NetworkCheck) -> list[str]:
     """Lines of a table, a row for each camera; true errors are below those stated nine times in ten."""
     unit = "" if check.unit == BASELINE else " m"
-    rows = [HEADER, *(_row(camera, unit) for camera in check.cameras.values())]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(HEADER))]
-    return [
-        "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]
+    return aligned([HEADER, *(_row(camera, unit) for camera in check.cameras.values())])
 
 
 def _row(camera: CameraCheck, unit: str) -> tuple[str, ...]:

@@ -234,11 +234,7 @@ def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[
         A name is none of the network's, or fewer than two can be checked.
     """
     filmed = list(names)
-    for name in filmed:
-        if name not in network.cameras:
-            raise EpibarError(
-                f"{name}: the network has no camera of that name; it has {', '.join(network.cameras)}"
-            )
+    network.refuse_unknown(filmed)
     left_out = {}
     for name, camera in network.cameras.items():
         if not camera.accepted:

@@ -240,8 +240,7 @@ impl Case<'_> {
         if beliefs[camera].posed {
             return Some(posed);
         }
-        // The stored pose is of other footage, and about as uncertain.
-        let error = |from: usize| Some(length_quantile(&(found.block(camera, from)? * 2.0)));
+        let error = |from: usize| pose_error(&found, camera, from);
         Some(Move {
             turned: before.rotation.angle_to(&after.rotation),
             turned_error: error(ROTATION)?,
@@ -312,6 +311,12 @@ pub fn freed(beliefs: &Beliefs) -> Beliefs {
     let mut free = *beliefs;
     free.intrinsic[FOCAL] = Belief::about(free.intrinsic[FOCAL].mean, f64::INFINITY);
     free
+}
+
+/// Nine in ten errors of a turn or of a shift, by the first of its three parameters, are below this; the stored pose is about as
+/// uncertain.
+pub fn pose_error(found: &Covariance, camera: usize, from: usize) -> Option<f64> {
+    Some(length_quantile(&(found.block(camera, from)? * 2.0)))
 }
 
 /// Nine in ten errors of a change of the log of the focal length are below this; the stored one is about as uncertain.

@@ -4,7 +4,7 @@ use super::camera::{Camera, POSITION, ROTATION};
 use super::covariance::{Covariance, Expected, NINE_IN_TEN, covariance, length_quantile};
 use super::join::outline_error;
 use super::joint::{Beliefs, Problem};
-use super::moves::{FOCAL, Move, PARTS, deviates, focal_error, freed};
+use super::moves::{FOCAL, Move, PARTS, deviates, focal_error, freed, pose_error};
 use super::observed::Observed;
 use super::relocate::Placed;
 use super::result::Place;
@@ -145,7 +145,7 @@ fn solved_for(found: &Move, beliefs: &Beliefs) -> Beliefs {
 
 /// The move by the place that all that moved agree on.
 fn told(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, camera: usize) {
-    let error = |from: usize| errors.block(camera, from).map(|block| length_quantile(&(block * 2.0)));
+    let error = |from: usize| pose_error(errors, camera, from);
     if let (Some(turned_error), Some(shifted_error)) = (error(ROTATION), error(POSITION)) {
         found.turned = stored.rotation.angle_to(&at.rotation);
         found.shifted = (stored.position - at.position).norm();

@@ -155,8 +155,7 @@ impl Footage<'_> {
     fn explanation(&self, stretch: &Stretch, so_far: &Judged, camera: usize, found: &Move) -> Explanation {
         let network = self.without(stretch, &so_far.now, camera);
         let standing = Standing::of(stretch, &network);
-        let fitted =
-            Stretch::from(self.observed, if found.is_within() { found.since } else { stretch.share(0.0) });
+        let fitted = self.since(found, stretch);
         let case =
             Case { stretch, fitted: &fitted, beliefs: self.beliefs, network: &network, standing: &standing };
         let start = Camera { log_focal: network.cameras[camera].log_focal, ..found.camera };
@@ -189,8 +188,12 @@ impl Footage<'_> {
         };
         then.now.cameras[*camera] = found.camera;
         then.moved[*camera] = true;
-        let begins = if found.is_within() { found.since } else { stretch.share(0.0) };
-        (Stretch::from(self.observed, begins), then)
+        (self.since(found, stretch), then)
+    }
+
+    /// The footage since a move; all of a stretch where it was not filmed.
+    fn since(&self, found: &Move, stretch: &Stretch) -> Stretch<'_> {
+        Stretch::from(self.observed, if found.is_within() { found.since } else { stretch.share(0.0) })
     }
 }
 

@@ -8,7 +8,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::over_image::{along, cell_centres};
+use super::over_image::{along, cell_centres, larger_median};
 use crate::geometry::seven_parameters::{Information, SevenParameters, Step};
 use crate::image::ImageSize;
 
@@ -51,13 +51,7 @@ impl Uncertainty {
     /// is not known.
     pub fn beyond_motion(&self) -> f64 {
         let known = Self { systematic: 0.0, ..self.clone() };
-        let median = |map: ErrorMap| {
-            let mut values: Vec<f64> = map.values.into_iter().filter(|v| v.is_finite()).collect();
-            values.sort_by(f64::total_cmp);
-            values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-        };
-        let [a, b] = known.maps().map(median);
-        if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+        larger_median(known.maps().map(|map| map.values))
     }
 
     fn map(

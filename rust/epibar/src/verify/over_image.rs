@@ -40,20 +40,27 @@ pub fn along(line: &Homogeneous, size: ImageSize) -> Option<[[f64; 2]; ALONG]> {
 /// epipolar distance along the line of a place under the first, pixels, of the image in which it is larger. NaN where either
 /// shows no line.
 pub fn image_distance(f: &Fundamental, other: &Fundamental, [a, b]: [ImageSize; 2]) -> f64 {
-    let (there, back) = (median(f, other, a, b), median(&f.transposed(), &other.transposed(), b, a));
-    if there.is_nan() || back.is_nan() { f64::NAN } else { there.max(back) }
+    larger_median([means(f, other, a, b), means(&f.transposed(), &other.transposed(), b, a)])
 }
 
-fn median(f: &Fundamental, other: &Fundamental, from: ImageSize, to: ImageSize) -> f64 {
-    let mut means: Vec<f64> = cell_centres(from, ROWS, COLUMNS)
+/// The median over an image of what is known of its places, of the image in which it is larger; NaN where nothing is known of either.
+pub fn larger_median(of_images: [Vec<f64>; 2]) -> f64 {
+    let [a, b] = of_images.map(|mut values| {
+        values.retain(|v| v.is_finite());
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    });
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+fn means(f: &Fundamental, other: &Fundamental, from: ImageSize, to: ImageSize) -> Vec<f64> {
+    cell_centres(from, ROWS, COLUMNS)
         .filter_map(|x| {
             let points = along(&f.line_in_b(&x), to)?;
             let distance = |b| symmetric_epipolar_distance(other, [x.x, x.y], b).min(MOST);
             Some(points.into_iter().map(distance).sum::<f64>() / ALONG as f64)
         })
-        .collect();
-    means.sort_by(f64::total_cmp);
-    means.get(means.len() / 2).copied().unwrap_or(f64::NAN)
+        .collect()
 }
 
 #[cfg(test)]

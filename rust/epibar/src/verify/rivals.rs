@@ -40,12 +40,11 @@ pub struct Winner<'v> {
 }
 
 /// What another geometry has of the winner's evidence.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beside {
+struct Beside {
     /// Its score as a share of the winner's.
-    pub share: f64,
+    share: f64,
     /// Normal deviate of the difference in score, and in how well known camera matrices agree.
-    pub z: f64,
+    z: f64,
 }
 
 impl<'v> Winner<'v> {
@@ -56,8 +55,17 @@ impl<'v> Winner<'v> {
         Self { views, fundamental: *fundamental, radius, score, by_frame, block }
     }
 
+    /// The score of another geometry as a share of its own.
+    pub fn share(&self, other: &Fundamental) -> f64 {
+        self.share_of(symmetric_score(self.views, other))
+    }
+
+    fn share_of(&self, theirs: SymmetricScore) -> f64 {
+        theirs.total / self.score.max(1e-9)
+    }
+
     /// Another geometry beside it.
-    pub fn beside(&self, other: &Fundamental) -> Beside {
+    fn beside(&self, other: &Fundamental) -> Beside {
         let theirs = symmetric_score(self.views, other);
         let by_frame = score_by_frame(self.views, other, theirs.radius);
         let contradiction = self
@@ -66,7 +74,7 @@ impl<'v> Winner<'v> {
             .as_ref()
             .map_or(0.0, |k| (k.deviation(other) - k.deviation(&self.fundamental)) / DEVIATION);
         Beside {
-            share: theirs.total / self.score.max(1e-9),
+            share: self.share_of(theirs),
             z: with_cameras(paired_z(&self.by_frame, &by_frame, self.block), contradiction),
         }
     }
