@@ -116,7 +116,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
     let of_others = others.fold(evidence.tested_distance.max(0.0), f64::max);
-    let of_chance = UNEXPLAINED_SHARE * radius * odds_of_chance(&evidence);
+    let of_chance = UNEXPLAINED_SHARE * best_radius * odds_of_chance(&evidence);
     let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
     let fit =
         Fit { fundamental, matches: &compare(views, fundamental, best_radius).matches, radius: best_radius };
