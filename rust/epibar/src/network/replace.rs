@@ -53,8 +53,7 @@ struct Resolved<'a> {
     survey: Survey<'a>,
     beliefs: Vec<Beliefs>,
     cameras: Vec<Camera>,
-    /// Errors of the moves, and of the places.
-    errors: [Covariance; 2],
+    errors: Covariance,
     pairs: Vec<((usize, usize), Deviates)>,
 }
 
@@ -76,8 +75,7 @@ impl<'a> Resolved<'a> {
             prior_weight: settled.prior_weight,
             moving: moved.clone(),
         };
-        let errors = |outlines: f64| covariance(&problem, &settled.cameras, outlines);
-        let errors = [errors(0.0)?, errors(outline_error(settled.scale, false))?];
+        let errors = covariance(&problem, &settled.cameras, outline_error(settled.scale, false))?;
         let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };
         let pairs = Support::on(&survey, &network).pairs;
         Some(Self { survey, beliefs, cameras: settled.cameras, errors, pairs })
@@ -96,7 +94,7 @@ impl<'a> Resolved<'a> {
         if confirmed.len() < limits::CONFIRMED_PAIRS {
             return Err(UNCONFIRMED);
         }
-        told(m, &at, &stored[c], &self.errors[0], c);
+        told(m, &at, &stored[c], &self.errors, c);
         if m.or_zoomed {
             return Err(OR_ZOOMED);
         }
@@ -109,7 +107,7 @@ impl<'a> Resolved<'a> {
             translation: at.translation(),
             zoomed: m.zoomed,
             reposed: m.reposed,
-            expected: expected(m, &self.errors[1], c),
+            expected: expected(m, &self.errors, c),
             pairs: seen.iter().map(|(pair, d)| (beside(*pair), *d)).collect(),
         })
     }
@@ -143,7 +141,8 @@ fn solved_for(found: &Move, beliefs: &Beliefs) -> Beliefs {
     Beliefs { posed: !found.reposed, ..if found.zoomed { freed(beliefs) } else { *beliefs } }
 }
 
-/// The move by the place that all that moved agree on.
+/// The move by the place that all that moved agree on. What outlines are wrong by is in its errors: after a move they are seen elsewhere
+/// in the image, and wrong by something else than when the network was calibrated.
 fn told(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, camera: usize) {
     let error = |from: usize| pose_error(errors, camera, from);
     if let (Some(turned_error), Some(shifted_error)) = (error(ROTATION), error(POSITION)) {
