@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 from network_input import made_up
 
+from epibar.network.walkers import WalkerTracks
+
 METRES = 1.7 / 0.35
 """Of the made-up network, once people measure 1.7 m."""
 POINTS = METRES * np.random.default_rng(0).uniform((-0.4, -0.4, 0.65), (0.4, 0.4, 1.35), (1000, 3))
@@ -32,6 +34,22 @@ def network(count=12, distortions=None, names=None):
         new = names[k] if names else name
         cameras[new] = replace(camera, name=new, distortions=lens)
     return replace(net, cameras=cameras)
+
+
+def walkers(began=2.0):
+    """Tracks of two walkers, 1.7 m tall; the first is not seen for three seconds."""
+    time = began + np.array([0.0, 0.5, 1.0, 4.0, 4.5, 0.5, 1.0, 1.5])
+    foot = np.column_stack([0.2 * np.arange(8.0), np.sin(np.arange(8.0)), np.zeros(8)])
+    return WalkerTracks(
+        names=("cam1", "cam2"),
+        unit="metre",
+        time=time,
+        track=np.array([0, 0, 0, 0, 0, 4, 4, 4]),
+        foot=foot,
+        top=foot + np.array([0.0, 0.0, 1.7]),
+        cameras=np.ones((8, 2), bool),
+        residual=np.full(8, 0.3),
+    )
 
 
 def pixels(K, distortions, R, t, points=POINTS):

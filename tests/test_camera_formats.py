@@ -11,7 +11,16 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from camera_formats_input import HOSTILE, POINTS, assert_projects, expected, inside, network, pixels
+from camera_formats_input import (
+    HOSTILE,
+    POINTS,
+    assert_projects,
+    expected,
+    inside,
+    network,
+    pixels,
+    walkers,
+)
 from network_input import made_up
 
 from epibar import EpibarError
@@ -281,6 +290,33 @@ def test_rerun(tmp_path):
         assert size == [640, 480]
     assert logged["/world/names"]["Points3D:labels"] == list(net.cameras)
     assert "unit: metre" in logged["/about"]["TextDocument:text"][0]
+
+
+def test_walkers_in_rerun(tmp_path):
+    pytest.importorskip("rerun", reason="rerun-sdk, the extra 'live', is not installed")
+    from rerun.chunk import RrdReader
+
+    tracks = walkers()
+    network(3).export(tmp_path / "c.rrd", format="rerun", tracks=tracks)
+    lines, there = {}, []
+    for chunk in RrdReader(tmp_path / "c.rrd").stream():
+        batch = chunk.to_record_batch()
+        entity = str(chunk.entity_path).replace("\\", "")
+        if not entity.startswith("/world/walkers/"):
+            continue
+        strips = batch.column(batch.schema.names.index("LineStrips3D:strips")).to_pylist()
+        if entity.endswith("walker 4/there"):
+            seconds = batch.column(batch.schema.names.index("time")).cast("int64").to_pylist()
+            there += zip(seconds, strips, strict=True)
+        elif not entity.endswith("/there"):
+            lines[entity] = strips[-1]
+    assert sorted(lines) == [f"/world/walkers/walker {w}" for w in ("0 part 1", "0 part 2", "4")]
+    np.testing.assert_allclose(lines["/world/walkers/walker 4"][0], tracks.foot[5:8], atol=1e-6)
+    there.sort(key=lambda one: one[0])
+    assert [one[0] / 1e9 for one in there] == pytest.approx([*tracks.time[5:8], tracks.time[7] + 1e-3])
+    for (_, (segment,)), foot, top in zip(there, tracks.foot[5:8], tracks.top[5:8], strict=False):
+        np.testing.assert_allclose(segment, [foot, top], atol=1e-6)
+    assert there[-1][1] == []
 
 
 def test_rerun_that_is_not_installed_is_named(tmp_path, monkeypatch):

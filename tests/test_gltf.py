@@ -8,8 +8,9 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from camera_formats_input import HOSTILE, POINTS, expected, network, pixels
+from camera_formats_input import HOSTILE, POINTS, expected, network, pixels, walkers
 
+from epibar import EpibarError
 from epibar.errors import printable
 from epibar.lens import Intrinsics
 
@@ -64,13 +65,11 @@ def placed_nodes(document):
 
 def vertices(document, buffer, node):
     (primitive,) = document["meshes"][node["mesh"]]["primitives"]
-    assert primitive["mode"] == 1
+    assert primitive["mode"] in (1, 3)
     accessor = document["accessors"][primitive["attributes"]["POSITION"]]
-    assert (
-        accessor["byteOffset"] + 12 * accessor["count"]
-        <= document["bufferViews"][0]["byteLength"]
-        == len(buffer)
-    )
+    views = document["bufferViews"]
+    assert accessor["byteOffset"] + 12 * accessor["count"] <= views[0]["byteLength"]
+    assert sum(view["byteLength"] for view in views) == len(buffer)
     found = np.frombuffer(buffer, "<f4", 3 * accessor["count"], accessor["byteOffset"]).reshape(-1, 3)
     np.testing.assert_array_equal(found.min(axis=0), np.float32(accessor["min"]))
     np.testing.assert_array_equal(found.max(axis=0), np.float32(accessor["max"]))
@@ -148,3 +147,62 @@ def test_a_fisheye_lens_stands_in_extras(tmp_path):
     net.export(tmp_path / "c.glb", format="gltf", lenses={"cam1": lens})
     extras = [node["extras"] for node in read_gltf(tmp_path / "c.glb")[0]["nodes"] if "camera" in node]
     assert [one["fisheye"] for one in extras] == [True, False, False]
+
+
+def samples(document, buffer, index):
+    accessor = document["accessors"][index]
+    view = document["bufferViews"][accessor["bufferView"]]
+    assert "target" not in view
+    width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
+    at = view["byteOffset"] + accessor["byteOffset"]
+    found = np.frombuffer(buffer, "<f4", width * accessor["count"], at).reshape(-1, width)
+    np.testing.assert_array_equal(found.min(axis=0), np.float32(accessor["min"]))
+    np.testing.assert_array_equal(found.max(axis=0), np.float32(accessor["max"]))
+    return found.astype(float)
+
+
+@pytest.mark.parametrize("name", ["c.gltf", "c.glb"])
+@pytest.mark.parametrize("began", [2.0, -3.0])
+def test_walkers_in_gltf_are_lines_and_an_animation(name, began, tmp_path):
+    net, tracks = network(3), walkers(began)
+    net.export(tmp_path / name, format="gltf", tracks=tracks)
+    document, buffer = read_gltf(tmp_path / name)
+    nodes = placed_nodes(document)
+    ways = [key for key in nodes if key.startswith("walker") and not key.endswith("moving")]
+    assert ways == ["walker 0 part 1", "walker 0 part 2", "walker 4"]
+    for way, rows in zip(ways, ([0, 1, 2], [3, 4], [5, 6, 7]), strict=True):
+        node, above = nodes[way]
+        feet = vertices(document, buffer, node) @ above[:3, :3].T
+        np.testing.assert_allclose(feet, tracks.foot[rows][:, [0, 2, 1]] * (1, 1, -1), atol=1e-5)
+    (animation,) = document["animations"]
+    shift = -min(began, 0.0)
+    moved = {}
+    for channel in animation["channels"]:
+        sampler = animation["samplers"][channel["sampler"]]
+        time = samples(document, buffer, sampler["input"])[:, 0]
+        assert time[0] >= 0
+        assert (np.diff(time) > 0).all()
+        key = document["nodes"][channel["target"]["node"]]["name"], channel["target"]["path"]
+        moved[key] = sampler["interpolation"], time, samples(document, buffer, sampler["output"])
+    assert len(moved) == 6
+    kind, time, place = moved["walker 4 moving", "translation"]
+    assert kind == "LINEAR"
+    np.testing.assert_allclose(time, tracks.time[5:8] + shift, atol=1e-5)
+    np.testing.assert_allclose(place, tracks.foot[5:8], atol=1e-5)
+    kind, time, size = moved["walker 4 moving", "scale"]
+    assert kind == "STEP"
+    assert size[:, 0].tolist() == [0, 1, 0]
+    assert time[1] == pytest.approx(tracks.time[5] + shift)
+    standing = vertices(document, buffer, nodes["walker 4 moving"][0])
+    np.testing.assert_allclose(standing, [[0, 0, 0], [0, 0, 1.7]], atol=1e-6)
+    notes = document["nodes"][0]["extras"]["notes"]
+    assert any("3.000 s before the first frame" in note for note in notes) == (began < 0)
+
+
+def test_walkers_without_a_place_are_refused(tmp_path):
+    net = network(3)
+    with pytest.raises(EpibarError, match="'anipose' has no place for walkers; these have: gltf, rerun"):
+        net.export(tmp_path / "c.toml", format="anipose", tracks=walkers())
+    with pytest.raises(EpibarError, match=r"in baselines and the network in metres.*scaled"):
+        net.export(tmp_path / "c.gltf", format="gltf", tracks=walkers().scaled(1.0, "baseline"))
+    assert not list(tmp_path.iterdir())

@@ -159,7 +159,19 @@ def test_the_report_has_the_network_and_its_walkers(masks, again, capsys):
     assert len(space["tracks"]) >= len(np.unique(tracks.track)) > 0
     place = np.array(space["tracks"][0][0])
     assert np.abs(tracks.foot - place).max(axis=1).min() < 2e-3
+    scene = again / "scene.gltf"
+    export = ["export", str(again), "--format", "gltf", "--out", str(scene)]
+    assert main(export) == 0
+    names = [node["name"] for node in json.loads(scene.read_text())["nodes"]]
+    ways = [way for way in tracks.ways() if len(way.time) > 1]
+    assert {way.name for way in ways} == {
+        name for name in names if name.startswith("walker") and not name.endswith("moving")
+    }
     (again / "tracks.csv").write_text("something else\n")
+    capsys.readouterr()
+    assert main(export) == 0
+    assert "without walkers" in capsys.readouterr().err
+    assert "animations" not in json.loads(scene.read_text())
     assert main(words) == 0
     page = Page(again / "report.html")
     assert page.data["space"]["tracks"] == []

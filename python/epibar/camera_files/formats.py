@@ -41,6 +41,8 @@ class Format(NamedTuple):
         Extra of the package that it needs.
     reads : bool
         Whether ``epibar`` reads it too, as camera file.
+    tracks : bool
+        Whether walkers have a place in it.
     package : str
         Where the module is.
     """
@@ -54,6 +56,7 @@ class Format(NamedTuple):
     function: str
     extra: str = ""
     reads: bool = False
+    tracks: bool = False
     package: str = __package__
 
     @property
@@ -152,21 +155,23 @@ FORMATS = {
         Format(
             "gltf",
             "Blender, game engines, viewers",
-            "a .gltf or .glb file: cameras, frusta, grid of the floor",
+            "a .gltf or .glb file: cameras, frusta, grid of the floor, walkers",
             "metre",
             GLTF_AXES,
             "the lens, and a principal point off the middle; both stand in extras",
             "gltf:write_gltf",
+            tracks=True,
         ),
         Format(
             "rerun",
             "Rerun",
-            "an .rrd file: cameras with names, grid of the floor",
+            "an .rrd file: cameras with names, grid of the floor, walkers",
             "network",
             OPENCV_AXES,
             "the lens",
             "rerun:write_rerun",
             extra="live",
+            tracks=True,
         ),
         Format(
             "npz",

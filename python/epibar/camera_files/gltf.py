@@ -7,6 +7,10 @@ as in the network.
 
 A perspective camera of glTF has no distortion, and its axis meets the middle of the image: ``extras`` of a
 camera's node hold its ``matrix``, ``distortions``, ``fisheye`` and ``size``.
+
+A walker is the line that the feet go along, a mesh of ``mode`` 3, and a vertical segment from foot to top
+that an animation moves; it has size 0 before and after ("Animations"). Seconds are those of the network's
+first camera.
 """
 
 from __future__ import annotations
@@ -27,6 +31,7 @@ from ..geometry.cameras import opengl_pose
 from ..lens.intrinsics import Intrinsics
 from .losses import off_as_pinhole, tell, told
 from .shapes import frustum, frustum_depth, ground_grid
+from .ways import Way
 from .world import World
 
 __all__ = ["write_gltf"]
@@ -37,14 +42,16 @@ Y_DOWN = [1.0, 0.0, 0.0, 0.0]
 """The same of a world that is the first camera: its -y into y."""
 
 OPENGL = np.array([1.0, -1.0, -1.0])
-FLOAT, ARRAY_BUFFER, LINES = 5126, 34962, 1
+FLOAT, ARRAY_BUFFER, LINES, LINE_STRIP = 5126, 34962, 1, 3
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+AFTER = 1e-3
+"""Seconds after the last place at which a walker is not there any more."""
 NEAR = 0.01
 """Where a camera's view begins, over the depth of its frustum."""
 
 
 def write_gltf(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
-    """Write cameras, their frusta, and a grid at z = 0 where z is up: ``.glb`` binary, else JSON.
+    """Write cameras, their frusta, a grid at z = 0 where z is up, and walkers: ``.glb`` binary, else JSON.
 
     Raises
     ------
@@ -73,7 +80,10 @@ class _Scene:
 
     def __init__(self, cameras: Sequence[Intrinsics], world: World) -> None:
         depth = frustum_depth(cameras)
-        self._buffer = b""
+        self._vertices = b""
+        self._samples = b""
+        self._channels: list[dict[str, Any]] = []
+        self._samplers: list[dict[str, Any]] = []
         self._accessors: list[dict[str, Any]] = []
         self._meshes: list[dict[str, Any]] = []
         self._nodes: list[dict[str, Any]] = [
@@ -90,6 +100,14 @@ class _Scene:
             segments, spacing = ground_grid(cameras)
             unit = " m" if world.in_metres else ""
             self._add_lines(f"{world.zero}, grid of {spacing:g}{unit}", segments, self._nodes[0])
+        ways = [way for way in world.ways if len(way.time) > 1]  # a line has two ends
+        # An animation begins at 0 and not before.
+        began = min([0.0, *(float(way.time[0]) for way in ways)])
+        for way in ways:
+            self._add_way(way, way.time - began)
+        if began < 0:
+            notes = self._nodes[0]["extras"]["notes"]
+            notes.append(f"the animation begins {-began:.3f} s before the first frame of the first camera")
         self._cameras = [_perspective(camera, NEAR * depth) for camera in cameras]
 
     def _add_camera(self, index: int, camera: Intrinsics, depth: float) -> None:
@@ -112,26 +130,57 @@ class _Scene:
         self._nodes.append(node)
         self._add_lines(f"{printable(camera.name)} frustum", frustum(camera, depth) * OPENGL, node)
 
-    def _add_lines(self, name: str, segments: Array, parent: dict[str, Any]) -> None:
-        points = segments.reshape(-1, 3).astype("<f4")
-        accessor = {
-            "bufferView": 0,
-            "byteOffset": len(self._buffer),
-            "componentType": FLOAT,
-            "count": len(points),
-            "type": "VEC3",
-            "min": points.min(axis=0).tolist(),
-            "max": points.max(axis=0).tolist(),
-        }
-        primitive = {"attributes": {"POSITION": len(self._accessors)}, "mode": LINES}
+    def _add_way(self, way: Way, time: Array) -> None:
+        root = self._nodes[0]
+        self._add_lines(way.name, way.foot, root, LINE_STRIP)
+        moved = len(self._nodes)
+        height = float(np.median(way.top[:, 2] - way.foot[:, 2]))
+        self._add_lines(f"{way.name} moving", np.array([[0, 0, 0], [0, 0, height]]), root)
+        self._animate(moved, "translation", "LINEAR", time, way.foot)
+        # With the first value it begins before its first time as well.
+        first, last = float(time[0]), float(time[-1])
+        times = np.array([0.0, first, last + AFTER] if first > 0 else [first, last + AFTER])
+        shown = np.repeat([[0.0], [1.0], [0.0]] if first > 0 else [[1.0], [0.0]], 3, axis=1)
+        self._animate(moved, "scale", "STEP", times, shown)
+
+    def _animate(self, node: int, path: str, interpolation: str, times: Array, values: Array) -> None:
+        """Move a node by values (n, 3) at times (n,)."""
+        sampler: dict[str, Any] = {"interpolation": interpolation}
+        for key, samples in (("input", times[:, None]), ("output", values)):
+            sampler[key] = len(self._accessors)
+            self._samples += self._accessible(samples, view=1, at=len(self._samples))
+        self._channels.append({"sampler": len(self._samplers), "target": {"node": node, "path": path}})
+        self._samplers.append(sampler)
+
+    def _add_lines(self, name: str, points: Array, parent: dict[str, Any], mode: int = LINES) -> None:
+        primitive = {"attributes": {"POSITION": len(self._accessors)}, "mode": mode}
         parent["children"].append(len(self._nodes))
         self._nodes.append({"name": name, "mesh": len(self._meshes)})
         self._meshes.append({"name": name, "primitives": [primitive]})
+        self._vertices += self._accessible(points.reshape(-1, 3), view=0, at=len(self._vertices))
+
+    def _accessible(self, values: Array, view: int, at: int) -> bytes:
+        """Return values (n, 3) or (n, 1) as bytes, which stand from a place on in a view of the buffer."""
+        numbers = values.astype("<f4")
+        accessor = {
+            "bufferView": view,
+            "byteOffset": at,
+            "componentType": FLOAT,
+            "count": len(numbers),
+            "type": "VEC3" if numbers.shape[1] == 3 else "SCALAR",
+            "min": numbers.min(axis=0).tolist(),
+            "max": numbers.max(axis=0).tolist(),
+        }
         self._accessors.append(accessor)
-        self._buffer += points.tobytes()
+        return numbers.tobytes()
 
     def _document(self, buffer: dict[str, Any]) -> bytes:
-        length = len(self._buffer)
+        vertices, samples = len(self._vertices), len(self._samples)
+        views = [{"buffer": 0, "byteLength": vertices, "target": ARRAY_BUFFER}]
+        animations = []
+        if self._channels:
+            views.append({"buffer": 0, "byteOffset": vertices, "byteLength": samples})
+            animations = [{"name": "walkers", "channels": self._channels, "samplers": self._samplers}]
         document = {
             "asset": {"version": "2.0", "generator": "epibar"},
             "scene": 0,
@@ -140,14 +189,15 @@ class _Scene:
             "cameras": self._cameras,
             "meshes": self._meshes,
             "accessors": self._accessors,
-            "bufferViews": [{"buffer": 0, "byteLength": length, "target": ARRAY_BUFFER}],
-            "buffers": [{"byteLength": length, **buffer}],
+            "bufferViews": views,
+            "buffers": [{"byteLength": vertices + samples, **buffer}],
+            **({"animations": animations} if animations else {}),
         }
         return json.dumps(document, allow_nan=False).encode()
 
     def text(self) -> bytes:
         """Return a ``.gltf`` file, the buffer in it."""
-        data = base64.b64encode(self._buffer).decode()
+        data = base64.b64encode(self._vertices + self._samples).decode()
         return self._document({"uri": f"data:application/octet-stream;base64,{data}"})
 
     def binary(self) -> bytes:
@@ -156,7 +206,7 @@ class _Scene:
         document += b" " * (-len(document) % 4)
         chunks = b"".join(
             struct.pack("<II", len(content), kind) + content
-            for content, kind in ((document, JSON_CHUNK), (self._buffer, BINARY_CHUNK))
+            for content, kind in ((document, JSON_CHUNK), (self._vertices + self._samples, BINARY_CHUNK))
         )
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 

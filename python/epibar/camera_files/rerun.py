@@ -1,8 +1,10 @@
-"""Cameras as a recording of the Rerun viewer: pinholes with their names, and a grid where z is 0.
+"""Cameras as a recording of the Rerun viewer: pinholes with their names, a grid where z is 0, and walkers.
 
 ``world/NAME`` holds a ``Transform3D`` of camera to world and a ``Pinhole``, whose image has pixel centres at
 integers and whose axes are x right, y down, z forward, as the reference of ``rerun.Pinhole`` says; it has no
-distortion. What stands in other files as metadata is a ``TextDocument``.
+distortion. ``world/walkers/NAME`` is the line that the feet go along; ``NAME/there`` goes from foot to top in
+the timeline ``time``, seconds of the network's first camera. What stands in other files as metadata is
+a ``TextDocument``.
 """
 
 from __future__ import annotations
@@ -18,16 +20,20 @@ from ..files.atomic import write_atomically
 from ..lens.intrinsics import Intrinsics
 from .losses import off_as_pinhole, tell, told
 from .shapes import frustum_depth, ground_grid, positions
+from .ways import Way
 from .world import World
 
 __all__ = ["write_rerun"]
 
 APPLICATION = "epibar"
 ROOT = "world"
+TIME = "time"
+AFTER = 1e-3
+"""Seconds after the last place at which a walker is not there any more."""
 
 
 def write_rerun(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
-    """Write an ``.rrd`` file through ``rerun-sdk``; all is static, for the cameras stand still.
+    """Write an ``.rrd`` file through ``rerun-sdk``; all is static but for the walkers.
 
     Raises
     ------
@@ -77,5 +83,20 @@ def _log(rerun: Any, stream: Any, cameras: Sequence[Intrinsics], world: World) -
         grid = rerun.LineStrips3D(np.asarray(segments), colors=[(128, 128, 128)] * len(segments))
         stream.log(f"{ROOT}/grid", grid, static=True)
         world = world.with_notes([f"the grid is of {spacing:g}"])
+    for way in world.ways:
+        _log_way(rerun, stream, way)
     text = "\n\n".join(f"{key}: {printable(value)}" for key, value in world.lines().items())
     stream.log("about", rerun.TextDocument(text), static=True)
+
+
+def _log_way(rerun: Any, stream: Any, way: Way) -> None:
+    entity = rerun.new_entity_path([ROOT, "walkers", way.name])
+    stream.log(entity, rerun.LineStrips3D([way.foot]), static=True)
+    here = rerun.new_entity_path([ROOT, "walkers", way.name, "there"])
+    # After the last place nobody is there.
+    times = np.append(way.time, way.time[-1] + AFTER)
+    standing = np.stack([way.foot, way.top], axis=1)
+    for time, segments in zip(times, [*standing[:, None], []], strict=True):
+        stream.set_time(TIME, duration=float(time))
+        stream.log(here, rerun.LineStrips3D(segments))
+    stream.reset_time()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from .ways import Way
+
 __all__ = ["METRE", "World"]
 
 METRE = "metre"
@@ -22,11 +24,14 @@ class World:
         What z = 0 is, where z is up: that of a network. None where the axes are those of the first camera.
     notes : tuple of str
         What a file says of itself besides.
+    ways : tuple of Way
+        Of walkers, where the format has a place for them.
     """
 
     unit: str
     zero: str | None = None
     notes: tuple[str, ...] = ()
+    ways: tuple[Way, ...] = ()
 
     @property
     def in_metres(self) -> bool:

@@ -112,7 +112,9 @@ def _export_pairs(args: Namespace, chosen: str, run: Run, of_cameras: bool, cons
 def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console: Console) -> list[Path]:
     """Write the accepted cameras of the network."""
     from ..errors import EpibarError
+    from ..jobs.inputs import TRACKS_FILE
     from ..network import Network
+    from ..network.walker_file import load_tracks
 
     if chosen not in CAMERA_FORMATS:
         raise EpibarError(
@@ -123,7 +125,13 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
             f"{file}: there is no network in this run; calibrate three cameras, or two with intrinsics"
         )
     network = Network.load(file)
-    written = network.export(args.out, chosen, run.lenses(args.intrinsics))
+    tracks, table = None, file.parent / TRACKS_FILE
+    if CAMERA_FORMATS[chosen].tracks and table.exists():
+        try:
+            tracks = load_tracks(table)
+        except EpibarError as error:
+            console.warning(f"without walkers: {error}")
+    written = network.export(args.out, chosen, run.lenses(args.intrinsics), tracks)
     if network.unit != "metre":
         console.note("lengths are not in metres: 'epibar scale' makes them so")
     return written

@@ -201,6 +201,7 @@ class Network(NetworkParts):
         path: str | os.PathLike[str],
         format: str = "anipose",  # noqa: A002
         lenses: Mapping[str, Intrinsics] | None = None,
+        tracks: WalkerTracks | None = None,
     ) -> list[Path]:
         """Write the accepted cameras for another program; :attr:`left_out` are the others, which it names.
 
@@ -213,6 +214,9 @@ class Network(NetworkParts):
             "gltf", "rerun" or "npz". What one loses is logged, and stands in the file.
         lenses : mapping of str to Intrinsics, optional
             Lenses that were taken out of recordings, to be written with the cameras of their names.
+        tracks : WalkerTracks, optional
+            Of this network's :meth:`tracks`, to be written with the cameras; "gltf" and "rerun" have a place
+            for walkers.
 
         Returns
         -------
@@ -222,11 +226,13 @@ class Network(NetworkParts):
         Raises
         ------
         EpibarError
-            No camera is accepted, the format is unknown or has no place for a lens, or a file cannot be
-            written.
+            No camera is accepted, the format is unknown or has no place for a lens or for walkers, tracks are
+            in another unit, or a file cannot be written.
         """
         if format not in FORMATS:
             raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
+        if tracks is not None:
+            self._refuse_misplaced(tracks, format)
         accepted = [camera for camera in self.cameras.values() if camera.accepted]
         if not accepted:
             raise EpibarError(f"no camera is accepted, so there is nothing to export: {self.reason}")
@@ -242,7 +248,19 @@ class Network(NetworkParts):
                 chosen.program,
                 chosen.unit,
             )
-        return chosen.write(cameras, Path(path), self._world())
+        world = replace(self._world(), ways=tuple(tracks.ways()) if tracks is not None else ())
+        return chosen.write(cameras, Path(path), world)
+
+    def _refuse_misplaced(self, tracks: WalkerTracks, format: str) -> None:  # noqa: A002
+        """Refuse tracks that the format has no place for, or that are in another unit."""
+        if not FORMATS[format].tracks:
+            having = ", ".join(name for name, one in FORMATS.items() if one.tracks)
+            raise EpibarError(f"format = {format!r} has no place for walkers; these have: {having}")
+        if tracks.unit != self.unit:
+            raise EpibarError(
+                f"tracks are in {tracks.unit}s and the network in {self.unit}s: "
+                "make them anew with Network.tracks, or bring them over with WalkerTracks.scaled"
+            )
 
     def _world(self) -> World:
         """What a camera file says of itself, beside its cameras."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..arguments import Array, core_errors
+from ..camera_files.ways import Way
 from ..errors import EpibarError
 from ..files.archive import write_archive
 from ..files.csv_table import csv_text, write_csv_table
@@ -30,6 +31,9 @@ COLUMNS = (
 
 SEEN_BY = "seen by "
 """What the column of a camera starts with."""
+
+GAP = 1.0
+"""Seconds without a place after which a track is drawn as another one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -87,6 +91,23 @@ class WalkerTracks:
     def scaled(self, factor: float, unit: str) -> WalkerTracks:
         """Return the same tracks in another unit, of which the present one has so many."""
         return replace(self, unit=unit, foot=factor * self.foot, top=factor * self.top)
+
+    def ways(self) -> list[Way]:
+        """Return each walker as one line or, where a second and more is not known, as several."""
+        found: list[Way] = []
+        for track in np.unique(self.track):
+            rows = np.flatnonzero(self.track == track)
+            rows = rows[np.argsort(self.time[rows], kind="stable")]
+            gaps = np.flatnonzero(np.diff(self.time[rows]) > GAP) + 1
+            parts = np.split(rows, gaps)
+            names = [
+                f"walker {track}" + (f" part {k + 1}" if len(parts) > 1 else "") for k in range(len(parts))
+            ]
+            found += [
+                Way(name, self.time[part], self.foot[part], self.top[part])
+                for name, part in zip(names, parts, strict=True)
+            ]
+        return found
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a table (``.csv``) or the arrays (``.npz``, no pickle).

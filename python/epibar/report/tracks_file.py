@@ -15,9 +15,6 @@ __all__ = ["Track", "read_tracks"]
 Track = NDArray[np.float64]
 """Places of one walker in the order of time, (n, 3), in the network's unit."""
 
-GAP = 1.0
-"""Seconds without a place after which a track is drawn as another one."""
-
 
 def read_tracks(path: Path) -> list[Track]:
     """Read the tracks of a run; none where the file is not there.
@@ -30,13 +27,6 @@ def read_tracks(path: Path) -> list[Track]:
     if not path.is_file():
         return []
     try:
-        tracks = load_tracks(path)
+        return [way.foot for way in load_tracks(path).ways()]
     except EpibarError as error:
         raise EpibarError(f"{error}: the walkers are not shown") from error
-    found: list[Track] = []
-    for track in np.unique(tracks.track):
-        rows = np.flatnonzero(tracks.track == track)
-        rows = rows[np.argsort(tracks.time[rows], kind="stable")]
-        gaps = np.flatnonzero(np.diff(tracks.time[rows]) > GAP) + 1
-        found += [tracks.foot[part] for part in np.split(rows, gaps)]
-    return found
