@@ -82,7 +82,7 @@ readers: build $(READERS)/.made
 # The crate is instrumented by the nightly compiler, and Atheris has wheels for Linux and macOS.
 $(VENV)/.fuzzers: $(VENV)/.created
 	$(BIN)/python -m pip install --only-binary :all: 'atheris>=3'
-	cargo install --quiet --locked --root $(VENV) cargo-fuzz@0.13
+	cargo install --quiet --locked --root $(VENV) 'cargo-fuzz@^0.13'
 	touch $@
 
 SECONDS ?= 30
@@ -100,7 +100,7 @@ hostile: build
 # Both ask for lists of known holes on the network, so they are not part of the check.
 $(VENV)/.audit: $(VENV)/.created
 	$(BIN)/python -m pip install 'pip-audit>=2.7'
-	cargo install --quiet --locked --root $(VENV) cargo-deny@0.20
+	cargo install --quiet --locked --root $(VENV) 'cargo-deny@^0.20'
 	touch $@
 
 audit: build $(VENV)/.audit
