@@ -53,7 +53,8 @@ struct Resolved<'a> {
     survey: Survey<'a>,
     beliefs: Vec<Beliefs>,
     cameras: Vec<Camera>,
-    errors: Covariance,
+    /// Errors of the moves, and of the places.
+    errors: [Covariance; 2],
     pairs: Vec<((usize, usize), Deviates)>,
 }
 
@@ -75,7 +76,9 @@ impl<'a> Resolved<'a> {
             prior_weight: settled.prior_weight,
             moving: moved.clone(),
         };
-        let errors = covariance(&problem, &settled.cameras, outline_error(settled.scale, false))?;
+        let outlines = outline_error(settled.scale, false);
+        let errors = |outlines: f64| covariance(&problem, &settled.cameras, outlines);
+        let errors = [errors(limits::OUTLINE_MOVED * outlines)?, errors(outlines)?];
         let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };
         let pairs = Support::on(&survey, &network).pairs;
         Some(Self { survey, beliefs, cameras: settled.cameras, errors, pairs })
@@ -94,7 +97,7 @@ impl<'a> Resolved<'a> {
         if confirmed.len() < limits::CONFIRMED_PAIRS {
             return Err(UNCONFIRMED);
         }
-        told(m, &at, &stored[c], &self.errors, c);
+        told(m, &at, &stored[c], &self.errors[0], c);
         if m.or_zoomed {
             return Err(OR_ZOOMED);
         }
@@ -107,7 +110,7 @@ impl<'a> Resolved<'a> {
             translation: at.translation(),
             zoomed: m.zoomed,
             reposed: m.reposed,
-            expected: expected(m, &self.errors, c),
+            expected: expected(m, &self.errors[1], c),
             pairs: seen.iter().map(|(pair, d)| (beside(*pair), *d)).collect(),
         })
     }
@@ -141,8 +144,7 @@ fn solved_for(found: &Move, beliefs: &Beliefs) -> Beliefs {
     Beliefs { posed: !found.reposed, ..if found.zoomed { freed(beliefs) } else { *beliefs } }
 }
 
-/// The move by the place that all that moved agree on. What outlines are wrong by is in its errors: after a move they are seen elsewhere
-/// in the image, and wrong by something else than when the network was calibrated.
+/// The move by the place that all that moved agree on.
 fn told(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, camera: usize) {
     let error = |from: usize| pose_error(errors, camera, from);
     if let (Some(turned_error), Some(shifted_error)) = (error(ROTATION), error(POSITION)) {
