@@ -33,6 +33,7 @@ pub struct PairOffset {
 
 /// Offsets of all cameras.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Offsets {
     /// For each camera: what is at `t` in the first camera is at `t + seconds` in this one; NaN where nothing tells.
     pub seconds: Vec<f64>,

@@ -152,6 +152,7 @@ pub fn covariance(problem: &Problem, cameras: &[Camera], outline_error: f64) -> 
 
 /// Errors to expect of one camera, each below what it says nine times in ten.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Expected {
     /// Of the focal length, relative.
     pub focal: f64,

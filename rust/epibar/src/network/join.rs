@@ -17,7 +17,7 @@ use super::survey::Survey;
 use super::thresholds as limits;
 use super::verdict::{is_rival, worst};
 use super::world;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
 
 /// Frames of each camera that are looked at in the end.
@@ -26,7 +26,8 @@ const FRAMES: usize = 900;
 /// One network of some cameras from what their pairs brought, by clocks that are known to a frame or two, or exactly.
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) for what cannot be known of a camera, [`Error::Interrupted`](crate::Error::Interrupted).
+/// [`Error::Argument`] for what cannot be known of a camera, for pairs of cameras that are not there, and where there is not a
+/// clock for each camera; [`Error::Interrupted`].
 pub fn join(
     inputs: &[CameraInput],
     pairs: &[PairFound],
@@ -36,6 +37,7 @@ pub fn join(
     for input in inputs {
         input.known.check()?;
     }
+    check(inputs.len(), pairs, clocks)?;
     report(watch, Stage::Network, 0.0)?;
     let case = Case::new(inputs, pairs, clocks);
     if let Some(status) = case.hopeless() {
@@ -56,6 +58,19 @@ pub fn join(
     let finished = case.finished(freed);
     report(watch, Stage::Network, 0.9)?;
     Ok(case.network(&finished, &out, rivalled))
+}
+
+fn check(cameras: usize, pairs: &[PairFound], clocks: &Offsets) -> Result<()> {
+    let refuse = |name, value: String, expected| Err(Error::Argument { name, value, expected });
+    if clocks.seconds.len() != cameras {
+        return refuse("clocks", clocks.seconds.len().to_string(), "a clock for each camera");
+    }
+    for pair in pairs {
+        if pair.a >= pair.b || pair.b >= cameras || pair.geometries.is_empty() {
+            return refuse("pairs", format!("{}, {}", pair.a, pair.b), "two cameras a < b, with a geometry");
+        }
+    }
+    Ok(())
 }
 
 /// A network for every camera of which enough speaks.

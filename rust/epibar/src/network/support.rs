@@ -25,6 +25,7 @@ const SHIFTS: usize = 20;
 
 /// Normal deviates of what was seen on moments kept aside.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Deviates {
     /// Of the tangents.
     pub tangents: f64,

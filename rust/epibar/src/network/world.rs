@@ -14,8 +14,10 @@ use super::walkers::{Floor, segment};
 
 /// Where the vertical of a network comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Ground {
     /// From the floor that figures stand on: z = 0 is that floor.
+    #[non_exhaustive]
     Floor {
         /// Median height of the figures, in the unit of the network.
         height: f64,
@@ -28,6 +30,16 @@ pub enum Ground {
     },
     /// From how the cameras are held: z = 0 is the mean height of the cameras.
     Cameras,
+}
+
+impl Ground {
+    /// A word for programs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Floor { .. } => "floor",
+            Self::Cameras => "cameras",
+        }
+    }
 }
 
 /// Figures looked at of all pairs.
