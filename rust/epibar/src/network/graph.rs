@@ -2,8 +2,9 @@
 
 use nalgebra::Matrix3;
 
-use super::residual::{LEAST_MEETINGS, Meeting};
+use super::residual::Meeting;
 use super::start::{Hypothesis, PairHypotheses};
+use super::thresholds as limits;
 use crate::calibration::Calibration;
 use crate::clock::{Aligned, Clock};
 use crate::error::{Error, Result};
@@ -104,7 +105,7 @@ impl PairFound {
                     weight: 1.0,
                 })
                 .collect();
-            if meetings.len() >= LEAST_MEETINGS {
+            if meetings.len() >= limits::LEAST_MEETINGS {
                 hypotheses.push(Hypothesis { fundamental: *f.matrix(), meetings, evidence: share * self.z });
             }
         }

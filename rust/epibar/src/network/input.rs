@@ -5,6 +5,7 @@ use nalgebra::Matrix3;
 use super::camera::Camera;
 use super::joint::{Belief, Beliefs};
 use super::principal::LEVELS;
+use super::thresholds as limits;
 use crate::error::{Error, Result};
 use crate::geometry::lens::Lens;
 use crate::recording::Recording;
@@ -68,6 +69,8 @@ const LENS: [f64; 3] = [0.7, 0.1, 0.05];
 const GIVEN_FOCAL: f64 = 0.001;
 /// Standard deviation of `log (f_y / f_x)` where it is solved for.
 const ASPECT: f64 = 0.01;
+/// Tangential distortions that are given must be below this: they are taken for 0.
+const TANGENTIAL: f64 = 1e-2;
 /// How far hulls lie inside of outlines, pixels: a part of the grid, and what masks leave out or add.
 pub(super) const INSET: Belief = Belief { mean: 0.2, deviation: 1.0 };
 
@@ -109,7 +112,7 @@ impl Knowledge {
 
     /// Whether the focal length is known.
     pub fn has_focal(&self) -> bool {
-        self.matrix.is_some() || self.focal.is_some_and(|(_, deviation)| deviation < 0.05)
+        self.matrix.is_some() || self.focal.is_some_and(|(_, deviation)| deviation < limits::KNOWN_FOCAL)
     }
 
     /// Whether what was recorded has no distortion.
@@ -183,7 +186,7 @@ impl Knowledge {
             }
         }
         if let Some(d) = self.distortions
-            && !(d.iter().all(|v| v.is_finite()) && d[2].abs() < 1e-2 && d[3].abs() < 1e-2)
+            && !(d.iter().all(|v| v.is_finite()) && d[2].abs() < TANGENTIAL && d[3].abs() < TANGENTIAL)
         {
             return refuse(
                 "distortions",

@@ -11,6 +11,7 @@ use super::input::CameraInput;
 use super::joint::{Problem, standing};
 use super::principal;
 use super::result::{CameraStatus, Network};
+use super::settle::Again;
 use super::solve::{Solved, Solver, settled};
 use super::support::Support;
 use super::survey::Survey;
@@ -22,6 +23,8 @@ use crate::watch::{Stage, Watch, report};
 
 /// Frames of each camera that are looked at in the end.
 const FRAMES: usize = 900;
+/// Least radius within which figures of the floor meet, pixels of a 640×480 image.
+const FIGURES_WITHIN: f64 = 2.0;
 
 /// One network of some cameras from what their pairs brought, by clocks that are known to a frame or two, or exactly.
 ///
@@ -109,7 +112,7 @@ impl Case<'_> {
                 break;
             }
             network.cameras = standing(&network.cameras, &network.placed);
-            let radius = Some((4.0 * now.settled.radius).min(12.0));
+            let radius = Some(Again::FEWER_CAMERAS.after(&now.settled));
             now = solver.settled(network, &now.beliefs, radius);
         }
         Ok((None, out))
@@ -130,7 +133,7 @@ impl Case<'_> {
         if call.level > principal::LEVELS[0] {
             let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
             let beliefs = principal::at_level(&now.beliefs, &widths, call.level);
-            let radius = Some((3.0 * now.settled.radius).min(8.0));
+            let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
             let free = solver.settled(now.network.clone(), &beliefs, radius);
             if free.evidence > now.evidence {
                 let support = Support::of(&self.observed, &free);
@@ -143,10 +146,10 @@ impl Case<'_> {
     /// The network over all frames, and errors to expect.
     fn finished(&self, Freed { solved, support, level, strained }: Freed) -> Finished {
         let many = Survey::new(&self.observed, FRAMES);
-        let radius = Some(1.2 * solved.settled.radius);
+        let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
         let finished = settled(&many, solved.network, &solved.beliefs, &support.confirmed(), radius);
-        let floor = world::floor(&many, &finished.network, finished.settled.radius.max(2.0));
+        let floor = world::floor(&many, &finished.network, finished.settled.radius.max(FIGURES_WITHIN));
         let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
         let stated = principal::at_level(&finished.beliefs, &widths, level);
         let settled = &finished.settled;

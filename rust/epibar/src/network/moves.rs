@@ -8,7 +8,6 @@ use super::covariance::{Covariance, NINE_IN_TEN, covariance, length_quantile};
 use super::joint::{Belief, Beliefs, Problem};
 use super::relocate::Placed;
 use super::settle::{Settled, settle};
-use super::solve::COMPARED;
 use super::stretch::Stretch;
 use super::survey::{Survey, summed};
 use super::thresholds as limits;
@@ -25,8 +24,6 @@ const SOLVED: usize = 2;
 pub const CLOSE: f64 = 6.0;
 /// Parts of the footage by which poses are compared.
 pub const PARTS: usize = 48;
-/// A move after this share of the footage is one that was filmed.
-pub const LATER: f64 = 0.05;
 /// Where the log of the focal length is among the parameters of a camera.
 pub const FOCAL: usize = 0;
 
@@ -98,7 +95,7 @@ impl Move {
 
     /// Whether it was filmed.
     pub fn is_within(&self) -> bool {
-        self.since > LATER
+        self.since > limits::MOVED_LATER
     }
 
     /// Whether so much speaks for a move in the midst of the footage, which is asked for at every moment of it.
@@ -136,7 +133,7 @@ impl Standing {
     /// That of cameras over a stretch of footage.
     pub fn of(stretch: &Stretch, network: &Placed) -> Self {
         let pairs = network.pairs();
-        let parts = stretch.all.evidence_of_pairs(&network.cameras, &pairs, COMPARED);
+        let parts = stretch.all.evidence_of_pairs(&network.cameras, &pairs, limits::COMPARED);
         Self { pairs, parts }
     }
 
@@ -190,7 +187,7 @@ impl Case<'_> {
         starts.push((0.0, stored));
         let solved = starts.into_iter().map(|(_, at)| {
             let found = self.settled(&self.fitted.some, camera, at, &beliefs, None).cameras[camera];
-            (self.evidence(&self.fitted.some, camera, found, COMPARED), found)
+            (self.evidence(&self.fitted.some, camera, found, limits::COMPARED), found)
         });
         let (_, start) = solved.max_by(|p, q| p.0.total_cmp(&q.0))?;
         self.measured(camera, start, &beliefs)
@@ -265,7 +262,7 @@ impl Case<'_> {
 
     /// Evidence of the pairs of a camera that is at some place, part by part.
     pub fn parts(&self, camera: usize, at: Camera) -> [f64; PARTS] {
-        self.stretch.all.evidence_by_part(&self.with(camera, at), &self.pairs_of(camera), COMPARED)
+        self.stretch.all.evidence_by_part(&self.with(camera, at), &self.pairs_of(camera), limits::COMPARED)
     }
 
     /// How much better the footage agrees with a camera that moved, and from when on.

@@ -30,9 +30,6 @@ pub struct Meeting {
     pub weight: f64,
 }
 
-/// Fewer meetings say nothing of a pair.
-pub const LEAST_MEETINGS: usize = 20;
-
 /// Derivatives of a residual to the parameters of A and then those of B.
 pub type Row = SVector<f64, { 2 * PARAMETERS }>;
 

@@ -7,13 +7,12 @@ use super::relocate::{Placed, relocate};
 use super::settle::{Settled, settle};
 use super::start::{PairHypotheses, Started, Starter};
 use super::survey::Survey;
+use super::thresholds as limits;
 
 /// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands.
 const FRAMES: [usize; 2] = [80, 240];
 /// Rounds of trying cameras elsewhere.
 const ROUNDS: usize = 3;
-/// Radius at which networks are compared, pixels of a 640×480 image.
-pub const COMPARED: f64 = 3.0;
 /// A network with less than this share of the evidence of another is not worth improving.
 const PROMISING: f64 = 0.5;
 /// Cameras that are turned by less than this against each other, radians, stand alike: 1°.
@@ -118,14 +117,14 @@ fn is_part_of(one: &Placed, other: &Placed) -> bool {
 
 /// Evidence of a network, less that of shifted clocks.
 fn evidence(survey: &Survey, network: &Placed) -> f64 {
-    survey.scores(&network.cameras, &network.pairs(), COMPARED, 3).iter().map(|s| s.excess).sum()
+    survey.scores(&network.cameras, &network.pairs(), limits::COMPARED, 3).iter().map(|s| s.excess).sum()
 }
 
 /// By which share of its evidence a network is better than another, and by how many standard deviations over parts of
 /// the recording.
 pub fn gain(survey: &Survey, than: &Placed, network: &Placed) -> (f64, f64) {
     let pairs = than.pairs();
-    let of = |network: &Placed| survey.evidence_by_part::<PARTS>(&network.cameras, &pairs, COMPARED);
+    let of = |network: &Placed| survey.evidence_by_part::<PARTS>(&network.cameras, &pairs, limits::COMPARED);
     let (one, other) = (of(than), of(network));
     let differences: Vec<f64> = one.iter().zip(&other).map(|(p, q)| q - p).collect();
     let mean = differences.iter().sum::<f64>() / PARTS as f64;

@@ -10,6 +10,7 @@ use super::camera::Camera;
 use super::evenly::evenly;
 use super::relocate::Placed;
 use super::survey::Survey;
+use super::thresholds as limits;
 use super::walkers::{Floor, segment};
 
 /// Where the vertical of a network comes from.
@@ -44,12 +45,6 @@ impl Ground {
 
 /// Figures looked at of all pairs.
 const FIGURES: usize = 4000;
-/// Bottoms further off one plane than this share of the height do not stand on a floor.
-const UNEVEN: f64 = 0.12;
-/// A floor whose normal is further from the mean of the segments than this, radians, is a wall, or none.
-const LEANING: f64 = 0.6;
-/// Figures share errors in time: so many say what one would by itself.
-const TOGETHER: f64 = 20.0;
 
 /// The floor under a network's figures; `None` where they stand on none.
 pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
@@ -62,7 +57,7 @@ pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
         segments.extend(some.filter_map(|figure| segment(a, b, figure)));
     }
     let floor = Floor::of(&segments)?;
-    (floor.unevenness < UNEVEN && floor.lean < LEANING).then_some(floor)
+    (floor.unevenness < limits::FLOOR_UNEVEN && floor.lean < limits::FLOOR_LEANING).then_some(floor)
 }
 
 /// Cameras in a world of their own.
@@ -115,7 +110,7 @@ pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
         })
         .collect();
     let ground = floor.map_or(Ground::Cameras, |floor| {
-        let independent = (floor.figures as f64 / TOGETHER).max(1.0);
+        let independent = (floor.figures as f64 / limits::FIGURES_AS_ONE).max(1.0);
         Ground::Floor {
             height: floor.height / unit,
             vertical_error: floor.unevenness * floor.height / floor.reach.max(1e-9) / independent.sqrt(),
