@@ -76,8 +76,8 @@ fn may_grow(source: &str, name: &str) -> Option<bool> {
     let body = source[end..].split("\n}").next().unwrap_or_default();
     let fields = body.lines().skip(1).map(str::trim_start);
     let hidden = fields.clone().any(|l| l.contains(": ") && !l.starts_with("pub ") && !l.starts_with("//"));
-    let empty = body.starts_with(';');
-    Some(attributes.contains("#[non_exhaustive]") || hidden || empty)
+    let bare = body.starts_with(';') || body.starts_with("(pub(crate)");
+    Some(attributes.contains("#[non_exhaustive]") || hidden || bare)
 }
 
 #[test]
