@@ -25,7 +25,7 @@ pub struct PairOffset {
     pub seconds: f64,
     /// How well the best pairs of lines agree there.
     pub score: f64,
-    /// The same without an offset; −∞ where too few frames are common then.
+    /// How well they agree without an offset; −∞ where too few frames are common then.
     pub unshifted: f64,
     /// Score of the best other offset as a share of the best.
     pub runner_up: f64,

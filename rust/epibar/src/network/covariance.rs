@@ -210,8 +210,8 @@ pub fn length_quantile(covariance: &Matrix3<f64>) -> f64 {
         return 0.0;
     }
     let freedom = mean * mean / (covariance * covariance).trace().max(1e-300);
-    let spread = 2.0 / (9.0 * freedom);
-    let ratio = (1.0 - spread + 1.2816 * spread.sqrt()).powi(3);
+    let variance = 2.0 / (9.0 * freedom);
+    let ratio = (1.0 - variance + 1.2816 * variance.sqrt()).powi(3);
     (mean * ratio).sqrt()
 }
 

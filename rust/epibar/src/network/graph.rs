@@ -106,7 +106,7 @@ impl PairFound {
                 })
                 .collect();
             if meetings.len() >= limits::LEAST_MEETINGS {
-                hypotheses.push(Hypothesis { fundamental: *f.matrix(), meetings, evidence: share * self.z });
+                hypotheses.push(Hypothesis { fundamental: *f.matrix(), meetings, score: share * self.z });
             }
         }
         (!hypotheses.is_empty()).then_some(PairHypotheses { a: self.a, b: self.b, hypotheses })

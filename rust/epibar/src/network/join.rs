@@ -135,7 +135,7 @@ impl Case<'_> {
             let beliefs = principal::at_level(&now.beliefs, &widths, call.level);
             let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
             let free = solver.settled(now.network.clone(), &beliefs, radius);
-            if free.evidence > now.evidence {
+            if free.excess > now.excess {
                 let support = Support::of(&self.observed, &free);
                 return Freed { solved: free, support, level: call.level, strained: false };
             }

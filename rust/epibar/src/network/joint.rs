@@ -326,7 +326,7 @@ pub fn stepped(cameras: &[Camera], active: &[(usize, usize)], step: &DVector<f64
     cameras.iter().zip(&steps).map(|(camera, step)| camera.stepped(step)).collect()
 }
 
-/// The same network about the mean of those of its cameras that stand, the root of the mean square of their distances from it
+/// A network about the mean of those of its cameras that stand, the root of the mean square of their distances from it
 /// being 1; the others stay as they are.
 pub fn standing(cameras: &[Camera], placed: &[bool]) -> Vec<Camera> {
     let stand =

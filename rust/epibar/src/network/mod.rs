@@ -15,14 +15,15 @@
 //! * `principal`: how far principal points are from the middle.
 //! * `covariance`: errors to expect.
 //! * `world`: floor, vertical and unit.
-//! * `verdict`, `thresholds`, `words`: what is said of each camera; the numbers that decide; sentences.
+//! * `verdict`, `thresholds`, `prose`: what is said of each camera; the numbers that decide; sentences.
 //! * `result`: what comes out.
 //! * `evenly`, `median`: some of many; the median of some numbers.
 //!
 //! Of a network that stands:
 //!
-//! * `check`, `stretch`, `moves`, `zoom`, `suspects`, `replace`, `check_words`: whether a camera has moved, by new footage, parts of it, other
-//!   poses, other focal lengths, what each explains; where it stands now; sentences.
+//! * `check`, `stretch`, `moves`, `zoom`, `suspects`: whether a camera has moved, by new footage, parts of it, other poses, other focal
+//!   lengths, and what each explains.
+//! * `replace`, `check_prose`: where it stands now; sentences.
 //! * `tracks`: walkers over time.
 //!
 //! ```no_run
@@ -50,7 +51,7 @@ mod calibrate;
 mod camera;
 mod case;
 mod check;
-mod check_words;
+mod check_prose;
 mod clocks;
 mod covariance;
 mod ends;
@@ -64,6 +65,7 @@ mod moves;
 mod observed;
 mod pose;
 mod principal;
+mod prose;
 mod relocate;
 mod replace;
 mod residual;
@@ -81,7 +83,6 @@ mod thresholds;
 mod tracks;
 mod verdict;
 mod walkers;
-mod words;
 mod world;
 mod zoom;
 

@@ -15,7 +15,7 @@ pub const LEVELS: [f64; 4] = [0.004, 0.012, 0.04, 0.12];
 /// Steps of the solver at a level.
 const STEPS: usize = 25;
 
-/// The same beliefs with those of principal points that are not given at another level.
+/// Beliefs with those of principal points that are not given at another level.
 pub fn at_level(beliefs: &[Beliefs], widths: &[f64], level: f64) -> Vec<Beliefs> {
     let mut beliefs = beliefs.to_vec();
     for (belief, width) in beliefs.iter_mut().zip(widths) {

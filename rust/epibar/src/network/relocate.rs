@@ -70,7 +70,7 @@ pub fn agreement(network: &Placed, pairs: &[PairHypotheses], camera: usize, surv
         let meetings = &p.hypotheses[0].meetings;
         let near = geometry.agreeing(meetings, within);
         // A pair with much evidence weighs more.
-        let weight = p.hypotheses[0].evidence.max(0.0);
+        let weight = p.hypotheses[0].score.max(0.0);
         agreeing += weight * near as f64 / meetings.len().max(1) as f64;
         all += weight;
     }
@@ -107,7 +107,7 @@ fn elsewhere(
         return None;
     }
     let rays = survey.all_rays(&network.cameras);
-    let score = |at: &Camera| evidence(survey, network, &rays, camera, at, &others);
+    let score = |at: &Camera| excess(survey, network, &rays, camera, at, &others);
     let mut guesses: Vec<(f64, Camera)> = guesses(network, beliefs, pairs, camera)
         .into_par_iter()
         .map(|at| (score(&at), at))
@@ -140,8 +140,8 @@ fn elsewhere(
     Some(Placed { cameras, placed })
 }
 
-/// Evidence of a camera at a place with all others.
-fn evidence(
+/// Excess over chance of a camera at a place with all others.
+fn excess(
     survey: &Survey,
     network: &Placed,
     rays: &[Rays],

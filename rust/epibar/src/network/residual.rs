@@ -18,9 +18,9 @@ pub struct Meeting {
     pub b: [f64; 2],
     /// Away from the silhouette, across the tangent, in A; unit length.
     pub outward_a: [f64; 2],
-    /// The same in B.
+    /// Away from the silhouette, across the tangent, in B; unit length.
     pub outward_b: [f64; 2],
-    /// How fast that moves, pixels a second.
+    /// How fast the pixel of B moves, pixels a second.
     pub velocity_b: [f64; 2],
     /// Seconds of A's clock.
     pub time_a: f64,

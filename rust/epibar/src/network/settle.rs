@@ -26,8 +26,8 @@ const ROUNDS: usize = 24;
 const STILL: (f64, f64) = (0.02, 0.97);
 /// Tangents of neighbouring frames and of one outline say the same: so many count as one measurement.
 const DEPENDENT: f64 = 30.0;
-/// Spread that is not believed to be smaller, pixels.
-const LEAST_SPREAD: f64 = 0.1;
+/// Scatter that is not believed to be smaller, pixels.
+const LEAST_SCATTER: f64 = 0.1;
 
 /// From which radius to begin once more, the wider the more may change: so many times the one within which tangents met, and at the most
 /// so many pixels of a 640×480 image.
@@ -83,12 +83,12 @@ pub fn settle(
     let (mut scale, mut prior_weight) = (radius, 1.0);
     for _ in 0..ROUNDS {
         found = survey.meetings(&at, pairs, radius, limits::LEAST_MEETINGS);
-        let spread = spread(&at, &found);
-        if spread.is_nan() {
+        let scatter = scatter(&at, &found);
+        if scatter.is_nan() {
             break;
         }
-        let suits = (DEVIATIONS * spread).clamp(NARROWEST, radius);
-        scale = spread.max(LEAST_SPREAD);
+        let suits = (DEVIATIONS * scatter).clamp(NARROWEST, radius);
+        scale = scatter.max(LEAST_SCATTER);
         prior_weight = weight_of_prior(&at, &found, scale);
         let problem = Problem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
         let solved = problem.solve(&at, STEPS).0;
@@ -119,11 +119,11 @@ fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f6
         }
     }
     DEPENDENT * surprise / f64::max(count, 1.0)
-        * (influence / f64::max(weight, 1e-9)).max(LEAST_SPREAD.powi(2))
+        * (influence / f64::max(weight, 1e-9)).max(LEAST_SCATTER.powi(2))
 }
 
 /// Robust standard deviation of all residuals, pixels; NaN of none.
-fn spread(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
+fn scatter(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
     let residuals = pairs.iter().flat_map(|p| {
         let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
         p.meetings.iter().filter_map(move |m| pair.residual(m))

@@ -29,8 +29,8 @@ pub struct Solved {
     pub settled: Settled,
     /// What was believed of the cameras.
     pub beliefs: Vec<Beliefs>,
-    /// Evidence on the frames that networks are compared on.
-    pub evidence: f64,
+    /// Excess over chance on the frames that networks are compared on.
+    pub excess: f64,
 }
 
 /// What every network of some cameras is solved with.
@@ -55,19 +55,18 @@ impl<'a> Solver<'a> {
             self.settled(placed, beliefs, None)
         };
         let mut found: Vec<Solved> = starts.into_iter().map(settled).collect();
-        let by_evidence = |p: &Solved, q: &Solved| q.evidence.total_cmp(&p.evidence);
-        found.sort_by(by_evidence);
+        let by_excess = |p: &Solved, q: &Solved| q.excess.total_cmp(&p.excess);
+        found.sort_by(by_excess);
         let mut improved: Vec<Solved> = Vec::new();
         for network in found {
             let idle = improved.iter().any(|better| {
-                network.evidence < PROMISING * better.evidence
-                    || is_part_of(&network.network, &better.network)
+                network.excess < PROMISING * better.excess || is_part_of(&network.network, &better.network)
             });
             if !idle {
                 improved.push(self.improved(network));
             }
         }
-        improved.sort_by(by_evidence);
+        improved.sort_by(by_excess);
         improved
     }
 
@@ -75,7 +74,7 @@ impl<'a> Solver<'a> {
     pub fn settled(&self, network: Placed, beliefs: &[Beliefs], from: Option<f64>) -> Solved {
         let pairs = network.pairs();
         let mut solved = settled(&self.some, network, beliefs, &pairs, from);
-        solved.evidence = evidence(&self.some, &solved.network);
+        solved.excess = excess(&self.some, &solved.network);
         solved
     }
 
@@ -88,7 +87,7 @@ impl<'a> Solver<'a> {
                 break;
             }
             let next = self.settled(moved, &now.beliefs, None);
-            if next.evidence <= now.evidence {
+            if next.excess <= now.excess {
                 break;
             }
             now = next;
@@ -107,7 +106,7 @@ pub fn settled(
 ) -> Solved {
     let settled = settle(survey, &network.cameras, beliefs, pairs, &network.placed, from);
     let network = Placed { cameras: settled.cameras.clone(), placed: network.placed };
-    Solved { network, settled, beliefs: beliefs.to_vec(), evidence: f64::NAN }
+    Solved { network, settled, beliefs: beliefs.to_vec(), excess: f64::NAN }
 }
 
 /// Whether all cameras that stand in one network do so in another, and look the same ways.
@@ -115,8 +114,8 @@ fn is_part_of(one: &Placed, other: &Placed) -> bool {
     one.placed.iter().zip(&other.placed).all(|(p, q)| !p || *q) && one.turns(other).all(|turn| turn < ALIKE)
 }
 
-/// Evidence of a network, less that of shifted clocks.
-fn evidence(survey: &Survey, network: &Placed) -> f64 {
+/// Excess over chance of a network, less that of shifted clocks.
+fn excess(survey: &Survey, network: &Placed) -> f64 {
     survey.scores(&network.cameras, &network.pairs(), limits::COMPARED, 3).iter().map(|s| s.excess).sum()
 }
 
@@ -124,7 +123,7 @@ fn evidence(survey: &Survey, network: &Placed) -> f64 {
 /// the recording.
 pub fn gain(survey: &Survey, than: &Placed, network: &Placed) -> (f64, f64) {
     let pairs = than.pairs();
-    let of = |network: &Placed| survey.evidence_by_part::<PARTS>(&network.cameras, &pairs, limits::COMPARED);
+    let of = |network: &Placed| survey.excess_by_part::<PARTS>(&network.cameras, &pairs, limits::COMPARED);
     let (one, other) = (of(than), of(network));
     let differences: Vec<f64> = one.iter().zip(&other).map(|(p, q)| q - p).collect();
     let mean = differences.iter().sum::<f64>() / PARTS as f64;

@@ -22,8 +22,8 @@ pub struct Hypothesis {
     pub fundamental: Matrix3<f64>,
     /// What met.
     pub meetings: Vec<Meeting>,
-    /// Its evidence.
-    pub evidence: f64,
+    /// Its normal deviate as a pair's, times its share of the best one's.
+    pub score: f64,
 }
 
 /// What is known of a pair.
@@ -204,7 +204,7 @@ impl<'p> Starter<'p> {
                         (self.pair(a, b), self.pair(a, c), self.pair(b, c))
                     {
                         let sides = [ab, ac, bc];
-                        let least = sides.iter().map(|&p| self.pairs[p].hypotheses[0].evidence);
+                        let least = sides.iter().map(|&p| self.pairs[p].hypotheses[0].score);
                         triplets.push(([a, b, c], sides, least.fold(f64::INFINITY, f64::min)));
                     }
                 }
@@ -312,7 +312,7 @@ impl<'p> Starter<'p> {
                     .pairs
                     .iter()
                     .filter(|p| (p.a == c && network.placed[p.b]) || (p.b == c && network.placed[p.a]));
-                pairs.map(|p| p.hypotheses[0].evidence.max(0.0)).sum()
+                pairs.map(|p| p.hypotheses[0].score.max(0.0)).sum()
             };
             let mut waiting: Vec<(f64, usize)> =
                 (0..n).filter(|&c| !network.placed[c]).map(|c| (reach(c), c)).collect();
@@ -339,7 +339,7 @@ impl<'p> Starter<'p> {
         let mut moving = vec![false; placed.len()];
         moving[camera] = true;
         let focals: &[f64] = if self.beliefs[camera].has_focal() { &[1.0] } else { &FOCALS };
-        let size = spread(network);
+        let size = mean_distance(network);
         let tried = neighbours.iter().flat_map(|&(other, pair)| {
             focals.iter().flat_map(move |&f| LENGTHS.map(|length| (other, pair, f, length * size)))
         });
@@ -379,7 +379,7 @@ impl<'p> Starter<'p> {
 }
 
 /// Mean distance between the cameras that stand.
-fn spread(network: &Started) -> f64 {
+fn mean_distance(network: &Started) -> f64 {
     let placed: Vec<_> =
         network.cameras.iter().zip(&network.placed).filter(|(_, p)| **p).map(|(c, _)| c.position).collect();
     let mut sum = 0.0;

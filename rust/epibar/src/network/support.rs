@@ -44,8 +44,8 @@ pub struct Support {
 /// What meets beyond chance, of what could.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Share {
-    /// Evidence of a tangent.
-    pub evidence: f64,
+    /// Excess over chance of a tangent.
+    pub excess: f64,
     /// Of whole silhouettes.
     pub whole: f64,
 }
@@ -59,11 +59,11 @@ impl Share {
             let by_chance =
                 |value: fn(&Score) -> f64| rest.iter().map(value).sum::<f64>() / rest.len() as f64;
             ends += first.ends as f64;
-            sum.evidence += first.excess - by_chance(|s| s.excess);
+            sum.excess += first.excess - by_chance(|s| s.excess);
             sum.whole += first.whole as f64 - by_chance(|s| s.whole as f64);
         }
         let ends = f64::max(ends, 1.0);
-        Self { evidence: sum.evidence / ends, whole: 2.0 * sum.whole / ends }
+        Self { excess: sum.excess / ends, whole: 2.0 * sum.whole / ends }
     }
 }
 
@@ -202,7 +202,7 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
         sums
     };
     let kept = |[before, after]: [(f64, f64); 2]| {
-        let rate = |(evidence, ends): (f64, f64)| (evidence / f64::max(ends, 1.0)).max(0.0);
+        let rate = |(excess, ends): (f64, f64)| (excess / f64::max(ends, 1.0)).max(0.0);
         let (p, q) = (rate(before), rate(after));
         (p.min(q) / p.max(q).max(1e-12), p >= q)
     };
@@ -240,8 +240,8 @@ mod tests {
         let score = |ends, whole, excess| Score { ends, whole, excess };
         let one = vec![score(100, 22, 90.0), score(100, 2, 15.0), score(100, 2, 5.0)];
         let other = vec![score(300, 0, 0.0), score(300, 0, 0.0), score(300, 0, 0.0)];
-        assert_eq!(Share::of([&one].into_iter()), Share { evidence: 0.8, whole: 0.4 });
-        assert_eq!(Share::of([&one, &other].into_iter()), Share { evidence: 0.2, whole: 0.1 });
+        assert_eq!(Share::of([&one].into_iter()), Share { excess: 0.8, whole: 0.4 });
+        assert_eq!(Share::of([&one, &other].into_iter()), Share { excess: 0.2, whole: 0.1 });
         assert_eq!(Share::of([].into_iter()), Share::default());
     }
 

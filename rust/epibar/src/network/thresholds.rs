@@ -49,15 +49,15 @@ pub const STRETCHES: f64 = 15.0;
 pub const SHIFTS: usize = 20;
 /// Normal deviate that the tangents of an accepted camera have on moments kept aside: by chance once in three million.
 pub const CAMERA_DEVIATES: f64 = 5.0;
-/// The same of whole silhouettes, which floors without walkers cannot have.
+/// Normal deviate that its whole silhouettes have there, which floors without walkers cannot have.
 pub const WHOLE_DEVIATES: f64 = 3.0;
 /// Whole silhouettes of a camera that meet beyond chance, of those that could in its pairs; or the evidence of a tangent. What is far
 /// from chance may still explain next to nothing: a camera 16° off, put there by a pair that saw other people, had 0.008 and
 /// 0.07; right ones 0.06 to 0.7 of silhouettes, but one of `wildtrack`, which cuts nearly all of them, 0.01 and 0.14.
 pub const CAMERA_WHOLE: f64 = 0.02;
-/// The same of the evidence of a tangent.
-pub const CAMERA_EVIDENCE: f64 = 0.1;
-/// The same of the tangents of a pair that confirms a network.
+/// Excess of a tangent of a camera over chance, below which, with fewer whole silhouettes than those, next to nothing is explained.
+pub const CAMERA_EXCESS: f64 = 0.1;
+/// Normal deviate that the tangents of a pair have that confirms a network.
 pub const PAIR_DEVIATES: f64 = 3.0;
 /// Pairs that must confirm a camera among more than two: two directions are needed for its place.
 pub const CONFIRMED_PAIRS: usize = 2;
@@ -92,11 +92,11 @@ pub const PIXELS: f64 = 0.5;
 /// The share of the scatter that is common to the outlines of one camera in one part of the image: of what pixels do by
 /// themselves, and of what is more than that.
 pub const OUTLINE_SHARE: [f64; 2] = [0.5, 0.9];
-/// The same as a multiple of the scatter where outlines are wrong in the same way everywhere.
+/// What is common to them as a multiple of the scatter, where outlines are wrong in the same way everywhere.
 pub const OUTLINE_STRAINED: f64 = 4.0;
 /// Standard deviation of clocks' offsets where barcodes found that all started together, seconds.
 pub const CLOCK_TOGETHER: f64 = 0.02;
-/// The same where barcodes found the offsets, to a frame or two.
+/// Standard deviation of offsets that barcodes found to a frame or two, seconds.
 pub const CLOCK_FOUND: f64 = 0.1;
 /// Standard deviation of clocks' drifts, ppm: quartz.
 pub const DRIFT: f64 = 30.0;
@@ -109,7 +109,7 @@ pub const MOVED: f64 = 2.0;
 pub const MOVED_LATER: f64 = 0.05;
 /// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
 pub const MOVED_DEVIATES: f64 = 4.0;
-/// The same of a move that only the end of the footage shows, which is asked for besides.
+/// Standard deviations that a move asks for which only the end of the footage shows, as that is asked for besides.
 pub const MOVED_WITHIN_DEVIATES: f64 = 6.0;
 /// A camera may have been turned far while it was filmed where less than this share of its evidence is left at the end.
 pub const FADES: f64 = 0.6;

@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::camera::Camera;
 use super::median::{deviation, median};
-use super::tangents::{Met, Tangents, other_end};
+use super::tangents::{MatchedEnds, Tangents, other_end};
 use super::thresholds as limits;
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
@@ -39,11 +39,11 @@ const STEEP: f64 = 0.6;
 const NARROW: f64 = 0.05;
 
 /// The silhouettes of which both ends meet those of one silhouette of the other camera, top to top.
-pub fn figures(tangents: &Tangents, met: &[Met]) -> Vec<Figure> {
+pub fn figures(tangents: &Tangents, met: &[MatchedEnds]) -> Vec<Figure> {
     let mut found = Vec::new();
     for (k, low) in met.iter().enumerate() {
         let Some(high) = other_end(met, k) else { continue };
-        let below = |m: &Met| tangents.below(m);
+        let below = |m: &MatchedEnds| tangents.below(m);
         let top_first =
             |[a, b]: [f64; 2], [c, d]: [f64; 2]| a > STEEP && b > STEEP && c < -STEEP && d < -STEEP;
         let (of_low, of_high) = (below(low), below(high));

@@ -70,7 +70,7 @@ pub struct World {
     pub unit: f64,
 }
 
-/// The same cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
+/// Cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
 pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
     let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
     let of = |c: usize| &network.cameras[stand[c]];
