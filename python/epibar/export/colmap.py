@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..errors import EpibarError
 from ..files.atomic import write_atomically
 from ..geometry.pose import RelativePose
-from ..runs.run import Camera, Pair, Run
+from ..outcome.run import Camera, Pair, Run
 
 __all__ = ["write_colmap"]
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..files.archive import write_archive
-from ..runs.run import Run
+from ..outcome.run import Run
 
 __all__ = ["write_npz"]
 

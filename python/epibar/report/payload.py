@@ -17,7 +17,7 @@ from ..recording import Recording
 from ..show.line_barcodes import WINDOW, LineSet, line_sets
 from ..show.moments import busiest_window, choose_moments, points_per_frame
 from .inputs import ReportCamera, ReportPair
-from .words import advice, verdict_words
+from .prose import advice, verdict_prose
 
 __all__ = ["camera_entry", "pair_entries"]
 
@@ -92,7 +92,7 @@ def _pair_entry(
         "a": by_name[pair.a],
         "b": by_name[pair.b],
         "accepted": calibration.accepted,
-        "verdict": verdict_words(calibration),
+        "verdict": verdict_prose(calibration),
         "kind": calibration.kind,
         "reason": calibration.reason,
         "advice": advice(calibration),
