@@ -3,6 +3,7 @@
 #   make demo      render videos of a crowd, calibrate them, compare with the known answer
 #   make test      every test, Rust and Python
 #   make readers   programs that read exports, into .readers: tests then ask them
+#   make live      the Rerun viewer: tests of the live view and of its files then run
 #   make fuzz      coverage-guided fuzzing of every entry in both languages, SECONDS=30 for each
 #   make hostile   ten thousand hostile inputs for every reader and public function, FUZZ=10000
 #   make audit     known holes in what epibar depends on, and licences
@@ -36,7 +37,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test readers fuzz hostile audit docs check semver coverage bench paper dist cross clean
+.PHONY: help build demo test readers live fuzz hostile audit docs check semver coverage bench paper dist cross clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -78,6 +79,16 @@ $(READERS)/.made: $(VENV)/.created
 
 readers: build $(READERS)/.made
 	$(BIN)/python -m pytest tests/test_readers.py
+
+# 170 MB, so not among the development tools. Where it cannot be installed, its tests say so and are skipped.
+$(VENV)/.live: pyproject.toml $(VENV)/.created
+	$(BIN)/python -m pip install --only-binary :all: \
+		$$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["live"])') || \
+		echo "the Rerun viewer cannot be installed" >&2
+	touch $@
+
+live: build $(VENV)/.live
+	$(BIN)/python -m pytest -rs -k 'live or rerun' tests/test_live.py tests/test_camera_formats.py tests/test_docstrings.py tests/test_readers.py
 
 # The crate is instrumented by the nightly compiler, and Atheris has wheels for Linux and macOS.
 $(VENV)/.fuzzers: $(VENV)/.created

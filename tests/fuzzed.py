@@ -19,7 +19,7 @@ from epibar.files.checks import OPTIONAL, RECORDING
 from epibar.files.frontier_csv import read_frontier_points
 from epibar.lens.cameras_toml import load_cameras, write_cameras
 from epibar.network.walker_file import load_tracks
-from epibar.runs import Run
+from epibar.outcome import Run
 from epibar.sources.mask_array_file import MaskArrayFile
 
 CALIBRATION = [

@@ -253,6 +253,6 @@ def test_every_option_that_is_advised_exists():
     named = list(named_options())
     assert [one for one in named if one[1] not in known] == []
     # It looks where advice stands.
-    advised = {option for path, option in named if path == "report/words.py"}
+    advised = {option for path, option in named if path == "report/prose.py"}
     assert advised >= {"--background", "--time-offset", "--ignore", "--intrinsics", "--max-expected-error"}
     assert ("health/camera_findings.py", "--frames") in named

@@ -16,7 +16,7 @@ from epibar.files.frontier_csv import write_frontier_points
 from epibar.files.json_file import write_json
 from epibar.lens.cameras_toml import load_cameras, write_cameras
 from epibar.lens.intrinsics import Intrinsics
-from epibar.runs.entries import camera_entry
+from epibar.outcome.entries import camera_entry
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from epibar.files.archive import read_archive, room, write_archive
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import WalkerTracks
 from epibar.network.walker_file import load_tracks
-from epibar.runs import Run
+from epibar.outcome import Run
 from epibar.sources.mask_array_file import MaskArrayFile
 
 

@@ -10,7 +10,7 @@ from known_poses import DEGREES, angle, between, true_pose, world_error
 import epibar
 from epibar import export, synthetic
 from epibar.geometry.pose import RelativePose, relative_pose
-from epibar.runs.entries import pose_entry
+from epibar.outcome.entries import pose_entry
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ import epibar
 from epibar import Calibration, Network, Recording
 from epibar.files.json_file import json_text
 from epibar.lens.cameras_toml import load_cameras
-from epibar.runs import Run
+from epibar.outcome import Run
 from epibar.sources.mask_frames import MaskFrames
 
 CORPUS = Path(__file__).parent / "corpus"

@@ -20,7 +20,7 @@ from epibar.files.archive import read_archive, write_archive
 from epibar.files.atomic import write_atomically
 from epibar.lens.cameras_toml import load_cameras, write_cameras
 from epibar.lens.intrinsics import Intrinsics
-from epibar.runs import Run
+from epibar.outcome import Run
 
 
 @pytest.fixture(scope="module")
@@ -66,10 +66,10 @@ def test_names_are_text_in_toml_yaml_and_csv(given_names, folder):
         assert [read.at(index).getNode("name").string() for index in range(read.size())] == given_names
         storage.release()
     points = epibar.FrontierPoints(np.arange(2), np.ones((2, 2)), np.ones((2, 2)), np.ones(2))
-    pair = epibar.runs.Pair(
+    pair = epibar.outcome.Pair(
         given_names[0], given_names[1], np.eye(3), True, "good", given_names[0], 1.0, 0.0, points
     )
-    run = Run([epibar.runs.Camera(name, (64, 48)) for name in given_names], [pair])
+    run = Run([epibar.outcome.Camera(name, (64, 48)) for name in given_names], [pair])
     epibar.export.write_csv(run, folder / "names.csv")
     with open(folder / "names.csv", newline="", encoding="utf-8") as stream:
         rows = list(csv.reader(stream))

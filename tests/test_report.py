@@ -17,7 +17,7 @@ from epibar.clocks import Timing
 from epibar.geometry.epipolar import epipoles
 from epibar.report.inputs import ReportCamera, ReportPair
 from epibar.report.page import write_report
-from epibar.report.words import ADVICE, TITLES, advice
+from epibar.report.prose import ADVICE, TITLES, advice
 from epibar.show.line_barcodes import hull_barcodes
 from epibar.show.moments import choose_moments
 

@@ -20,7 +20,7 @@ from epibar.files.calibration_json import FORMAT
 from epibar.files.csv_table import csv_text
 from epibar.network import NetworkClock, StartTime
 from epibar.network.parts import NetworkPairs
-from epibar.runs.sync import camera_starts, cut_command, write_starts
+from epibar.outcome.sync import camera_starts, cut_command, write_starts
 
 
 def network(clocks, names=None, lost=(), refused=()):

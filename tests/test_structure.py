@@ -1,6 +1,7 @@
 """The package's rooms: nothing is imported in a circle, nothing upwards, typing-only imports included."""
 
 import ast
+import re
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -11,7 +12,7 @@ PACKAGE = Path(epibar.__file__).parent
 ROOMS = (
     *("errors", "_core", "arguments", "geometry", "files", "sources", "lens", "camera_files", "foreground"),
     *("recording", "clocks", "health", "from_video", "motion_barcodes", "calibration", "network"),
-    *("runs", "show", "evaluation", "plot", "report", "live", "export"),
+    *("outcome", "show", "evaluation", "plot", "report", "live", "export"),
     *("jobs", "synthetic", "cli", "__main__"),
 )
 """In the order of the data: each may import from those before it."""
@@ -94,6 +95,13 @@ def test_files_are_short():
         if (lines := len(path.read_text().splitlines())) > MOST_LINES
     }
     assert long == {}
+
+
+def test_types_of_arrays_are_named_in_one_place():
+    """An array in a signature says what it holds, by a name of ``arguments.py``."""
+    spelt = re.compile(r"\bNDArray\b|(?:: |-> |\[|\| )np\.ndarray\b(?!\))")
+    found = [name for name, path in modules().items() if name != "_core" and spelt.search(path.read_text())]
+    assert found == ["arguments"]
 
 
 def test_no_function_is_hidden_by_a_module_of_its_name():

@@ -1,4 +1,4 @@
-"""The crate's rooms: nothing is imported in a circle, among files or among rooms; every room has its row."""
+"""The crate's rooms: nothing is imported in a circle, nothing upwards; every room has its row."""
 
 import re
 from graphlib import CycleError, TopologicalSorter
@@ -8,6 +8,13 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 CRATE = ROOT / "rust" / "epibar" / "src"
+
+ROOMS = (
+    *("error", "watch", "random", "bits_of_bytes", "image", "geometry", "recording", "foreground"),
+    *("matching", "frontier", "refine", "hypotheses", "search", "clock", "verify"),
+    *("options", "calibration", "lines", "calibrate", "examine", "files", "network"),
+)
+"""From tools to jobs: each may import from those before it. The root and `internals` stand above all."""
 
 MOST_AT_THE_TOP = 12
 MOST_LINES = 400
@@ -91,6 +98,42 @@ def test_nothing_is_imported_in_a_circle(graph):
         TopologicalSorter(graph()).prepare()
     except CycleError as error:
         raise AssertionError(f"a circle: {' -> '.join(error.args[1])}") from None
+
+
+def upwards(graph):
+    """What is imported from a room further down in the list, in words."""
+    order = {room: place for place, room in enumerate(ROOMS)}
+    assert graph.keys() <= order.keys(), f"{graph.keys() - order.keys()}: which place have they in ROOMS?"
+    return [
+        f"{name} imports {target}"
+        for name, targets in graph.items()
+        for target in sorted(targets)
+        if order.get(target, len(order)) > order[name]
+    ]
+
+
+def test_nothing_is_imported_upwards():
+    found = rooms()
+    assert set(ROOMS) == found.keys()
+    assert upwards(found) == []
+    assert upwards({"matching": {"recording", "search"}}) == ["matching imports search"]
+    assert upwards({"search": {"internals"}}) == ["search imports internals"]
+
+
+def test_the_architecture_tells_the_order():
+    """The rooms that it names in its line on the order stand there as here."""
+    page = (ROOT / "docs" / "architecture.md").read_text()
+    told = re.search(r"\*\*Rooms of the crate import downwards only\*\*:(.*?)\. ", page, re.DOTALL)
+    named = [name for name in re.findall(r"`(\w+)(?:\.rs)?`", told[1]) if name in ROOMS]
+    assert named == [room for room in ROOMS if room in named]
+    assert len(named) >= 12
+
+
+def test_the_network_lists_all_its_files():
+    """The list in the comment that opens the room is true: every file once, and none that is not there."""
+    text = (CRATE / "network" / "mod.rs").read_text()
+    listed = re.findall(r"`(\w+)`", "".join(re.findall(r"^//! \* (.*?):", text, re.MULTILINE)))
+    assert sorted(listed) == sorted(re.findall(r"^mod (\w+);", text, re.MULTILINE))
 
 
 def test_imports_are_found():

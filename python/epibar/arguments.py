@@ -16,13 +16,18 @@ from .errors import EpibarError
 
 __all__ = [
     "MAX_SEED",
+    "AnyArray",
     "Array",
+    "Array32",
     "Bits",
     "Image",
     "Index",
     "Mask",
+    "Order",
+    "PackedBits",
     "PathLike",
     "Size",
+    "Unsigned",
     "as_camera_matrix",
     "as_finite",
     "as_masks",
@@ -35,9 +40,16 @@ __all__ = [
     "is_number",
 ]
 
+AnyArray = NDArray[Any]
 Array = NDArray[np.float64]
+Array32 = NDArray[np.float32]
 Bits = NDArray[np.bool_]
+PackedBits = NDArray[np.uint64]
+"""(n, words): bit i of a row is frame i."""
 Index = NDArray[np.int64]
+Order = NDArray[np.intp]
+"""Indices as NumPy's own sorting gives them."""
+Unsigned = NDArray[np.uint32]
 Image = NDArray[np.uint8]
 """(H, W, 3), blue, green, red; or (H, W), grey."""
 Mask = NDArray[np.uint8]
@@ -74,7 +86,7 @@ def as_whole_number(name: str, value: Any, least: int, most: int | None = None) 
     return number
 
 
-def as_masks(masks: Any) -> NDArray[np.uint8]:
+def as_masks(masks: Any) -> Mask:
     """Return masks as a C-contiguous (T, H, W) array of uint8, or say what is wrong with them."""
     array = np.asarray(masks)
     if array.dtype != np.bool_ and array.dtype != np.uint8:

@@ -9,10 +9,19 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import _core
-from .arguments import MAX_SEED, Array, as_camera_matrix, as_positive, as_whole_number, core_errors, is_number
+from .arguments import (
+    MAX_SEED,
+    AnyArray,
+    Array,
+    as_camera_matrix,
+    as_positive,
+    as_whole_number,
+    core_errors,
+    is_number,
+)
 from .clocks import Timing, frame_interval, position_in_b
 from .errors import EpibarError
 from .files.archive import read_archive, write_archive
@@ -136,7 +145,7 @@ class Calibration:
         return cls.from_arrays(read_archive(path, KIND), os.fspath(path))
 
     @classmethod
-    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], where: str) -> Calibration:
+    def from_arrays(cls, arrays: Mapping[str, AnyArray], where: str) -> Calibration:
         """Make a calibration of the arrays of a saved one; ``where`` names them in errors.
 
         Raises
@@ -293,7 +302,7 @@ def calibrate(
     )
 
 
-def _matrices(rec_a: Recording, rec_b: Recording) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+def _matrices(rec_a: Recording, rec_b: Recording) -> tuple[Array, Array] | None:
     """Camera matrices, where both are known."""
     if rec_a.matrix is None or rec_b.matrix is None:
         return None

@@ -13,12 +13,10 @@ from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .arguments import Mask, core_errors
+from .arguments import AnyArray, Image, Mask, core_errors
 from .errors import EpibarError
 from .foreground import Foreground
 from .foreground.options import ForegroundOptions
@@ -51,7 +49,7 @@ def record(
     masks: bool = False,
     foreground: str | ForegroundOptions = "auto",
     background: str | os.PathLike[str] | None = None,
-    ignore: str | os.PathLike[str] | NDArray[Any] | None = None,
+    ignore: str | os.PathLike[str] | AnyArray | None = None,
     intrinsics: Intrinsics | str | os.PathLike[str] | None = None,
     fps: float | None = None,
     frames: Sequence[int | None] | None = None,
@@ -164,7 +162,7 @@ def _moving(frames: ColourFrames, options: ForegroundOptions, health: CameraHeal
     """Time and mask of each frame of a colour video."""
     foreground = Foreground.for_frames(frames, options)
 
-    def masked() -> Generator[tuple[int, float, NDArray[np.uint8], Mask], None, None]:
+    def masked() -> Generator[tuple[int, float, Image, Mask], None, None]:
         with closing(prefetched(frames)) as ahead:
             for index, time, frame in ahead:
                 yield index, time, frame, foreground.apply(frame)
@@ -210,7 +208,7 @@ def _reported(
         progress("recording", min(count / total, 1.0) if total else 0.0)
 
 
-def _ignore_mask(ignore: str | os.PathLike[str] | NDArray[Any] | None, size: tuple[int, int]) -> Mask | None:
+def _ignore_mask(ignore: str | os.PathLike[str] | AnyArray | None, size: tuple[int, int]) -> Mask | None:
     """Load an ignore mask and check its size; 1 where motion does not count."""
     if ignore is None:
         return None

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import _core
-from .arguments import as_masks, as_whole_number, core_errors
+from .arguments import AnyArray, Array, Index, PackedBits, as_masks, as_whole_number, core_errors
 from .errors import EpibarError
 
 __all__ = ["barcodes", "match_barcodes"]
 
 
-def barcodes(masks: NDArray[Any], segments: ArrayLike) -> NDArray[np.uint64]:
+def barcodes(masks: AnyArray, segments: ArrayLike) -> PackedBits:
     """Motion barcode of each line: for each frame one bit, set where the line crosses a moving pixel.
 
     Parameters
@@ -54,7 +52,7 @@ def barcodes(masks: NDArray[Any], segments: ArrayLike) -> NDArray[np.uint64]:
 
 def match_barcodes(
     bits_a: ArrayLike, bits_b: ArrayLike, frames: int, mutual: int = 3, limit: int = 1000
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
+) -> tuple[Index, Index, Array]:
     """Pairs of lines, each among the best matches of the other, by correlation of their motion barcodes.
 
     Parameters

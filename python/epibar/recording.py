@@ -12,10 +12,21 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from . import _core
-from .arguments import MAX_SEED, as_camera_matrix, as_masks, as_whole_number, core_errors
+from .arguments import (
+    MAX_SEED,
+    AnyArray,
+    Array,
+    Mask,
+    PackedBits,
+    Unsigned,
+    as_camera_matrix,
+    as_masks,
+    as_whole_number,
+    core_errors,
+)
 from .errors import EpibarError
 from .files.archive import ArrayHeader, read_archive, write_archive
 from .files.checks import check_format, check_recording
@@ -161,32 +172,32 @@ class Recording:
         return self._core.informative
 
     @property
-    def times(self) -> NDArray[np.float64]:
+    def times(self) -> Array:
         """Seconds of each frame since frame 0, (T,)."""
         return self._core.times
 
     @property
-    def segments(self) -> NDArray[np.float64]:
+    def segments(self) -> Array:
         """Lines as (x0, y0, x1, y1) on the image border, (n, 4), pixels."""
         return self._core.segments
 
     @property
-    def barcodes(self) -> NDArray[np.uint64]:
+    def barcodes(self) -> PackedBits:
         """Packed motion barcodes of the lines, (n, words)."""
         return self._core.barcodes
 
     @property
-    def heat(self) -> NDArray[np.uint32]:
+    def heat(self) -> Unsigned:
         """In how many frames each pixel moved, (H, W)."""
         return self._core.heat
 
     @property
-    def moving_pixels(self) -> NDArray[np.uint32]:
+    def moving_pixels(self) -> Unsigned:
         """Moving pixels of each frame, (T,)."""
         return self._core.moving_pixels
 
     @property
-    def visible(self) -> NDArray[np.uint8] | None:
+    def visible(self) -> Mask | None:
         """Where motion can be seen, (H, W), non-zero; None where that is all of the image.
 
         Outlines that end elsewhere are those of the view, not of what moves, and give no frontier points.
@@ -198,7 +209,7 @@ class Recording:
         """Width and height, pixels."""
         return self._core.width, self._core.height
 
-    def hulls(self, frame: int) -> list[NDArray[np.float64]]:
+    def hulls(self, frame: int) -> list[Array]:
         """Convex hulls of the silhouettes of a frame, each (k, 2) corners in pixels."""
         index = as_whole_number("frame", frame, 0, self._core.frames - 1)
         with core_errors():
@@ -241,7 +252,7 @@ class Recording:
 
         return cls.from_arrays(read_archive(path, KIND, check), where)
 
-    def to_arrays(self) -> dict[str, NDArray[Any]]:
+    def to_arrays(self) -> dict[str, AnyArray]:
         """Return everything as named arrays, as they are in the file."""
         arrays: dict[str, Any] = {PREFIX + key: value for key, value in self._core.to_arrays().items()}
         arrays[MARK] = np.array(FORMAT)
@@ -255,7 +266,7 @@ class Recording:
         return arrays
 
     @classmethod
-    def from_arrays(cls, arrays: Mapping[str, NDArray[Any]], where: str) -> Recording:
+    def from_arrays(cls, arrays: Mapping[str, AnyArray], where: str) -> Recording:
         """Make a recording of the arrays that :meth:`to_arrays` returned; ``where`` names them in errors.
 
         Raises
@@ -295,7 +306,7 @@ def as_recording(name: str, value: Any) -> Recording:
     return value
 
 
-def _stored_health(arrays: Mapping[str, NDArray[Any]]) -> dict[str, float]:
+def _stored_health(arrays: Mapping[str, AnyArray]) -> dict[str, float]:
     """Read the numbers of the camera's health; files of older versions have none."""
     names, values = arrays.get("health_names"), arrays.get("health_values")
     if names is None or values is None:
@@ -310,7 +321,7 @@ def _stored_health(arrays: Mapping[str, NDArray[Any]]) -> dict[str, float]:
     return found
 
 
-def _unpickled(arrays: dict[str, NDArray[Any]]) -> Recording:
+def _unpickled(arrays: dict[str, AnyArray]) -> Recording:
     # Buffers that came over a network need not be aligned, and the compiled module wants them so.
     aligned = {name: np.require(array, requirements=["C", "A"]) for name, array in arrays.items()}
     return Recording.from_arrays(aligned, "pickled recording")
@@ -322,7 +333,7 @@ def new_recorder(
     lines: int,
     seed: int,
     min_component_area: int,
-    visible: NDArray[np.uint8] | None = None,
+    visible: Mask | None = None,
 ) -> _core.Recorder:
     """Make a recorder, with every argument checked; ``visible`` as in :attr:`Recording.visible`."""
     with core_errors():

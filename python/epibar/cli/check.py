@@ -90,7 +90,7 @@ class Update:
     """The folder of a run, held, whose network is to be updated; what can be refused is before any work."""
 
     def __init__(self, folder: Folder, intrinsics: str | None) -> None:
-        from ..runs.run import Run
+        from ..outcome.run import Run
 
         self._folder = folder
         self._made = Run.load(folder.path) if (folder.path / "calibration.json").exists() else None
@@ -174,7 +174,7 @@ def _lenses(folder: Path, given: str | None, names: list[str]) -> Mapping[str, I
     """Lenses to take out: those of the file that is given, or else those that were when it was calibrated."""
     from ..errors import EpibarError
     from ..lens.cameras_toml import find_camera, load_cameras
-    from ..runs.run import Run
+    from ..outcome.run import Run
 
     if given is not None:
         known = load_cameras(given)

@@ -13,10 +13,10 @@ from typing import IO, Any
 from ..calibration import Calibration
 from ..errors import printable, without_secrets
 from ..jobs.watch import Watch
-from ..network.check_words import check_notes, check_table
+from ..network.check_prose import check_notes, check_table
 from ..network.checking import NetworkCheck
+from ..network.prose import network_notes, network_table
 from ..network.result import Network
-from ..network.words import network_notes, network_table
 
 __all__ = ["Console"]
 

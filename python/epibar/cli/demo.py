@@ -111,14 +111,14 @@ def run(args: Namespace) -> int:
     known = out / "known_cameras.toml"
     write_cameras(known, [_known(camera) for camera in staging.cameras])
 
-    words = ["calibrate", *map(str, sources), "--out", str(out), "--seed", str(args.seed)]
+    arguments = ["calibrate", *map(str, sources), "--out", str(out), "--seed", str(args.seed)]
     if not args.unsynchronised:
-        words += ["--time-offset", "0"]
-    console.note("the same as: epibar " + " ".join(words))
+        arguments += ["--time-offset", "0"]
+    console.note("the same as: epibar " + " ".join(arguments))
     parser = CommandParser()
     calibrate.add_options(parser)
     code = calibrate.run(
-        parser.parse_args(words[1:] + ["--quiet"] * args.quiet + ["--verbose"] * args.verbose)
+        parser.parse_args(arguments[1:] + ["--quiet"] * args.quiet + ["--verbose"] * args.verbose)
     )
     if code != DONE:
         return code

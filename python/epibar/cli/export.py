@@ -13,7 +13,7 @@ from .options import CommandParser, add_output_options
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from ..runs.run import Run
+    from ..outcome.run import Run
     from .console import Console
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
@@ -63,7 +63,7 @@ def run(args: Namespace) -> int:
     from ..errors import EpibarError
     from ..jobs.inputs import NETWORK_FILE
     from ..lens.cameras_toml import load_cameras
-    from ..runs.run import Run
+    from ..outcome.run import Run
     from .console import Console
 
     found = Run.load(args.folder)

@@ -34,7 +34,7 @@ def run(args: Namespace) -> int:
     from ..jobs.network_files import write_network
     from ..jobs.network_tables import rescale_tracks
     from ..network import Network
-    from ..runs.run import Run
+    from ..outcome.run import Run
     from .console import Console
 
     console = Console(args.quiet, verbose=args.verbose)

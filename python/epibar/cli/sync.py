@@ -9,7 +9,7 @@ from .exit_codes import DONE
 from .options import CommandParser, add_output_options
 
 if TYPE_CHECKING:
-    from ..runs.sync import CameraStart
+    from ..outcome.sync import CameraStart
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
@@ -40,7 +40,7 @@ def run(args: Namespace) -> int:
     from ..files.json_file import json_text
     from ..jobs.inputs import NETWORK_FILE
     from ..network.result import Network
-    from ..runs.sync import starts_of_run
+    from ..outcome.sync import starts_of_run
     from .console import Console
 
     folder = Path(args.folder)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arguments import Size, as_finite
+from ..arguments import Bits, Size, as_finite
 from ..errors import EpibarError
 from ..geometry.epipolar import epipoles
 from ..geometry.lines import area_between_lines, clip_lines
@@ -16,7 +16,7 @@ __all__ = ["true_candidate_rate", "true_candidates"]
 
 def true_candidates(
     lines_a: ArrayLike, lines_b: ArrayLike, F_true: ArrayLike, size_a: Size, size_b: Size
-) -> NDArray[np.bool_]:
+) -> Bits:
     """Tell which candidate pairs of corresponding epipolar lines are true, by §4.1.
 
     A line is true when the image area between it and the true epipolar line through its midpoint (of the part

@@ -23,7 +23,7 @@ from ..geometry.cameras import (
 from ..geometry.epipolar import symmetric_epipolar_distance
 from ..lens.cameras_toml import load_cameras
 from ..lens.intrinsics import Intrinsics
-from ..runs.run import Camera, Pair, Run
+from ..outcome.run import Camera, Pair, Run
 from .points import compare, image_correspondences, moving_volume
 
 __all__ = ["Evaluation", "PairEvaluation", "evaluate"]

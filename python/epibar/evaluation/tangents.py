@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arguments import Array, Size, as_finite
+from ..arguments import Array, Index, Size, as_finite
 from ..errors import EpibarError
 from ..geometry.epipolar import epipoles, symmetric_epipolar_distance
 from ..geometry.vectors import cross_matrix, homogeneous
@@ -33,7 +33,7 @@ def matched_tangent_points(
     radius: float = 6.0,
     size_a: Size | None = None,
     size_b: Size | None = None,
-) -> tuple[Array, Array, NDArray[np.int64]]:
+) -> tuple[Array, Array, Index]:
     """Find frontier points under a known F: tangent points of the epipolar tangents that meet one to one.
 
     The lines F x_a and e_b × x_b are one pencil, a projective line that keeps its direction when a line

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from .formats import CAMERA_FORMATS, FORMATS, PAIR_FORMATS, Format
 
 if TYPE_CHECKING:
-    from ..runs.run import Camera, Pair, Run
+    from ..outcome.run import Camera, Pair, Run
     from .colmap import write_colmap
     from .csv import write_csv
     from .npz import write_npz
@@ -46,9 +46,9 @@ __all__ = [
 ]
 
 _HOME = {
-    "Camera": "..runs",
-    "Pair": "..runs",
-    "Run": "..runs",
+    "Camera": "..outcome",
+    "Pair": "..outcome",
+    "Run": "..outcome",
     "place_cameras": ".placing",
     "write_caliscope": ".placed",
     "write_colmap": ".colmap",

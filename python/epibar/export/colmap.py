@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Unsigned
 from ..errors import EpibarError
 from ..files.atomic import write_atomically
 from ..geometry.pose import RelativePose
-from ..runs.run import Camera, Pair, Run
+from ..outcome.run import Camera, Pair, Run
 
 __all__ = ["write_colmap"]
 
@@ -78,7 +78,7 @@ def write_colmap(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     return [Path(path)]
 
 
-def _matches(pair: Pair, keypoints: dict[str, dict[Key, int]]) -> NDArray[np.uint32]:
+def _matches(pair: Pair, keypoints: dict[str, dict[Key, int]]) -> Unsigned:
     """Number the points of a pair within each camera, new ones at the end; (n, 2)."""
     points = pair.frontier_points
     columns = []
@@ -115,7 +115,7 @@ def _add_image(pycolmap: Any, database: Any, camera: Camera, corners: dict[Key, 
     return int(image.image_id)
 
 
-def _geometry(pycolmap: Any, pair: Pair, pose: RelativePose | None, match: NDArray[np.uint32]) -> Any:
+def _geometry(pycolmap: Any, pair: Pair, pose: RelativePose | None, match: Unsigned) -> Any:
     kinds = pycolmap.TwoViewGeometryConfiguration
     geometry = pycolmap.TwoViewGeometry()
     geometry.inlier_matches = match

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..files.csv_table import csv_text, write_csv_table
-from ..runs.run import Pair, Run
+from ..outcome.run import Pair, Run
 
 __all__ = ["write_csv"]
 

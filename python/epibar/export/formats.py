@@ -1,7 +1,7 @@
 """The formats of ``epibar export``: what holds pairs of cameras, one module of this package each, and all.
 
-To add one for pairs: a module with a function that takes a :class:`~epibar.runs.Run` and a path, writes, and
-returns the files it wrote; and a line in :data:`PAIR_FORMATS`. Cameras in one world have a table of their
+To add one for pairs: a module with a function that takes a :class:`~epibar.outcome.Run` and a path, writes,
+and returns the files it wrote; and a line in :data:`PAIR_FORMATS`. Cameras in one world have a table of their
 own, :mod:`epibar.camera_files.formats`. The command line, its help and ``epibar formats`` follow the tables.
 Standard library only: the command line reads it before anything heavy is imported.
 """

@@ -8,8 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import AnyArray
 from ..files.archive import write_archive
-from ..runs.run import Run
+from ..outcome.run import Run
 
 __all__ = ["write_npz"]
 
@@ -34,7 +35,7 @@ def write_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     points = [pair.frontier_points for pair in run.pairs]
     unknown = np.full((3, 3), np.nan)
 
-    def matrices(values: list[Any]) -> np.ndarray:
+    def matrices(values: list[Any]) -> AnyArray:
         return np.array([unknown if value is None else value for value in values])
 
     errors = [np.nan if pair.expected_error is None else pair.expected_error for pair in run.pairs]

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..files.atomic import write_text
 from ..files.opencv_text import opencv_text
-from ..runs.run import Run
+from ..outcome.run import Run
 from ..sources.opencv import opencv
 
 __all__ = ["write_opencv"]

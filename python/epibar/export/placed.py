@@ -17,7 +17,7 @@ from ..errors import EpibarError
 from ..geometry.pose import RelativePose
 from ..lens.cameras_toml import load_cameras
 from ..lens.intrinsics import Intrinsics, rotation_vector
-from ..runs.run import Pair, Run
+from ..outcome.run import Pair, Run
 from .placing import place_cameras
 
 __all__ = ["write_caliscope", "write_placed", "write_toml"]

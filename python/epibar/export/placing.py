@@ -20,7 +20,7 @@ import numpy as np
 from ..arguments import Array
 from ..errors import EpibarError
 from ..geometry.pose import RelativePose, depths
-from ..runs.run import Pair, Run
+from ..outcome.run import Pair, Run
 
 __all__ = ["place_cameras"]
 

@@ -18,8 +18,8 @@ from tokenize import TokenError
 from typing import IO, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import AnyArray
 from ..errors import EpibarError
 from .atomic import write_atomically
 
@@ -88,7 +88,7 @@ def read_archive(
     path: str | os.PathLike[str],
     kind: str,
     check: Callable[[Mapping[str, ArrayHeader]], None] | None = None,
-) -> dict[str, NDArray[Any]]:
+) -> dict[str, AnyArray]:
     """Read every array of a file.
 
     Parameters
@@ -121,7 +121,7 @@ def read_archive(
         raise EpibarError(f"{where}: not {kind}, or damaged") from error
 
 
-def read_array(path: str | os.PathLike[str], name: str) -> NDArray[Any]:
+def read_array(path: str | os.PathLike[str], name: str) -> AnyArray:
     """Read one array of a file whose others may be of any size; raises one of :data:`DAMAGED`."""
     with open(path, "rb") as stream, zipfile.ZipFile(stream) as archive:
         return _array(archive, archive.getinfo(f"{name}.npy"), room(0))
@@ -174,7 +174,7 @@ def _parsed(start: IO[bytes], name: str, size: int) -> tuple[ArrayHeader, int]:
     return ArrayHeader(shape, dtype, "F" if columns_first else "C"), start.tell()
 
 
-def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, most: int | None = None) -> NDArray[Any]:
+def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo, most: int | None = None) -> AnyArray:
     if most is not None and entry.file_size > most:
         raise ValueError(f"{entry.filename}: {entry.file_size:,} bytes")
     with archive.open(entry) as stream:

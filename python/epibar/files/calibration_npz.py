@@ -12,8 +12,8 @@ from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import AnyArray
 from ..errors import EpibarError
 from .checks import check_calibration, check_format
 
@@ -30,9 +30,9 @@ ARRAY = "ndarray"
 T = TypeVar("T")
 
 
-def to_arrays(calibration: Any) -> dict[str, NDArray[Any]]:
+def to_arrays(calibration: Any) -> dict[str, AnyArray]:
     """Take a calibration apart."""
-    arrays: dict[str, NDArray[Any]] = {MARK: np.array(FORMAT)}
+    arrays: dict[str, AnyArray] = {MARK: np.array(FORMAT)}
     header: dict[str, Any] = {}
     for name, value in _parts(calibration):
         if isinstance(value, np.ndarray):
@@ -64,7 +64,7 @@ def _json_value(value: Any) -> Any:
 
 
 def from_arrays(
-    kind: type[T], nested: Mapping[str, type[Any]], arrays: Mapping[str, NDArray[Any]], where: str
+    kind: type[T], nested: Mapping[str, type[Any]], arrays: Mapping[str, AnyArray], where: str
 ) -> T:
     """Put a calibration together again.
 

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from .. import _core
-from ..arguments import core_errors
+from ..arguments import AnyArray, Image, core_errors
 from ..errors import EpibarError
 
 __all__ = ["collect", "median_background", "samples_in_memory", "steady_background"]
@@ -33,7 +33,7 @@ def _most(limit: int, frame_bytes: int, memory: int) -> int:
     return max(5, min(limit, memory // frame_bytes))
 
 
-def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES) -> np.ndarray:
+def collect(frames: Iterable[Image], limit: int, memory: int = MEMORY_BYTES) -> AnyArray:
     """Keep up to ``limit`` frames, evenly spread over a stream of unknown length, in bounded memory.
 
     When full, every second frame is dropped and from then on half as many are taken.
@@ -47,7 +47,7 @@ def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES
     EpibarError
         No frames, or frames of two sizes.
     """
-    kept: np.ndarray = np.empty(0, np.uint8)
+    kept: AnyArray = np.empty(0, np.uint8)
     count, stride = 0, 1
     for index, frame in enumerate(frames):
         if index == 0:  # memory is taken when it is written to
@@ -71,7 +71,7 @@ def collect(frames: Iterable[np.ndarray], limit: int, memory: int = MEMORY_BYTES
     return kept[:count]
 
 
-def steady_background(samples: np.ndarray) -> np.ndarray:
+def steady_background(samples: AnyArray) -> Image:
     """Return the most repeated value of each pixel.
 
     Parameters
@@ -84,13 +84,13 @@ def steady_background(samples: np.ndarray) -> np.ndarray:
     ndarray, shape (H, W, 3), uint8
     """
     if len(samples) < 3:
-        result: np.ndarray = samples[0].copy()
+        result: AnyArray = samples[0].copy()
         return result
     with core_errors():
         return _core.steady_background(np.ascontiguousarray(samples))
 
 
-def median_background(samples: np.ndarray) -> np.ndarray:
+def median_background(samples: AnyArray) -> Image:
     """Return the temporal median of (N, H, W, 3) uint8 samples, the upper of two middles."""
     middle = len(samples) // 2
     strips = [

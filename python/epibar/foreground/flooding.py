@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arguments import Mask
+
 __all__ = ["FLOOD_SHARE", "moving_share"]
 
 FLOOD_SHARE = 0.6
 
 
-def moving_share(mask: np.ndarray, counted: np.ndarray | None = None) -> float:
+def moving_share(mask: Mask, counted: Mask | None = None) -> float:
     """Share of the image that is foreground, where it counts."""
     if counted is None:
         return float(np.count_nonzero(mask) / mask.size)

@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from .. import _core
-from ..arguments import core_errors
+from ..arguments import AnyArray, Image, Mask, core_errors
 from .empty_scene import median_background
 from .options import ForegroundOptions
 
@@ -33,10 +33,10 @@ WIDE = 800
 class BackgroundModel(Protocol):
     """What tells moving pixels from background, one (H, W, 3) uint8 BGR frame at a time."""
 
-    def learn(self, frame: np.ndarray, number: int) -> None:
+    def learn(self, frame: Image, number: int) -> None:
         """Take a frame of the empty scene; ``number`` counts them from 0."""
 
-    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
+    def moving(self, frame: Image, rate: float) -> Mask:
         """Mask of the next frame, (H, W) uint8 of 0 and 1; learn from it at a rate between 0 and 1."""
 
 
@@ -58,12 +58,12 @@ class OpenCvModel:
             self._model.setBackgroundRatio(0.6)
         self._model.setShadowThreshold(0.4)
 
-    def learn(self, frame: np.ndarray, number: int) -> None:
+    def learn(self, frame: Image, number: int) -> None:
         # 1 / (n + 1) weighs all samples alike; KNN counts by itself.
         self._model.apply(frame, learningRate=-1 if self._is_knn else 1.0 / (number + 1))
 
-    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
-        result: np.ndarray = (self._model.apply(frame, learningRate=rate) == 255).astype(np.uint8)
+    def moving(self, frame: Image, rate: float) -> Mask:
+        result: AnyArray = (self._model.apply(frame, learningRate=rate) == 255).astype(np.uint8)
         return result
 
 
@@ -74,10 +74,10 @@ class MixtureModel:
         with core_errors():
             self._model = _core.Mixture(*size, options.threshold or MOG2_THRESHOLD, options.shadows)
 
-    def learn(self, frame: np.ndarray, number: int) -> None:
+    def learn(self, frame: Image, number: int) -> None:
         self._model.learn(np.ascontiguousarray(frame), 1.0 / (number + 1))
 
-    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
+    def moving(self, frame: Image, rate: float) -> Mask:
         return self._model.look(np.ascontiguousarray(frame), rate)
 
 
@@ -92,37 +92,37 @@ class MedianModel:
         self._difference = (options.threshold or 625.0) ** 0.5
         self._shadows = options.shadows
         self._interval = max(1, round(options.memory / (2 * self.SAMPLES * self.INTERVAL)) * self.INTERVAL)
-        self._samples: deque[np.ndarray] = deque(maxlen=self.SAMPLES)
+        self._samples: deque[AnyArray] = deque(maxlen=self.SAMPLES)
         self._seen = self._taken = 0
-        self._background: np.ndarray | None = None
+        self._background: Image | None = None
 
-    def learn(self, frame: np.ndarray, number: int) -> None:
+    def learn(self, frame: Image, number: int) -> None:
         self._samples.append(frame.copy())
         self._background = None
 
-    def _refresh(self) -> np.ndarray:
+    def _refresh(self) -> Image:
         import cv2
 
         self._background = median_background(np.stack(self._samples))
         self._hsv = cv2.cvtColor(self._background, cv2.COLOR_BGR2HSV).astype(np.int16)
         return self._background
 
-    def moving(self, frame: np.ndarray, rate: float) -> np.ndarray:
+    def moving(self, frame: Image, rate: float) -> Mask:
         background = self._refresh() if self._background is None else self._background
         moving = largest_difference(frame, background) > self._difference
         if self._shadows:
             moving &= ~self._shadow(frame)
         self._update(frame, moving, rate)
-        result: np.ndarray = moving.astype(np.uint8)
+        result: AnyArray = moving.astype(np.uint8)
         return result
 
-    def _shadow(self, frame: np.ndarray) -> np.ndarray:
+    def _shadow(self, frame: Image) -> Mask:
         import cv2
 
         hsv = cv2.cvtColor(frame, cv2.COLOR_BGR2HSV).astype(np.int16)
         value, ground = hsv[..., 2], self._hsv[..., 2]
         hue = np.abs(hsv[..., 0] - self._hsv[..., 0])
-        result: np.ndarray = (
+        result: AnyArray = (
             (value >= self.DARKEST * ground)
             & (value <= self.LIGHTEST * ground)
             & (np.abs(hsv[..., 1] - self._hsv[..., 1]) <= self.SATURATION)
@@ -130,7 +130,7 @@ class MedianModel:
         )
         return result
 
-    def _update(self, frame: np.ndarray, moving: np.ndarray, rate: float) -> None:
+    def _update(self, frame: Image, moving: Mask, rate: float) -> None:
         self._seen += 1
         if rate >= FLOOD_LEARNING_RATE:
             if self._samples.maxlen == self.SAMPLES:
@@ -147,7 +147,7 @@ class MedianModel:
                 self._refresh()
 
 
-def largest_difference(frame: np.ndarray, background: np.ndarray) -> np.ndarray:
+def largest_difference(frame: Image, background: Image) -> AnyArray:
     """Return the largest absolute difference of the three channels at each pixel, (H, W) uint8."""
     import cv2
 

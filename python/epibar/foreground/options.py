@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import Mask
 from ..errors import EpibarError
 
 __all__ = ["METHODS", "ForegroundOptions"]
@@ -46,7 +47,7 @@ class ForegroundOptions:
     method: str = "auto"
     warm_up: int = 60
     shadows: bool = True
-    ignore: np.ndarray | None = None
+    ignore: Mask | None = None
     median_filter: float = 5.0
     closing: float = 7.0
     min_area: float = 0.0005

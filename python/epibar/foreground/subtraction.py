@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..arguments import core_errors
+from ..arguments import Image, Mask, core_errors
 from ..errors import EpibarError
 from ..sources.colour_frames import ColourFrames
 from .empty_scene import collect, samples_in_memory, steady_background
@@ -54,9 +54,9 @@ class Foreground:
 
     def __init__(self, options: ForegroundOptions | None = None) -> None:
         self.options = options or ForegroundOptions()
-        self.background: np.ndarray | None = None
+        self.background: Image | None = None
         self._model: BackgroundModel | None = None
-        self._hidden: np.ndarray | None = None
+        self._hidden: Mask | None = None
         self._size: tuple[int, int] | None = None
         self._learned = 0
         self._primed = False
@@ -82,7 +82,7 @@ class Foreground:
             foreground.prime(empty.sample(count))
         return foreground
 
-    def prime(self, frames: Iterable[np.ndarray]) -> None:
+    def prime(self, frames: Iterable[Image]) -> None:
         """Learn the empty scene before the first frame.
 
         Parameters
@@ -106,7 +106,7 @@ class Foreground:
             model.learn(self._painted(sample, self.background), number)
         self._primed = True
 
-    def _painted(self, sample: np.ndarray, background: np.ndarray) -> np.ndarray:
+    def _painted(self, sample: Image, background: Image) -> Image:
         """Replace people in a sample by background; flicker, which is small, stays to be learnt."""
         import cv2
 
@@ -117,7 +117,7 @@ class Foreground:
         cv2.copyTo(background, around, painted)
         return painted
 
-    def apply(self, frame: np.ndarray) -> np.ndarray:
+    def apply(self, frame: Image) -> Mask:
         """Return the mask of the next frame.
 
         Parameters
@@ -137,7 +137,7 @@ class Foreground:
         """
         return self._cleaned(self.moving(frame))
 
-    def moving(self, frame: np.ndarray) -> np.ndarray:
+    def moving(self, frame: Image) -> Mask:
         """Return the mask of the next frame before it is cleaned; all else is as for :meth:`apply`."""
         size = self._set_size(self._checked(frame))
         if self._model is None:
@@ -151,7 +151,7 @@ class Foreground:
         self._flooded = self._flooded + 1 if moving_share(moving) > FLOOD_SHARE else 0
         return moving
 
-    def clean(self, mask: np.ndarray) -> np.ndarray:
+    def clean(self, mask: Mask) -> Mask:
         """Clean a ready mask as the model's own are: median filter, closing, area filter, ignore mask.
 
         Parameters
@@ -176,7 +176,7 @@ class Foreground:
         self._set_size(mask)
         return self._cleaned((mask != 0).astype(np.uint8))
 
-    def _set_size(self, frame: np.ndarray) -> tuple[int, int]:
+    def _set_size(self, frame: Image) -> tuple[int, int]:
         height, width = frame.shape[:2]
         if self._size is None:
             self._size = width, height
@@ -196,7 +196,7 @@ class Foreground:
         return max(1, 2 * round((size * lines / REFERENCE_HEIGHT - 1) / 2) + 1) if size else 1
 
     @staticmethod
-    def _checked(frame: Any) -> np.ndarray:
+    def _checked(frame: Any) -> Image:
         if (
             not isinstance(frame, np.ndarray)
             or frame.dtype != np.uint8
@@ -207,7 +207,7 @@ class Foreground:
             raise EpibarError(f"a frame must be a (height, width, 3) uint8 BGR image, not {found}")
         return frame
 
-    def _cleaned(self, mask: np.ndarray, ignore: bool = True) -> np.ndarray:
+    def _cleaned(self, mask: Mask, ignore: bool = True) -> Mask:
         least = math.ceil(self.options.min_area * mask.size)
         with core_errors():
             return _core.clean_mask(

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arguments import Array, Size, as_finite
+from ..arguments import Array, Bits, Size, as_finite
 from ..errors import EpibarError
 from .vectors import cross_matrix
 
@@ -77,7 +77,7 @@ def project(camera: PosedCamera, points3d: ArrayLike) -> tuple[Array, Array]:
     return pixels, depth
 
 
-def inside(points: Array, size: Size) -> NDArray[np.bool_]:
+def inside(points: Array, size: Size) -> Bits:
     """Tell which of the (n, 2) points lie in the image."""
     x, y = points[:, 0], points[:, 1]
     return (x >= 0) & (x <= size[0] - 1) & (y >= 0) & (y <= size[1] - 1)

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from ..arguments import Array
+from ..arguments import Array, Bits, Index
 
 __all__ = ["Candidates", "FrontierPoints"]
 
@@ -29,7 +26,7 @@ class Candidates:
     lines_a: Array
     lines_b: Array
     correlation: Array
-    inliers: NDArray[np.bool_]
+    inliers: Bits
 
     def __len__(self) -> int:
         return len(self.correlation)
@@ -49,7 +46,7 @@ class FrontierPoints:
         Symmetric epipolar distance under F, pixels.
     """
 
-    frame: NDArray[np.int64]
+    frame: Index
     a: Array
     b: Array
     residual: Array

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..arguments import Array, Size, as_finite
+from ..arguments import Array, Bits, Size, as_finite
 from ..errors import EpibarError
 
 
-def clip_lines(lines: ArrayLike, size: Size) -> tuple[Array, NDArray[np.bool_]]:
+def clip_lines(lines: ArrayLike, size: Size) -> tuple[Array, Bits]:
     """Clip lines to an image.
 
     Parameters

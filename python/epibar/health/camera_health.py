@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arguments import AnyArray, Image, Mask
 from ..foreground.flooding import FLOOD_SHARE, moving_share
 from ..sources.opencv import opencv
 from .camera_findings import camera_findings
@@ -51,7 +52,7 @@ class CameraHealth:
     motion : CameraMotion
     """
 
-    def __init__(self, name: str = "camera", every: int = 10, ignore: np.ndarray | None = None) -> None:
+    def __init__(self, name: str = "camera", every: int = 10, ignore: Mask | None = None) -> None:
         self.name = name
         self.every = max(1, every)
         self.frames = 0
@@ -60,9 +61,9 @@ class CameraHealth:
         self._counted = None if ignore is None else np.asarray(ignore) == 0
         self.motion = CameraMotion(self._counted)
         self._first_blanked = -1
-        self._first: np.ndarray | None = None
-        self._sparse: np.ndarray | None = None
-        self._levels: list[np.ndarray] = []
+        self._first: Image | None = None
+        self._sparse: Image | None = None
+        self._levels: list[AnyArray] = []
         self._dark = 0
         self._repeated = 0
         self._longest_repeat = (0, -1)
@@ -78,7 +79,7 @@ class CameraHealth:
         """By how many pixels, then; infinite where the view is another one."""
         return self.motion.moves[0].distance if self.motion.moves else 0.0
 
-    def update(self, index: int, frame: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    def update(self, index: int, frame: Image, mask: Mask) -> AnyArray:
         """Look at one frame.
 
         Parameters
@@ -107,7 +108,7 @@ class CameraHealth:
         self.blanked += 1
         return np.zeros_like(mask)
 
-    def _watch_light(self, index: int, frame: np.ndarray) -> None:
+    def _watch_light(self, index: int, frame: Image) -> None:
         cv2 = opencv()
         height, width = (max(1, size // 8) for size in frame.shape[:2])
         green = cv2.extractChannel(frame, 1)
@@ -174,7 +175,7 @@ class CameraHealth:
         return [f"{self.name}: {finding.text}" for finding in camera_findings(self.numbers)]
 
 
-def flicker(levels: np.ndarray) -> float:
+def flicker(levels: AnyArray) -> float:
     """Measure by how much the light goes up and down from frame to frame.
 
     Parameters
@@ -195,7 +196,7 @@ def flicker(levels: np.ndarray) -> float:
     return float(1.4826 * np.median(np.median(np.abs(fast), axis=0)))
 
 
-def _levels(change: np.ndarray) -> np.ndarray:
+def _levels(change: AnyArray) -> AnyArray:
     """Mean of the middle half of a change in each horizontal band, (BANDS,)."""
     levels = np.empty(BANDS)
     for band, rows in enumerate(np.array_split(change, BANDS)):

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..arguments import AnyArray, Image, Mask
 from ..sources.opencv import opencv
 
 __all__ = ["CameraMotion", "Move"]
@@ -77,7 +78,7 @@ class CameraMotion:
         First and last frame of each part in which the camera was seen to stand still.
     """
 
-    def __init__(self, counted: np.ndarray | None = None) -> None:
+    def __init__(self, counted: Mask | None = None) -> None:
         self.checks = self.shaken = 0
         self.moves: list[Move] = []
         self.returned_at: int | None = None
@@ -85,11 +86,11 @@ class CameraMotion:
         self._counted = counted
         self._first: _Reference | None = None
         self._reference: _Reference | None = None
-        self._suspicions: list[tuple[int, np.ndarray]] = []
+        self._suspicions: list[tuple[int, AnyArray]] = []
         self._back: list[int] = []
         self._last_shift = 0.0
 
-    def look(self, index: int, frame: np.ndarray) -> None:
+    def look(self, index: int, frame: Image) -> None:
         """Compare one frame, (H, W, 3) uint8 BGR, with the reference."""
         scale = min(1.0, WORKING_WIDTH / frame.shape[1])
         view = _even_contrast(frame, scale)
@@ -112,7 +113,7 @@ class CameraMotion:
                 self._confirm(index, view, shift / scale)
         self._look_for_first(index, view)
 
-    def _confirm(self, index: int, view: np.ndarray, distance: float) -> None:
+    def _confirm(self, index: int, view: Image, distance: float) -> None:
         gradual = self._last_shift > GRADUAL * TOLERANCE and np.isfinite(distance)
         self.moves.append(Move(self._suspicions[0][0], self.stretches[-1][1], distance, bool(gradual)))
         self.returned_at = None
@@ -129,7 +130,7 @@ class CameraMotion:
         self._last_shift = 0.0
         self.stretches.append([settled, index])
 
-    def _look_for_first(self, index: int, view: np.ndarray) -> None:
+    def _look_for_first(self, index: int, view: Image) -> None:
         if not self.moves or self.returned_at is not None or self._first is None:
             return
         if self._first.displacement(view) > TOLERANCE:
@@ -143,7 +144,7 @@ class CameraMotion:
             self._back.clear()
             self.stretches.append([self.returned_at, index])
 
-    def _referenced(self, view: np.ndarray) -> _Reference | None:
+    def _referenced(self, view: Image) -> _Reference | None:
         cv2 = opencv()
         counted = self._counted
         if counted is not None:
@@ -156,10 +157,10 @@ class CameraMotion:
 class _Reference:
     """A view and its corners."""
 
-    view: np.ndarray
-    corners: np.ndarray
+    view: Image
+    corners: AnyArray
 
-    def displacement(self, view: np.ndarray) -> float:
+    def displacement(self, view: Image) -> float:
         """By how many pixels three quarters of the corners moved at least; infinite if few are found."""
         cv2 = opencv()
         there, found, _ = cv2.calcOpticalFlowPyrLK(self.view, view, self.corners, None)
@@ -172,7 +173,7 @@ class _Reference:
         return float(np.percentile(lengths, STILL_QUARTILE))
 
 
-def _even_contrast(frame: np.ndarray, scale: float) -> np.ndarray:
+def _even_contrast(frame: Image, scale: float) -> Image:
     """Shrink a BGR frame to grey and give it the same mean and contrast everywhere."""
     cv2 = opencv()
     grey = cv2.cvtColor(frame, cv2.COLOR_BGR2GRAY)
@@ -182,5 +183,5 @@ def _even_contrast(frame: np.ndarray, scale: float) -> np.ndarray:
     centred = grey - cv2.blur(grey, around)
     # A running sum may end a trifle below nought where all is even.
     spread = np.sqrt(np.maximum(cv2.blur(centred * centred, around), 0.0))
-    result: np.ndarray = np.clip(128.0 + 40.0 * centred / (spread + 4.0), 0, 255).astype(np.uint8)
+    result: AnyArray = np.clip(128.0 + 40.0 * centred / (spread + 4.0), 0, 255).astype(np.uint8)
     return result

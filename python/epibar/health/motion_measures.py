@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-from ..arguments import Array
+from ..arguments import AnyArray, Array, Index
 from ..geometry.lines import area_between_lines, lines_through
 from ..recording import Recording
 
@@ -31,7 +29,7 @@ HEADS_SLACK = 3.0
 """People differ in height, so heads on one path stray more than feet do."""
 
 
-def lines_left(recording: Recording, arrays: Mapping[str, NDArray[Any]]) -> tuple[dict[str, int], int]:
+def lines_left(recording: Recording, arrays: Mapping[str, AnyArray]) -> tuple[dict[str, int], int]:
     """Count the lines left after each filter, and the straight paths."""
     frames = recording.frames
     least = max(1, int(np.ceil(INFORMATIVE_SHARE * frames)))
@@ -77,7 +75,7 @@ def share_by_ninth(heat: Array) -> Array:
     return shares
 
 
-def straightness_of(arrays: Mapping[str, NDArray[Any]], size: tuple[int, int]) -> float:
+def straightness_of(arrays: Mapping[str, AnyArray], size: tuple[int, int]) -> float:
     """How far the lowest and highest points of the silhouettes stray from a straight line each, the larger.
 
     Feet on one path are on one line in the image, and so are heads. Heads alone are not enough: under a low
@@ -99,7 +97,7 @@ def straightness_of(arrays: Mapping[str, NDArray[Any]], size: tuple[int, int]) -
     return max(strays)
 
 
-def _extremes(points: Array, starts: NDArray[np.int64], sign: float) -> Array:
+def _extremes(points: Array, starts: Index, sign: float) -> Array:
     """Lowest (sign 1) or highest (sign −1) vertex of each hull, (n, 2)."""
     hull = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
     order = np.lexsort((-sign * points[:, 1], hull))

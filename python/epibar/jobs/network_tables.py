@@ -10,8 +10,8 @@ from ..errors import EpibarError
 from ..network.result import Network
 from ..network.walker_file import load_tracks
 from ..network.walkers import height_on_floor
+from ..outcome.sync import camera_starts, write_starts
 from ..recording import Recording
-from ..runs.sync import camera_starts, write_starts
 from .folder import Folder
 from .inputs import SYNC_FILE, TRACKS_FILE
 

@@ -11,9 +11,9 @@ from ..errors import EpibarError, without_secrets
 from ..files.frontier_csv import write_frontier_points
 from ..files.json_file import write_json
 from ..network.result import Network
+from ..outcome.entries import camera_entry, pair_entry, pose_entry, run_entry
 from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
-from ..runs.entries import camera_entry, pair_entry, pose_entry, run_entry
 from .folder import Folder
 from .inputs import REPORT, RESULT, TRACKS_FILE, CameraInput, Job, Pair, picture_file, points_file
 from .network_files import kept_network, write_network

@@ -9,12 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import recording
+from ..arguments import AnyArray
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..files import calibration_npz as calibration_file
@@ -112,13 +111,13 @@ class Store:
     def _pair(self, stem: str) -> Path:
         return pair_file(self.out, stem)
 
-    def _read(self, path: Path, key: str | None, kind: str) -> dict[str, NDArray[Any]] | None:
+    def _read(self, path: Path, key: str | None, kind: str) -> dict[str, AnyArray] | None:
         if key is None or not path.exists():
             return None
         arrays = read_archive(path, kind)
         return arrays if str(arrays.get(KEY)) == key else None
 
-    def _write(self, path: Path, key: str | None, arrays: dict[str, NDArray[Any]], seconds: float) -> None:
+    def _write(self, path: Path, key: str | None, arrays: dict[str, AnyArray], seconds: float) -> None:
         if key is not None:
             more = {KEY: np.array(key), SECONDS: np.array(seconds)}
             self._write_kept(path, lambda path: write_archive(path, {**arrays, **more}))

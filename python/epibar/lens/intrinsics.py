@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import Array, as_camera_matrix, as_numbers
+from ..arguments import Array, Image, as_camera_matrix, as_numbers
 from ..errors import EpibarError
 from ..geometry.cameras import Pose
 from ..sources.opencv import opencv
@@ -115,7 +115,7 @@ class Intrinsics:
         rotation = np.asarray(cv2.Rodrigues(self.rotation)[0], dtype=np.float64)
         return Pose(self.matrix, rotation, self.translation, self.size)
 
-    def undistort_image(self, image: np.ndarray) -> np.ndarray:
+    def undistort_image(self, image: Image) -> Image:
         """Return an (H, W, 3) uint8 image in undistorted pixels; black where the camera saw nothing."""
         return Undistorter(self, (image.shape[1], image.shape[0])).image(image)
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Array, Size
+from ..arguments import AnyArray, Array, Array32, Image, Mask, Size
 
 __all__ = ["Lens", "Undistorter"]
 
@@ -85,35 +84,35 @@ class Undistorter:
         self._name = name or intrinsics.name
         intrinsics.check_size(size or intrinsics.size, self._name)
         width, height = intrinsics.size
-        self.valid: NDArray[np.uint8] = np.ones((height, width), np.uint8)
+        self.valid: Mask = np.ones((height, width), np.uint8)
         if intrinsics.distorted:
             self._x, self._y = _maps(intrinsics)
             self.valid = ((self._x > -0.5) & (self._x < width - 0.5)).astype(np.uint8)
             self.valid &= (self._y > -0.5) & (self._y < height - 0.5)
 
-    def _remap(self, image: np.ndarray) -> np.ndarray:
+    def _remap(self, image: Image) -> AnyArray:
         import cv2
 
         return cv2.remap(
             image, self._x, self._y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT, borderValue=(0, 0, 0)
         )
 
-    def __call__(self, mask: np.ndarray) -> NDArray[np.uint8]:
+    def __call__(self, mask: Mask) -> Mask:
         """Undistort an (H, W) mask, bool or uint8, non-zero = moving; returns uint8 of 0 and 1."""
         self.intrinsics.check_size((mask.shape[1], mask.shape[0]), self._name)
         binary = (np.asarray(mask) != 0).astype(np.uint8)
         if not self.intrinsics.distorted:
-            result: NDArray[np.uint8] = binary
+            result: Mask = binary
             return result
         return (self._remap(binary * np.uint8(255)) >= 128).astype(np.uint8)
 
-    def image(self, image: np.ndarray) -> np.ndarray:
+    def image(self, image: Image) -> Image:
         """Undistort an (H, W, 3) or (H, W) uint8 image; black where there is no source."""
         self.intrinsics.check_size((image.shape[1], image.shape[0]), self._name)
         return self._remap(image) if self.intrinsics.distorted else image.copy()
 
 
-def _maps(camera: Lens) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _maps(camera: Lens) -> tuple[Array32, Array32]:
     """Source pixel of each undistorted pixel, far outside where there is none."""
     import cv2
 

@@ -6,9 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arguments import Array
 from ..calibration import Calibration
 from ..clocks import clock_rate, frame_interval
 from ..recording import Recording
@@ -28,7 +26,7 @@ class CameraClock:
         Seconds between frames of the first camera.
     """
 
-    times: NDArray[np.float64]
+    times: Array
     step: float
 
     def set(self, stream: Any, frame: int) -> None:

@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
-from ..arguments import Array, core_errors
+from ..arguments import Array, Bits, Index, core_errors
 from ..camera_files.ways import Way
 from ..errors import EpibarError
 from ..files.archive import write_archive
@@ -69,10 +68,10 @@ class WalkerTracks:
     names: tuple[str, ...]
     unit: str
     time: Array
-    track: NDArray[np.int64]
+    track: Index
     foot: Array
     top: Array
-    cameras: NDArray[np.bool_]
+    cameras: Bits
     residual: Array
 
     @property

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Image
+from ..arguments import Array, Image
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..recording import Recording
@@ -70,7 +69,7 @@ def two_axes(ax: Sequence[Axes] | None, recordings: tuple[Recording, Recording])
     return made[0], made[1]
 
 
-def fundamental(calibration: Calibration) -> NDArray[np.float64]:
+def fundamental(calibration: Calibration) -> Array:
     """Return F of a calibration that has one."""
     if calibration.F is None:
         raise EpibarError(f"there is no F to draw: {calibration.reason}")

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from ..calibration import Calibration
 from ..clocks import common_frames
 from ..errors import EpibarError
@@ -249,7 +249,7 @@ def pair_matrix(
     from matplotlib.colors import LogNorm
     from matplotlib.patches import Rectangle
 
-    errors: NDArray[np.float64] = np.full((count, count), np.nan)
+    errors: Array = np.full((count, count), np.nan)
     for (a, b), judged in pairs.items():
         row, column = sorted((places[a], places[b]))
         if judged.accepted:

@@ -1,4 +1,4 @@
-"""The network in words: its verdict, and the table of its cameras; both need no scripts."""
+"""The network as prose: its verdict, and the table of its cameras; both need no scripts."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 
 from ..network.parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
-from ..network.words import network_notes
+from ..network.prose import network_notes
 from .cameras_in_space import field_of_view, focal_length, tilt
 from .space import grid_step, magnification
 from .tracks_file import Track
@@ -83,16 +83,16 @@ def _caption(network: NetworkParts, tracks: Sequence[Track]) -> str:
         step += " m"
     elif len(standing) > 1:
         step += f" of the distance between {standing[0]} and {standing[1]}"
-    words = [f"A cell of the grid is {step} wide."]
+    sentences = [f"A cell of the grid is {step} wide."]
     if network.ground.source != "floor":
-        words.append("No floor was found: the grid lies below all cameras.")
-    words.append("The thick edge of a camera's image is its upper one.")
-    words.append(
+        sentences.append("No floor was found: the grid lies below all cameras.")
+    sentences.append("The thick edge of a camera's image is its upper one.")
+    sentences.append(
         "Balls: stated position errors" + (f", {enlarged:g} times enlarged." if enlarged > 1 else ".")
     )
     if tracks:
-        words.append("Thin coloured lines: where people walked.")
-    return " ".join(words)
+        sentences.append("Thin coloured lines: where people walked.")
+    return " ".join(sentences)
 
 
 def camera_table(network: NetworkParts) -> str:
@@ -161,8 +161,8 @@ def _errors(camera: NetworkCamera, unit: str) -> str:
     if expected is None:
         return UNKNOWN
     parts = (("focal", 100.0, " %"), ("rotation", 1.0, "°"), ("position", 1.0, unit))
-    words = (
+    sentences = (
         f"{expected[key] * scale:.2g}{text}" if math.isfinite(expected[key]) else UNKNOWN
         for key, scale, text in parts
     )
-    return " · ".join(words)
+    return " · ".join(sentences)

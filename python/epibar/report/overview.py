@@ -13,7 +13,7 @@ from ..geometry.lines import clip_lines
 from ..network.parts import NetworkParts
 from .inputs import ReportCamera, ReportPair
 from .pictures import data_url
-from .words import verdict_words
+from .prose import verdict_prose
 
 __all__ = ["camera_cards", "error_list", "legend", "matrix", "summary"]
 
@@ -125,13 +125,13 @@ def matrix(cameras: Sequence[ReportCamera], pairs: Sequence[ReportPair]) -> str:
 
 def _cell(pair: ReportPair, index: int) -> str:
     calibration = pair.calibration
-    words, error = verdict_words(calibration), calibration.expected_error
+    verdict, error = verdict_prose(calibration), calibration.expected_error
     shown = "" if error is None else f"{error:.2f} px"
     if calibration.accepted:
         look, lines = f"accepted level{_level(error)}", ("✓ " + (shown or "accepted"), "accepted")
     else:
-        look, lines = "refused", ("✕ refused", words.lower())
-    label = f"{pair.a} and {pair.b}: {words}" + (f", expected error {shown}" if shown else "")
+        look, lines = "refused", ("✕ refused", verdict.lower())
+    label = f"{pair.a} and {pair.b}: {verdict}" + (f", expected error {shown}" if shown else "")
     return (
         f'<a class="cell {look}" href="#pair-{index + 1}" aria-label="{escape(label)}">'
         f"<strong>{escape(lines[0])}</strong><small>{escape(lines[1])}</small></a>"
@@ -144,13 +144,13 @@ def _level(error: float | None) -> int:
 
 def legend() -> str:
     """Explain the colours of the matrix."""
-    words = [
+    labels = [
         f"< {LEVELS[0]:g}",
         *(f"{low:g}–{high:g}" for low, high in pairwise(LEVELS)),
     ]
-    words.append(f"≥ {LEVELS[-1]:g}")
+    labels.append(f"≥ {LEVELS[-1]:g}")
     items = "".join(
-        f'<li><i class="accepted level{level}"></i>{escape(text)}</li>' for level, text in enumerate(words)
+        f'<li><i class="accepted level{level}"></i>{escape(text)}</li>' for level, text in enumerate(labels)
     )
     return (
         f'<ul class="legend"><li>Expected error, px:</li>{items}<li><i class="refused"></i>refused</li></ul>'

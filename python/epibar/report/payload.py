@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import _core
+from ..arguments import Array, Bits
 from ..calibration import Calibration
 from ..clocks import common_frames
 from ..geometry.correspondences import FrontierPoints
@@ -17,7 +17,7 @@ from ..recording import Recording
 from ..show.line_barcodes import WINDOW, LineSet, line_sets
 from ..show.moments import busiest_window, choose_moments, points_per_frame
 from .inputs import ReportCamera, ReportPair
-from .words import advice, verdict_words
+from .prose import advice, verdict_prose
 
 __all__ = ["camera_entry", "pair_entries"]
 
@@ -45,7 +45,7 @@ def camera_entry(camera: ReportCamera, frames: set[int]) -> dict[str, Any]:
     }
 
 
-def _heat_grid(recording: Recording) -> NDArray[np.float64]:
+def _heat_grid(recording: Recording) -> Array:
     """Share of the frames in which the pixels of a cell moved, per cent, evenly over the image."""
     width, height = recording.size
     columns = min(HEAT_COLUMNS, width)
@@ -92,7 +92,7 @@ def _pair_entry(
         "a": by_name[pair.a],
         "b": by_name[pair.b],
         "accepted": calibration.accepted,
-        "verdict": verdict_words(calibration),
+        "verdict": verdict_prose(calibration),
         "kind": calibration.kind,
         "reason": calibration.reason,
         "advice": advice(calibration),
@@ -127,7 +127,7 @@ def _pair_entry(
     }
 
 
-def _points_in(points: FrontierPoints, frame: int) -> NDArray[np.float64]:
+def _points_in(points: FrontierPoints, frame: int) -> Array:
     """Frontier points of one frame: (n, 5), x and y in A, in B, residual."""
     here = points.frame == frame
     return np.round(np.column_stack([points.a[here], points.b[here], points.residual[here]]), 3)
@@ -144,12 +144,12 @@ def _line_set_entry(shown: LineSet) -> dict[str, Any]:
     }
 
 
-def _packed(bits: NDArray[np.bool_]) -> str:
+def _packed(bits: Bits) -> str:
     """Pack a barcode as the recordings do, low bit first, in base64."""
     return base64.b64encode(np.packbits(bits, bitorder="little").tobytes()).decode("ascii")
 
 
-def _histogram(residuals: NDArray[np.float64]) -> dict[str, Any] | None:
+def _histogram(residuals: Array) -> dict[str, Any] | None:
     if not len(residuals):
         return None
     median, furthest = float(np.median(residuals)), float(residuals.max())

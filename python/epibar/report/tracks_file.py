@@ -5,14 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from ..errors import EpibarError
 from ..network.walker_file import load_tracks
 
 __all__ = ["Track", "read_tracks"]
 
-Track = NDArray[np.float64]
+Track = Array
 """Places of one walker in the order of time, (n, 3), in the network's unit."""
 
 

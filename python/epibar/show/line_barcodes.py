@@ -10,9 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Array, Bits, Index
+from ..arguments import Array, Bits, Index, Order
 from ..calibration import Calibration
 from ..geometry.epipolar import epipoles
 from ..geometry.lines import clip_lines
@@ -129,7 +128,7 @@ def _unit(lines: Array) -> Array:
     return lines / np.hypot(lines[:, 0], lines[:, 1])[:, None]
 
 
-def _in_order(middles: Array) -> NDArray[np.intp]:
+def _in_order(middles: Array) -> Order:
     """Order lines across the image, from the top, along the axis on which their middles spread most."""
     if len(middles) < 2:
         return np.arange(len(middles))
@@ -138,7 +137,7 @@ def _in_order(middles: Array) -> NDArray[np.intp]:
     return np.argsort(centred @ (axis if axis[1] >= 0 else -axis), kind="stable")
 
 
-def _different(bits: Bits, segments: Array) -> NDArray[np.intp]:
+def _different(bits: Bits, segments: Array) -> Order:
     """Choose informative lines, each the farthest from those before it, in place and barcode alike."""
     share = bits.mean(axis=1) if bits.shape[1] else np.zeros(len(bits))
     pool = np.flatnonzero((share > INFORMATIVE[0]) & (share < INFORMATIVE[1]))

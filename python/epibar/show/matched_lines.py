@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Array, Size
+from ..arguments import Array, Order, Size
 from ..calibration import Calibration
 from ..clocks import nearest_frame, positions_in_b
 from ..geometry.epipolar import epipoles
@@ -89,7 +88,7 @@ def matched_lines(
     ]
 
 
-def _far_apart(shape: Array, preferred: NDArray[np.intp], others: NDArray[np.intp], count: int) -> list[int]:
+def _far_apart(shape: Array, preferred: Order, others: Order, count: int) -> list[int]:
     """Choose lines far from each other, farthest first; ``others`` only when ``preferred`` runs out."""
     chosen: list[int] = []
     for pool in (preferred, others):

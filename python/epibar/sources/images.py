@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arguments import AnyArray, Image
 from ..errors import EpibarError
 from .opencv import opencv
 
@@ -21,16 +22,16 @@ def natural_order(path: Path) -> list[tuple[int, int, str]]:
     return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
 
 
-def as_bgr(image: np.ndarray) -> np.ndarray:
+def as_bgr(image: Image) -> AnyArray:
     """Convert a grey or BGRA image to BGR."""
     cv2 = opencv()
     if image.ndim == 2 or image.shape[2] == 1:
-        result: np.ndarray = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+        result: AnyArray = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
         return result
     return image if image.shape[2] == 3 else cv2.cvtColor(image, cv2.COLOR_BGRA2BGR)
 
 
-def read_image(path: Path) -> np.ndarray:
+def read_image(path: Path) -> AnyArray:
     """One image as BGR uint8; the bytes are read by Python because OpenCV cannot open every file name."""
     cv2 = opencv()
     try:
@@ -45,5 +46,5 @@ def read_image(path: Path) -> np.ndarray:
             image = None
     if image is None:
         raise EpibarError(f"{path}: not an image that OpenCV can decode; remove it or save it again")
-    result: np.ndarray = image
+    result: AnyArray = image
     return result

@@ -11,6 +11,7 @@ from typing import IO
 
 import numpy as np
 
+from ..arguments import AnyArray
 from ..errors import EpibarError
 from ..files.archive import DAMAGED, check_compression, read_array
 from ..files.checks import LONGEST_SIDE
@@ -103,7 +104,7 @@ class MaskArrayFile:
             raise EpibarError(f"{where} is in Fortran order; save np.ascontiguousarray(masks)")
         return shape
 
-    def __iter__(self) -> Iterator[np.ndarray]:
+    def __iter__(self) -> Iterator[AnyArray]:
         frames, height, width = self.shape
         with self._stream() as stream:
             self._header(stream)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..arguments import AnyArray
 from ..errors import EpibarError, is_address
 from .colour_frames import ColourFrames
 from .mask_array_file import ARRAY_SUFFIXES
@@ -15,7 +16,7 @@ from .mask_frames import MaskFrames
 __all__ = ["read_frame"]
 
 
-def read_frame(path: str | os.PathLike[str], index: int = 0) -> np.ndarray:
+def read_frame(path: str | os.PathLike[str], index: int = 0) -> AnyArray:
     """One frame, for a picture.
 
     Parameters
@@ -48,5 +49,5 @@ def read_frame(path: str | os.PathLike[str], index: int = 0) -> np.ndarray:
                     return np.repeat(mask[:, :, None] * np.uint8(255), 3, axis=2)
             raise EpibarError(f"{path}: frame {index} asked for, but it has {masks.frame_count} frames")
     with ColourFrames(path) as frames:
-        result: np.ndarray = frames.read(index)
+        result: AnyArray = frames.read(index)
         return result

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from ..arguments import Array, Index, Mask
 
 
 @dataclass(frozen=True)
@@ -43,15 +45,13 @@ class Dirt:
     merged_px: int = 0
 
 
-def _blob(
-    image: NDArray[np.uint8], centre: NDArray[np.float64], radius: float, value: int, rng: np.random.Generator
-) -> None:
+def _blob(image: Mask, centre: Array, radius: float, value: int, rng: np.random.Generator) -> None:
     axes = tuple(max(1, round(radius * rng.uniform(0.6, 1.4))) for _ in range(2))
     middle = (round(float(centre[0])), round(float(centre[1])))
     cv2.ellipse(image, middle, axes, float(rng.uniform(0, 180)), 0, 360, value, -1)
 
 
-def _around(mask: NDArray[np.uint8], margin: int, step: int = 1) -> tuple[int, int, NDArray[np.uint8]]:
+def _around(mask: Mask, margin: int, step: int = 1) -> tuple[int, int, Mask]:
     """Cut out the part of a mask in which anything is set: its first column and row, and the part.
 
     Column and row are multiples of ``step``.
@@ -61,7 +61,7 @@ def _around(mask: NDArray[np.uint8], margin: int, step: int = 1) -> tuple[int, i
     return left, top, mask[top : y + height + margin, left : x + width + margin]
 
 
-def _lose(out: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -> None:
+def _lose(out: Mask, dirt: Dirt, rng: np.random.Generator) -> None:
     """Miss components, or cut holes into them."""
     # OpenCV goes through blocks of 2×2, on which the order of its labels depends.
     left, top, part = _around(out, 0, 2)
@@ -81,18 +81,18 @@ def _lose(out: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -> None:
             _blob(out, np.array([left + x + columns[pick], top + y + rows[pick]]), radius, 0, rng)
 
 
-def _band(mask: NDArray[np.uint8], width: int) -> NDArray[np.int64]:
+def _band(mask: Mask, width: int) -> Index:
     """List the pixels within a width of an outline, as places row · width + x."""
     left, top, part = _around(mask, width)
     if part.size == 0:
         return np.empty(0, np.int64)
     kernel = np.ones((2 * width + 1,) * 2, np.uint8)
     rows, columns = np.nonzero(cv2.dilate(part, kernel) != cv2.erode(part, kernel))
-    places: NDArray[np.int64] = (rows + top) * mask.shape[1] + columns + left
+    places: Index = (rows + top) * mask.shape[1] + columns + left
     return places
 
 
-def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -> NDArray[np.uint8]:
+def noisy_frame(mask: Mask, dirt: Dirt, rng: np.random.Generator) -> Mask:
     """One (H, W) mask made dirty; 0 and 1."""
     height, width = mask.shape
     out = (mask != 0).astype(np.uint8)
@@ -114,11 +114,11 @@ def noisy_frame(mask: NDArray[np.uint8], dirt: Dirt, rng: np.random.Generator) -
         part = _around(out, 2 * dirt.merged_px + 1)[2]
         if part.size:
             part[:] = cv2.morphologyEx(part, cv2.MORPH_CLOSE, disc)
-    result: NDArray[np.uint8] = out
+    result: Mask = out
     return result
 
 
-def noisy(masks: ArrayLike, seed: int = 0, dirt: Dirt | None = None) -> NDArray[np.uint8]:
+def noisy(masks: ArrayLike, seed: int = 0, dirt: Dirt | None = None) -> Mask:
     """Dirty masks from clean ones.
 
     Parameters

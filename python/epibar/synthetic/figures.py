@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array, Bits, Index
 from .tracks import STEP, Track
-
-Array = NDArray[np.float64]
 
 LEG = 0.245
 """Thigh and shank alike, in body heights."""
@@ -29,14 +27,14 @@ class Pose:
 
     centres: Array
     axes: Array
-    present: NDArray[np.bool_]
+    present: Bits
 
 
 class Movers(Protocol):
     """Some movers of one kind: which of their M solids are boxes, whose they are, and where they are when."""
 
-    box: NDArray[np.bool_]
-    owner: NDArray[np.int64]
+    box: Bits
+    owner: Index
 
     def at(self, seconds: Array) -> Pose:
         """Return the solids at K seconds of the world."""
@@ -50,7 +48,7 @@ def between(values: Array, seconds: Array) -> Array:
     return values[first] + share * (values[first + 1] - values[first])
 
 
-def there_at(present: NDArray[np.bool_], seconds: Array) -> NDArray[np.bool_]:
+def there_at(present: Bits, seconds: Array) -> Bits:
     """Who is there at moments between samples: who is there at both."""
     first = np.clip(seconds / STEP, 0, len(present) - 1.000001).astype(np.int64)
     return present[first] & present[first + 1]
@@ -108,7 +106,7 @@ class Body:
         self.put(ahead + along / 2, aside, above - down / 2, half, angle)
         return ahead + along, above - down
 
-    def pose(self, present: NDArray[np.bool_]) -> Pose:
+    def pose(self, present: Bits) -> Pose:
         """Return all of it; ``present`` is (K, N)."""
         parts = len(self.centres)
         centres, axes = np.concatenate(self.centres, axis=1), np.concatenate(self.axes, axis=1)
@@ -140,7 +138,7 @@ class Walkers:
         self,
         rng: np.random.Generator,
         track: Track,
-        dance: NDArray[np.bool_] | None = None,
+        dance: Bits | None = None,
         alike: bool = False,
     ) -> None:
         count = track.count

@@ -8,16 +8,14 @@ from typing import Literal
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array, Bits, Index, Mask
 from .camera import Camera
 from .dirt import Dirt, noisy_frame
 from .lens_raster import solid_spans
 from .raster import Spans, ellipse_spans
 from .world import Shapes, World
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.uint8]
 Outlines = Literal["silhouettes", "boxes", "ellipses"]
 
 CHUNK_PIXELS = 6_000_000
@@ -68,8 +66,8 @@ class Lights:
     """
 
     places: Array
-    on: NDArray[np.bool_]
-    flooded: NDArray[np.bool_]
+    on: Bits
+    flooded: Bits
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +147,7 @@ class Film:
                 yield clean(mask) if clean is not None else mask
             first = last
 
-    def _drawn(self, camera: Camera, first: int, last: int) -> NDArray[np.uint8]:
+    def _drawn(self, camera: Camera, first: int, last: int) -> Mask:
         """Draw a chunk of clean masks."""
         width, height = camera.size
         masks = np.zeros((last - first, height, width), np.uint8)
@@ -168,7 +166,7 @@ class Film:
         _fill(masks, shapes.frame[spans.item], spans, shapes.moving[spans.item].astype(np.uint8))
         return masks
 
-    def _boxed(self, spans: Spans, shapes: Shapes, first: int) -> tuple[NDArray[np.int64], Spans]:
+    def _boxed(self, spans: Spans, shapes: Shapes, first: int) -> tuple[Index, Spans]:
         """Turn the spans of movers into those of boxes or ellipses: the frame of each, and the spans."""
         owner = shapes.owner[spans.item]
         spans, owner = spans.take(np.flatnonzero(owner >= 0)), owner[owner >= 0]
@@ -206,7 +204,7 @@ class Film:
         return np.ascontiguousarray(mask[:, ::-1]) if self.mirrored else mask
 
 
-def _fill(masks: NDArray[np.uint8], frame: NDArray[np.int64], spans: Spans, value: int | Mask) -> None:
+def _fill(masks: Mask, frame: Index, spans: Spans, value: int | Mask) -> None:
     """Set the pixels of spans in a stack of masks."""
     height, width = masks.shape[1:]
     span, pixel = spans.pixels(width)

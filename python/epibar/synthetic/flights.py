@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from .figures import Pose
 from .motion import rotations
-
-Array = NDArray[np.float64]
 
 GRAVITY = 9.81
 

@@ -10,9 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Size
+from ..arguments import Bits, Size
 from . import motion
 from .camera import Camera
 from .dirt import Dirt
@@ -69,7 +68,7 @@ def _ring(
     return cameras
 
 
-def _one_each(count: int, cameras: int, parts: int = 1) -> NDArray[np.bool_]:
+def _one_each(count: int, cameras: int, parts: int = 1) -> Bits:
     """Let each object be seen by one camera, in turn: (count · parts, cameras), part by part as `bodies`."""
     return np.tile(np.eye(cameras, dtype=bool)[np.arange(count) % cameras], (parts, 1))
 
@@ -175,7 +174,7 @@ def cubes(
     )
     seconds = np.arange(frames) / fps
 
-    def flying(count: int, seen_by: NDArray[np.bool_]) -> Solids:
+    def flying(count: int, seen_by: Bits) -> Solids:
         centres, axes = motion.flying_boxes(rng, count, seconds, (2.4, 2.4, 1.8), size_m, thin, speed)
         return Solids.of(centres, axes, True, np.arange(count), seen_by)
 
@@ -232,7 +231,7 @@ def people(
     )
     walk = motion.path_walks if one_path else motion.walks
 
-    def walking(count: int, seen_by: NDArray[np.bool_]) -> Solids:
+    def walking(count: int, seen_by: Bits) -> Solids:
         centres, axes, owner = motion.bodies(rng, *walk(rng, count, frames, fps), fps)
         return Solids.of(centres, axes, False, owner, seen_by)
 

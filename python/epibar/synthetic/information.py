@@ -12,13 +12,11 @@ from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array, Bits
 from .camera import Camera
 from .film import Film
 from .world import ALL
-
-Array = NDArray[np.float64]
 
 
 class Filmed(Protocol):
@@ -32,7 +30,7 @@ class Filmed(Protocol):
     def films(self) -> Sequence[Film]:
         """What each of them films."""
 
-    def seen(self, index: int, points: Array) -> NDArray[np.bool_]:
+    def seen(self, index: int, points: Array) -> Bits:
         """Tell which of (n, 3) points a camera shows."""
 
     def fundamental(self, a: int, b: int) -> Array:

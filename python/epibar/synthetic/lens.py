@@ -16,11 +16,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arguments import Array
 from ..errors import EpibarError
-
-Array = NDArray[np.float64]
 
 FOLD_MARGIN = 1.08
 """How much farther out than the corners of the image, in r, a lens must not fold."""

@@ -8,14 +8,11 @@ centre lies inside, as in `raster`. What a lens bends need not be convex: a row 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array, Bits, Index
 from . import raster
 from .camera import Camera
 from .raster import Spans
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
 
 TOLERANCE = 0.05
 """Pixels between an outline and the polygon drawn for it."""
@@ -27,7 +24,7 @@ PIECE = 16.0
 FACES = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
 
 
-def solid_spans(camera: Camera, centres: Array, axes: Array, box: NDArray[np.bool_]) -> Spans:
+def solid_spans(camera: Camera, centres: Array, axes: Array, box: Bits) -> Spans:
     """Spans of solids as the lens shows them; the parameters are those of `raster.solid_spans`.
 
     A solid may have several spans in a row.
@@ -54,10 +51,10 @@ def _by_corners(wanted: Array, least: int) -> list[tuple[int, Index]]:
     return [(least << int(step), np.flatnonzero(steps == step)) for step in np.unique(steps)]
 
 
-def _near_image(camera: Camera, corners: Array) -> NDArray[np.bool_]:
+def _near_image(camera: Camera, corners: Array) -> Bits:
     """Tell which (m, k, 2) polygons have a bounding box that meets the image."""
     low, high = corners.min(axis=1), corners.max(axis=1)
-    near: NDArray[np.bool_] = ((high >= 0) & (low <= np.array(camera.size) - 1)).all(axis=1)
+    near: Bits = ((high >= 0) & (low <= np.array(camera.size) - 1)).all(axis=1)
     return near
 
 

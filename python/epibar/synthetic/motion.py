@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Array
+from ..arguments import Array, Index
 
 
 def rotations(axis: Array, angle: Array) -> Array:
@@ -108,7 +107,7 @@ def path_walks(
 
 def bodies(
     rng: np.random.Generator, position: Array, heading: Array, speed: Array, fps: float
-) -> tuple[Array, Array, NDArray[np.int64]]:
+) -> tuple[Array, Array, Index]:
     """Walkers made of seven ellipsoids: head, trunk, hips, and legs and arms that swing with the gait.
 
     Parameters

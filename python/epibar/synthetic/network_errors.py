@@ -14,8 +14,8 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from ..geometry import symmetric_epipolar_distance
 from .camera import Camera, true_fundamental
 
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from ..network.parts import NetworkParts
     from .situations import Situation
     from .staging import Staging
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

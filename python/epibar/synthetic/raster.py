@@ -14,9 +14,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Array, Index
+from ..arguments import Array, Bits, Index
 from .camera import Camera
 
 # Corners of a box in units of its half-axes, and its edges: pairs of corners that differ in one coordinate.
@@ -104,7 +103,7 @@ def polygon_spans(corners: Array, edges: Index, size: tuple[int, int]) -> Spans:
     return _spans(item, row, left, right, size[0])
 
 
-def ellipsoid_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def ellipsoid_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Array, Array, Bits]:
     """Exact outlines of ellipsoids, (m, 3) centres and (m, 3, 3) half-axes in columns.
 
     Returns
@@ -126,7 +125,7 @@ def ellipsoid_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Arr
     return mean, conic[:, :2, :2] + mean[:, :, None] * mean[:, None, :], visible
 
 
-def box_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Array, NDArray[np.bool_]]:
+def box_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Array, Bits]:
     """Project boxes: (m, 8, 2) corners, as in `BOX_CORNERS`, and which are all in front of the camera."""
     corners = centres[:, None] + BOX_CORNERS @ axes.transpose(0, 2, 1)
     local = corners @ camera.R.T + camera.t
@@ -135,7 +134,7 @@ def box_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Array, ND
     return (local @ camera.K.T)[..., :2] / np.where(visible[:, None], depth, 1.0)[..., None], visible
 
 
-def solid_spans(camera: Camera, centres: Array, axes: Array, box: NDArray[np.bool_]) -> Spans:
+def solid_spans(camera: Camera, centres: Array, axes: Array, box: Bits) -> Spans:
     """Spans of boxes (where ``box``) and ellipsoids: (m, 3) centres, (m, 3, 3) half-axes in columns."""
     found = []
     which = np.flatnonzero(~box)

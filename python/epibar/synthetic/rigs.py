@@ -6,13 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from ..errors import EpibarError
 from .camera import Camera
 from .lens import smooth_lens
 
-Array = NDArray[np.float64]
 Range = tuple[float, float]
 Area = tuple[float, float]
 

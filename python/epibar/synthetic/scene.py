@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Array
+from ..arguments import Array, Bits, Index, Mask
 from ..geometry.cameras import inside, volume_correspondences
 from .camera import Camera, true_fundamental
 from .dirt import Dirt, noisy_frame
@@ -39,10 +38,10 @@ class Solids:
 
     centres: Array
     axes: Array
-    box: NDArray[np.bool_]
-    owner: NDArray[np.int64]
-    moving: NDArray[np.bool_]
-    seen_by: NDArray[np.bool_]
+    box: Bits
+    owner: Index
+    moving: Bits
+    seen_by: Bits
 
     @classmethod
     def of(
@@ -50,8 +49,8 @@ class Solids:
         centres: Array,
         axes: Array,
         box: bool,
-        owner: NDArray[np.int64],
-        seen_by: NDArray[np.bool_],
+        owner: Index,
+        seen_by: Bits,
         moving: bool = True,
     ) -> Solids:
         """Make solids of one kind."""
@@ -139,7 +138,7 @@ class Scene:
         solids = self.solids.at(np.asarray(seconds, dtype=np.float64) * self.fps)
         return replace(self, solids=solids, frames=len(solids.centres), fps=fps)
 
-    def visible(self, camera_index: int) -> NDArray[np.bool_]:
+    def visible(self, camera_index: int) -> Bits:
         """Tell which of the volume points lie inside this camera's image."""
         camera = self.cameras[camera_index]
         return inside(camera.project(self.volume_points)[0], camera.size)
@@ -148,9 +147,7 @@ class Scene:
         """Project the volume points inside both images: two (m, 2) arrays, pixels."""
         return volume_correspondences(self.cameras[a], self.cameras[b], self.volume_points)
 
-    def spans(
-        self, camera_index: int, start: int, stop: int, ordered: bool
-    ) -> tuple[Spans, NDArray[np.int64]]:
+    def spans(self, camera_index: int, start: int, stop: int, ordered: bool) -> tuple[Spans, Index]:
         """List the image rows of the solids in frames start … stop − 1.
 
         Returns the spans, whose ``item`` is (frame − start) · S + s for solid ``drawn[s]`` of the S solids
@@ -166,7 +163,7 @@ class Scene:
             spans = spans.take(np.argsort(-depth[spans.item], kind="stable"))
         return spans, drawn
 
-    def _draw(self, camera_index: int, start: int, stop: int) -> NDArray[np.uint8]:
+    def _draw(self, camera_index: int, start: int, stop: int) -> Mask:
         width, height = self.cameras[camera_index].size
         masks = np.zeros((stop - start, height, width), np.uint8)
         occluded = not self.solids.moving[self.solids.seen_by[:, camera_index]].all()
@@ -181,9 +178,7 @@ class Scene:
         masks.reshape(-1)[pixel] = value
         return masks
 
-    def iter_masks(
-        self, camera_index: int, start: int = 0, stop: int | None = None
-    ) -> Iterator[NDArray[np.uint8]]:
+    def iter_masks(self, camera_index: int, start: int = 0, stop: int | None = None) -> Iterator[Mask]:
         """Draw the masks of one camera frame by frame: (H, W) uint8, 0 and 1, in bounded memory."""
         stop = self.frames if stop is None else min(stop, self.frames)
         for first in range(start, stop, _CHUNK):
@@ -193,7 +188,7 @@ class Scene:
                     mask = noisy_frame(mask, self.dirt, rng)
                 yield mask
 
-    def masks(self, camera_index: int, start: int = 0, stop: int | None = None) -> NDArray[np.uint8]:
+    def masks(self, camera_index: int, start: int = 0, stop: int | None = None) -> Mask:
         """Draw the masks of one camera, (T, H, W) uint8, 0 and 1."""
         stop = self.frames if stop is None else min(stop, self.frames)
         width, height = self.cameras[camera_index].size

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array
 from .camera import Camera
 from .dirt import Dirt
 from .figures import Movers
@@ -22,7 +22,6 @@ from .rigs import Lenses, Rig, draw_cameras, log_uniform
 from .situations import Situation
 from .world import Furniture, World
 
-Array = NDArray[np.float64]
 Rng = np.random.Generator
 Area = tuple[float, float]
 Range = tuple[float, float]

@@ -13,8 +13,8 @@ from itertools import combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array, Bits, Mask
 from ..geometry import symmetric_epipolar_distance
 from .camera import Camera, true_fundamental
 from .film import Clock, Film
@@ -23,7 +23,6 @@ from .information import error_bound
 if TYPE_CHECKING:
     from ..recording import Recording
 
-Array = NDArray[np.float64]
 
 LEAST_COMMON = 0.12
 """Share of the points where things moved that two cameras must both see to have an answer by definition."""
@@ -163,7 +162,7 @@ class Situation:
 
     # --- where to measure ---
 
-    def seen(self, index: int, points: Array) -> NDArray[np.bool_]:
+    def seen(self, index: int, points: Array) -> Bits:
         """Tell which of some (n, 3) points this camera's image shows, lens and all."""
         camera = self.cameras[index]
         pixels, depth = camera.project(points)
@@ -172,7 +171,7 @@ class Situation:
             inside = ((bent >= 0) & (bent <= np.array(camera.size) - 1)).all(axis=1)
         return inside & (depth > 0)
 
-    def visible(self, index: int) -> NDArray[np.bool_]:
+    def visible(self, index: int) -> Bits:
         """Tell which of the volume points this camera sees."""
         return self.seen(index, self.volume_points)
 
@@ -209,14 +208,12 @@ class Situation:
 
     def iter_masks(
         self, index: int, start: int = 0, stop: int | None = None, lens: bool = True
-    ) -> Iterator[NDArray[np.uint8]]:
+    ) -> Iterator[Mask]:
         """Draw the masks of one camera frame by frame, (H, W) uint8, 0 and 1; through its lens or without."""
         film = self.films[index] if lens else self.films[index].without_lens()
         return film.iter_masks(start, stop)
 
-    def masks(
-        self, index: int, start: int = 0, stop: int | None = None, lens: bool = True
-    ) -> NDArray[np.uint8]:
+    def masks(self, index: int, start: int = 0, stop: int | None = None, lens: bool = True) -> Mask:
         """Draw the masks of one camera at once, (T, H, W)."""
         width, height = self.cameras[index].size
         found = list(self.iter_masks(index, start, stop, lens))

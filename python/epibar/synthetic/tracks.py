@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arguments import Array, Bits
+
 Range = tuple[float, float]
 
 STEP = 0.1
@@ -37,7 +37,7 @@ class Track:
 
     position: Array
     heading: Array
-    present: NDArray[np.bool_]
+    present: Bits
 
     @classmethod
     def of(cls, position: Array, heading: Array) -> Track:

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Bits
 from . import casts, tracks
 from .camera import Camera
 from .dirt import Dirt
@@ -101,7 +101,7 @@ def same_timetable(seed: int, family: str) -> Situation:
     return _parted(made, replace(made.films[1], world=world), "another room, the same timetable")
 
 
-def _flashing(rng: Rng, frames: int, count: int) -> NDArray[np.bool_]:
+def _flashing(rng: Rng, frames: int, count: int) -> Bits:
     """When things flash, (frames, count): in 6 % of the frames, for 1–5 frames on end."""
     lasts = int(rng.integers(1, 6))
     starts = rng.random((frames, count)) < FLASHES / lasts

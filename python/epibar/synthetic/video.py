@@ -12,16 +12,15 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Image
+from ..arguments import Array32, Image, Index
 from .raster import Spans
 from .scene import Scene
 
 _CHUNK = 8
 
 
-def background(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
+def background(size: tuple[int, int], rng: np.random.Generator) -> Array32:
     """Make a static background, (H, W, 3) float32 in 0–255: multi-scale noise, and a tiled floor below."""
     width, height = size
     image = np.empty((height, width, 3), np.float32)
@@ -40,7 +39,7 @@ def background(size: tuple[int, int], rng: np.random.Generator) -> NDArray[np.fl
     tiles = np.where((along + across) % 2 == 0, 14.0, -14.0) * np.clip(
         (rows - horizon) / (0.2 * height), 0, 1
     )
-    result: NDArray[np.float32] = np.clip(image + tiles[..., None].astype(np.float32), 25, 225)
+    result: Array32 = np.clip(image + tiles[..., None].astype(np.float32), 25, 225)
     return result
 
 
@@ -83,14 +82,14 @@ def render_frames(
     colours = cv2.cvtColor(hues.astype(np.uint8), cv2.COLOR_HSV2BGR)[0].astype(np.float64)
     grain = rng.normal(0, noise, (height + 64, width + 64, 3)).astype(np.float32)
 
-    def finished(frame: NDArray[np.float32]) -> Image:
+    def finished(frame: Array32) -> Image:
         # One noise field at random places: as good as fresh noise for a background model, and much faster.
         y, x = rng.integers(0, 64, 2)
         lit = frame * np.float32(1 + rng.normal(0, flicker)) + grain[y : y + height, x : x + width]
         result: Image = cv2.convertScaleAbs(np.maximum(lit, 0))
         return result
 
-    def painted(picture: NDArray[np.float32], spans: Spans, solid: NDArray[np.int64]) -> NDArray[np.float32]:
+    def painted(picture: Array32, spans: Spans, solid: Index) -> Array32:
         span, pixel = spans.pixels(width)
         across = (pixel % width - spans.left[span] + 0.5) / (spans.right - spans.left + 1)[span]
         shade = 0.7 + 0.3 * np.sqrt(np.maximum(1 - (2 * across - 1) ** 2, 0))

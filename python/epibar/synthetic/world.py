@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arguments import Array, Bits, Index
 from .figures import Movers, Pose
-
-Array = NDArray[np.float64]
 
 ALL = -1
 """Of a mover or an occluder that every camera sees."""
@@ -21,7 +19,7 @@ class Furniture:
 
     centres: Array = field(default_factory=lambda: np.empty((0, 3)))
     axes: Array = field(default_factory=lambda: np.empty((0, 3, 3)))
-    only: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    only: Index = field(default_factory=lambda: np.empty(0, np.int64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +38,12 @@ class Shapes:
         False for furniture.
     """
 
-    frame: NDArray[np.int64]
+    frame: Index
     centres: Array
     axes: Array
-    box: NDArray[np.bool_]
-    owner: NDArray[np.int64]
-    moving: NDArray[np.bool_]
+    box: Bits
+    owner: Index
+    moving: Bits
 
 
 def shadow_map(light: Array) -> Array:
@@ -76,7 +74,7 @@ class World:
     def __init__(
         self,
         movers: list[Movers],
-        only: NDArray[np.int64] | None = None,
+        only: Index | None = None,
         furniture: Furniture | None = None,
         light: Array | None = None,
     ) -> None:

@@ -165,7 +165,7 @@ impl Calibration {
 
     #[getter]
     fn frontier_frame<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        self.points(|p| i64::from(p.frame)).into_pyarray(py)
+        self.points(|p| p.frame.index() as i64).into_pyarray(py)
     }
 
     #[getter]

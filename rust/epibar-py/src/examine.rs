@@ -43,7 +43,7 @@ pub fn examine<'py>(
         found.set_item(name, entry)?;
     }
     let points = &examined.frontier_points;
-    let frame: Vec<i64> = points.iter().map(|p| i64::from(p.frame)).collect();
+    let frame: Vec<i64> = points.iter().map(|p| p.frame.index() as i64).collect();
     found.set_item("frame", frame.into_pyarray(py))?;
     found.set_item("a", rows(py, points.iter().map(|p| p.a))?)?;
     found.set_item("b", rows(py, points.iter().map(|p| p.b))?)?;

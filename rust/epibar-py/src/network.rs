@@ -10,7 +10,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{enter, matrix, matrix_of_rows};
+use crate::convert::{enter, matrix, matrix_of_rows, to_python_error};
 use crate::recording::Recording;
 use crate::watch::watched;
 
@@ -33,13 +33,12 @@ impl PythonKnowledge {
             Some(ratio) if ratio.is_nan() => Aspect::Unknown,
             Some(ratio) => Aspect::Known(ratio),
         };
-        Knowledge {
-            matrix: self.matrix.as_ref().map(matrix_of_rows),
-            distortions: self.distortions,
-            focal: self.focal,
-            principal: self.principal,
-            aspect,
-        }
+        let mut known = Knowledge::new().aspect(aspect);
+        known.matrix = self.matrix.as_ref().map(matrix_of_rows);
+        known.distortions = self.distortions;
+        known.focal = self.focal;
+        known.principal = self.principal;
+        known
     }
 }
 
@@ -58,17 +57,10 @@ pub struct PythonPair {
 }
 
 impl PythonPair {
-    fn found(&self) -> PairFound {
+    fn found(&self) -> epibar::Result<PairFound> {
         let geometry = |(rows, share): &([[f64; 3]; 3], f64)| (matrix_of_rows(rows), *share);
-        PairFound {
-            a: self.a,
-            b: self.b,
-            geometries: self.geometries.iter().map(geometry).collect(),
-            offset: self.offset,
-            frames_per_frame: self.frames_per_frame,
-            z: self.z,
-            accepted: self.accepted,
-        }
+        let found = PairFound::new(self.a, self.b, self.geometries.iter().map(geometry).collect())?;
+        Ok(found.timing(self.offset, self.frames_per_frame).verdict(self.z, self.accepted))
     }
 }
 
@@ -76,7 +68,9 @@ impl PythonPair {
 type PythonClocks = (Vec<f64>, bool, bool);
 
 fn offsets((seconds, together, given): PythonClocks) -> Offsets {
-    Offsets { together, ..if given { Offsets::given(seconds) } else { Offsets::found(seconds) } }
+    let mut offsets = if given { Offsets::given(seconds) } else { Offsets::found(seconds) };
+    offsets.together = together;
+    offsets
 }
 
 /// Offsets of all clocks by the barcodes, within so many seconds.
@@ -117,11 +111,8 @@ pub fn join_network<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let n = recordings.len();
-    if names.len() != n || known.len() != n || clocks.0.len() != n {
-        return Err(PyValueError::new_err("a name, what is known, and a clock for each recording"));
-    }
-    if pairs.iter().any(|p| p.a >= p.b || p.b >= n || p.geometries.is_empty()) {
-        return Err(PyValueError::new_err("pairs a < b of cameras, each with a geometry"));
+    if names.len() != n || known.len() != n {
+        return Err(PyValueError::new_err("a name and what is known for each recording"));
     }
     let inputs: Vec<CameraInput> = recordings
         .iter()
@@ -129,7 +120,11 @@ pub fn join_network<'py>(
         .zip(&known)
         .map(|((r, name), known)| CameraInput { name, recording: &r.inner, known: known.knowledge() })
         .collect();
-    let pairs: Vec<PairFound> = pairs.iter().map(PythonPair::found).collect();
+    let pairs: Vec<PairFound> = pairs
+        .iter()
+        .map(PythonPair::found)
+        .collect::<epibar::Result<_>>()
+        .map_err(|error| to_python_error(&error))?;
     let clocks = offsets(clocks);
     let network = watched(py, progress, |watch| epibar::network::join(&inputs, &pairs, &clocks, watch))?;
     dict_of(py, &network)
@@ -145,15 +140,12 @@ fn dict_of<'py>(py: Python<'py>, network: &Network) -> PyResult<Bound<'py, PyDic
     dict.set_item("reason", &network.reason)?;
     dict.set_item("radius", network.radius)?;
     let ground = PyDict::new(py);
-    match network.ground {
-        Ground::Floor { height, vertical_error, figures, diversity } => {
-            ground.set_item("source", "floor")?;
-            ground.set_item("height", height)?;
-            ground.set_item("vertical_error", vertical_error.to_degrees())?;
-            ground.set_item("figures", figures)?;
-            ground.set_item("diversity", diversity)?;
-        }
-        Ground::Cameras => ground.set_item("source", "cameras")?,
+    ground.set_item("source", network.ground.name())?;
+    if let Ground::Floor { height, vertical_error, figures, diversity, .. } = network.ground {
+        ground.set_item("height", height)?;
+        ground.set_item("vertical_error", vertical_error.to_degrees())?;
+        ground.set_item("figures", figures)?;
+        ground.set_item("diversity", diversity)?;
     }
     dict.set_item("ground", ground)?;
     Ok(dict)

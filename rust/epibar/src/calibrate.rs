@@ -11,7 +11,7 @@ use crate::hypotheses::{Draws, LineModel};
 use crate::lines;
 use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
-use crate::recording::{FramePair, Recording};
+use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::{Found, Ground, SearchOptions, search, settle};
 use crate::verify::split::{self, Split};
 use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
@@ -163,7 +163,7 @@ impl<'a> Pair<'a> {
         let f = &winner.fundamental;
         let inliers = LineModel::new(candidates.best(), seen.all.sizes()).inliers(f);
         let candidate_pairs = with_inliers(candidates, inliers.into_iter());
-        let of_a = |p: &crate::frontier::TangentMatch| self.common[p.frame.index()].a;
+        let of_a = |p: &crate::frontier::TangentMatch| RecordedFrame(self.common[p.frame.index()].a);
         let points = verified.matches.iter().map(|p| FrontierPoint::new(of_a(p), p.a, p.b, f));
         let frontier_points: Vec<FrontierPoint> = points.collect();
         let floor = found.floor.as_ref().filter(|floor| floor.is_supported(candidates.best().len()));

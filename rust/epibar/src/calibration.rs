@@ -7,6 +7,7 @@ use crate::geometry::{Fundamental, symmetric_epipolar_distance};
 use crate::hypotheses::Source;
 use crate::image::Line;
 use crate::options::Method;
+use crate::recording::RecordedFrame;
 use crate::verify::trials::account_for_trials;
 use crate::verify::{ErrorMap, Evidence, Rival, Verdict};
 
@@ -29,8 +30,8 @@ pub struct CandidatePair {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FrontierPoint {
-    /// Frame of A, from 0.
-    pub frame: u32,
+    /// Frame of A.
+    pub frame: RecordedFrame,
     /// In A, pixels.
     pub a: [f64; 2],
     /// In B, pixels.
@@ -40,7 +41,7 @@ pub struct FrontierPoint {
 }
 
 impl FrontierPoint {
-    pub(crate) fn new(frame: u32, a: [f64; 2], b: [f64; 2], f: &Fundamental) -> Self {
+    pub(crate) fn new(frame: RecordedFrame, a: [f64; 2], b: [f64; 2], f: &Fundamental) -> Self {
         Self { frame, a, b, residual: symmetric_epipolar_distance(f, a, b) }
     }
 }

@@ -95,7 +95,7 @@ pub use hypotheses::Source;
 pub use image::{ImageSize, Line, Segment};
 pub use options::{CalibrateOptions, Method};
 pub use recording::{
-    Barcodes, Informative, Recorder, RecorderOptions, Recording, RecordingParts, Silhouettes,
+    Barcodes, Informative, RecordedFrame, Recorder, RecorderOptions, Recording, RecordingParts, Silhouettes,
 };
 pub use verify::{ErrorMap, Evidence, Kind, Rival, Verdict};
 pub use watch::{Stage, Unwatched, Watch};

@@ -57,7 +57,7 @@ fn a_small_scene_is_accepted_and_right() {
         found.frontier_points.iter().map(|p| epibar::symmetric_epipolar_distance(&truth, p.a, p.b)).collect();
     distances.sort_by(f64::total_cmp);
     assert!(distances[distances.len() / 2] < 0.6, "{}", distances[distances.len() / 2]);
-    assert!(found.frontier_points.iter().all(|p| (p.frame as usize) < scene.frames));
+    assert!(found.frontier_points.iter().all(|p| p.frame.index() < scene.frames));
     // The curve has its peak at shift 0.
     let (first, rest) = found.shift_curve.split_first().unwrap();
     assert!(first.shift == 0 && rest.len() > 20);

@@ -6,9 +6,10 @@ use common::cameras::Camera;
 use common::flying::Scene;
 use epibar::network::{
     CameraCheck, CameraInput, CameraStatus, CheckStatus, Ground, Knowledge, Network, NetworkOptions,
-    NetworkTime, Offsets, PairStatus, StoredCamera, calibrate_network, check_network,
+    NetworkTime, Offsets, PairFound, PairStatus, StoredCamera, calibrate_network, check_network, join,
+    pairs_to_search,
 };
-use epibar::{Recorder, RecorderOptions, Recording};
+use epibar::{Recorder, RecorderOptions, Recording, Unwatched};
 use nalgebra::{Matrix3, Rotation3};
 
 const FRAMES: usize = 260;
@@ -138,8 +139,7 @@ fn two_cameras_need_to_be_known() {
     assert!(!unknown.accepted && unknown.reason.contains("intrinsics"), "{}", unknown.reason);
     assert!(unknown.cameras.iter().all(|c| c.status == CameraStatus::TooFew && !c.stands()));
 
-    let known: Vec<Knowledge> =
-        cameras.iter().map(|c| Knowledge { matrix: Some(c.matrix()), ..Knowledge::default() }).collect();
+    let known: Vec<Knowledge> = cameras.iter().map(|c| Knowledge::new().matrix(c.matrix())).collect();
     let known = network(&recordings, &known, time());
     assert!(known.accepted, "{}", known.reason);
     assert!(errors(&known, cameras).0 < 0.3);
@@ -164,13 +164,24 @@ fn what_cannot_be_is_refused() {
     assert!(of(&both, NetworkTime::Known(vec![0.0, f64::NAN])).contains("finite"));
     assert!(of(&both, NetworkTime::Search { seconds: f64::NAN }).contains("positive"));
     for known in [
-        Knowledge { matrix: Some(Matrix3::zeros()), ..unknown },
-        Knowledge { distortions: Some([f64::NAN, 0.0, 0.0, 0.0, 0.0]), ..unknown },
-        Knowledge { focal: Some((-5.0, 0.1)), ..unknown },
-        Knowledge { principal: Some([f64::INFINITY, 0.0]), ..unknown },
+        unknown.matrix(Matrix3::zeros()),
+        unknown.distortions([f64::NAN, 0.0, 0.0, 0.0, 0.0]),
+        unknown.focal(-5.0, 0.1),
+        unknown.principal([f64::INFINITY, 0.0]),
     ] {
         of(&[input("a", known), input("b", unknown)], search());
     }
+
+    let geometry = || vec![(Matrix3::identity(), 1.0)];
+    assert!(PairFound::new(1, 1, geometry()).unwrap_err().to_string().contains("smaller"));
+    assert!(PairFound::new(0, 1, Vec::new()).unwrap_err().to_string().contains("geometry"));
+    let join = |pairs: &[PairFound], seconds: &[f64]| {
+        join(&both, pairs, &Offsets::given(seconds.to_vec()), &mut Unwatched).unwrap_err().to_string()
+    };
+    assert!(join(&[PairFound::new(0, 2, geometry()).unwrap()], &[0.0; 2]).contains("0, 2"));
+    assert!(join(&[], &[0.0]).contains("clock for each"));
+    let one = pairs_to_search(&both.map(|input| input.recording), &Offsets::given(vec![0.0]));
+    assert!(one.unwrap_err().to_string().contains("each camera"));
 }
 
 /// New footage of cameras, checked against where they are stored to be.

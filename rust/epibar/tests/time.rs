@@ -142,7 +142,7 @@ fn unequal_lengths_use_their_overlap() {
     );
     assert!((found.timing.offset - 60.0).abs() < 0.05, "{:?}", found.timing);
     assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.5);
-    assert!(found.frontier_points.iter().all(|p| p.frame < 140));
+    assert!(found.frontier_points.iter().all(|p| p.frame.index() < 140));
 }
 
 #[test]

@@ -21,7 +21,8 @@ fn run(scene: &Scene, a: &Recording, order: &[usize], method: Method) -> Calibra
     let moments: Vec<f64> = order.iter().map(|&k| k as f64).collect();
     let b = scene.record_moments(1, LINES, 25.0, &moments);
     // What is left of a line's information when frames change places does not depend on the order.
-    let informative = Informative { min_transitions: 0, ..Default::default() };
+    let mut informative = Informative::default();
+    informative.min_transitions = 0;
     let matching = CandidateOptions { informative, ..Default::default() };
     let options = CalibrateOptions::new().draws(2500).method(method).matching(matching);
     calibrate(a, &b, &options).unwrap()

@@ -20,7 +20,7 @@ pub struct FoundOffset {
     pub trials: usize,
     /// How well the best pairs of lines agree there: the mean of Fisher's z.
     pub score: f64,
-    /// The same without a shift; −∞ where too few frames are common then.
+    /// The score without a shift; −∞ where too few frames are common then.
     pub unshifted: f64,
 }
 

@@ -10,6 +10,7 @@ use crate::calibration::{Calibration, CandidatePair, FrontierPoint, ShiftScore};
 use crate::error::{Error, Result};
 use crate::geometry::Fundamental;
 use crate::image::Line;
+use crate::recording::RecordedFrame;
 use crate::verify::ErrorMap;
 
 /// Version of the file; a file of another one is refused.
@@ -62,7 +63,7 @@ impl Calibration {
         put(a, "candidates.lines_b", &[pairs.len(), 3], pairs.iter().flat_map(|c| line(c.b)))?;
         put(a, "candidates.correlation", &[pairs.len()], pairs.iter().map(|c| c.correlation))?;
         put(a, "candidates.inliers", &[pairs.len()], pairs.iter().map(|c| c.inlier))?;
-        put(a, "frontier_points.frame", &[points.len()], points.iter().map(|p| i64::from(p.frame)))?;
+        put(a, "frontier_points.frame", &[points.len()], points.iter().map(|p| i64::from(p.frame.0)))?;
         put(a, "frontier_points.a", &[points.len(), 2], points.iter().flat_map(|p| p.a))?;
         put(a, "frontier_points.b", &[points.len(), 2], points.iter().flat_map(|p| p.b))?;
         put(a, "frontier_points.residual", &[points.len()], points.iter().map(|p| p.residual))?;
@@ -103,7 +104,7 @@ impl Calibration {
         calibration.frontier_points = (frames.into_iter().zip(places).zip(residuals))
             .map(|((frame, (&a, &b)), residual)| {
                 let frame = u32::try_from(frame).map_err(|_| Error::Damaged("a frame is negative".into()))?;
-                Ok(FrontierPoint { frame, a, b, residual })
+                Ok(FrontierPoint { frame: RecordedFrame(frame), a, b, residual })
             })
             .collect::<Result<_>>()?;
 

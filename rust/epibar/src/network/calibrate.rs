@@ -135,9 +135,16 @@ pub fn clock_offsets(
 /// The pairs `a < b` that are searched: all of few cameras, of many those that are likeliest to see the same.
 ///
 /// # Errors
-/// None that input can cause.
+/// [`Error::Argument`] where there is not an offset for each camera.
 pub fn pairs_to_search(recordings: &[&Recording], offsets: &Offsets) -> Result<Vec<(usize, usize)>> {
     let n = recordings.len();
+    if offsets.seconds.len() != n {
+        return Err(Error::Argument {
+            name: "offsets",
+            value: offsets.seconds.len().to_string(),
+            expected: "an offset for each camera",
+        });
+    }
     let reachable = |c: usize| offsets.seconds[c].is_finite();
     let all: Vec<(usize, usize)> = all_pairs(n).filter(|&(a, b)| reachable(a) && reachable(b)).collect();
     let likely: Vec<(usize, usize, f64)> = if n <= ALL_PAIRS {

@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::camera::Camera;
-use super::check_words::{Seen, said};
+use super::check_prose::{Seen, said};
 use super::clocks::Offsets;
 use super::input::INSET;
 use super::joint::{Belief, Beliefs};

@@ -25,7 +25,7 @@ pub struct PairOffset {
     pub seconds: f64,
     /// How well the best pairs of lines agree there.
     pub score: f64,
-    /// The same without an offset; −∞ where too few frames are common then.
+    /// How well they agree without an offset; −∞ where too few frames are common then.
     pub unshifted: f64,
     /// Score of the best other offset as a share of the best.
     pub runner_up: f64,
@@ -33,6 +33,7 @@ pub struct PairOffset {
 
 /// Offsets of all cameras.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct Offsets {
     /// For each camera: what is at `t` in the first camera is at `t + seconds` in this one; NaN where nothing tells.
     pub seconds: Vec<f64>,
@@ -67,14 +68,13 @@ impl Offsets {
 
 /// Neighbours that each of more cameras is asked with.
 const NEIGHBOURS: usize = 3;
-/// Offsets agree within so many seconds.
-const AGREE: f64 = 0.3;
-/// Cameras that started together are found to have within so many seconds.
-const TOGETHER: f64 = 0.15;
-/// Without an offset all agrees as well with this share of the score of the best offset.
-const AS_WELL: f64 = 0.97;
-/// Share of the pairs that must say so.
-const MOST: f64 = 0.6;
+/// What an offset weighs whose runner-up has nothing of its score, and one whose runner-up has all.
+const CLEAR: f64 = 1.05;
+const UNCLEAR: f64 = 0.05;
+/// What it weighs where it closes no triangle, against 1 more for each that it closes.
+const ALONE: f64 = 0.2;
+/// Rounds of taking means.
+const ROUNDS: usize = 20;
 
 /// Pairs of `count` cameras whose offsets are asked for.
 pub fn asked(count: usize) -> Vec<(usize, usize)> {
@@ -150,17 +150,17 @@ pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
     // A pair counts by how clear it is by itself, and the more the more triangles it closes.
     let weight = |p: &PairOffset| {
         let closes = |c: usize| match (between(p.a, c), between(c, p.b)) {
-            (Some(there), Some(on)) => (there + on - p.seconds).abs() < AGREE,
+            (Some(there), Some(on)) => (there + on - p.seconds).abs() < limits::OFFSETS_AGREE,
             _ => false,
         };
         let triangles = (0..count).filter(|&c| c != p.a && c != p.b && closes(c)).count();
-        p.score.max(0.0) * (1.05 - p.runner_up).max(0.05) * (0.2 + triangles as f64)
+        p.score.max(0.0) * (CLEAR - p.runner_up).max(UNCLEAR) * (ALONE + triangles as f64)
     };
     let mut order: Vec<(f64, &PairOffset)> = pairs.iter().map(|p| (weight(p), p)).collect();
     order.sort_by(|p, q| q.0.total_cmp(&p.0).then((p.1.a, p.1.b).cmp(&(q.1.a, q.1.b))));
     let mut seconds = spanning(count, &order);
     // The mean of all that agree, a few times over.
-    for _ in 0..20 {
+    for _ in 0..ROUNDS {
         for camera in 1..count {
             let said: Vec<(f64, f64)> = order
                 .iter()
@@ -171,7 +171,7 @@ pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
                         c if c == p.a => from(p.b, -p.seconds),
                         _ => None,
                     }?;
-                    ((said.0 - seconds[camera]).abs() < AGREE).then_some(said)
+                    ((said.0 - seconds[camera]).abs() < limits::OFFSETS_AGREE).then_some(said)
                 })
                 .collect();
             let all: f64 = said.iter().map(|s| s.1).sum();
@@ -185,8 +185,11 @@ pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
 
 /// Whether most pairs agree without an offset about as well as with the best, and none of the clear ones contradicts.
 fn started_together(pairs: &[PairOffset]) -> bool {
-    let says_so = |p: &&PairOffset| p.seconds.abs() < TOGETHER || p.unshifted >= AS_WELL * p.score;
-    !pairs.is_empty() && pairs.iter().filter(says_so).count() as f64 >= MOST * pairs.len() as f64
+    let says_so = |p: &&PairOffset| {
+        p.seconds.abs() < limits::NO_OFFSET || p.unshifted >= limits::NO_OFFSET_SHARE * p.score
+    };
+    !pairs.is_empty()
+        && pairs.iter().filter(says_so).count() as f64 >= limits::NO_OFFSET_PAIRS * pairs.len() as f64
 }
 
 /// Offsets along the tree of the heaviest pairs; NaN where none leads to the first camera.

@@ -152,6 +152,7 @@ pub fn covariance(problem: &Problem, cameras: &[Camera], outline_error: f64) -> 
 
 /// Errors to expect of one camera, each below what it says nine times in ten.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Expected {
     /// Of the focal length, relative.
     pub focal: f64,
@@ -209,8 +210,8 @@ pub fn length_quantile(covariance: &Matrix3<f64>) -> f64 {
         return 0.0;
     }
     let freedom = mean * mean / (covariance * covariance).trace().max(1e-300);
-    let spread = 2.0 / (9.0 * freedom);
-    let ratio = (1.0 - spread + 1.2816 * spread.sqrt()).powi(3);
+    let variance = 2.0 / (9.0 * freedom);
+    let ratio = (1.0 - variance + 1.2816 * variance.sqrt()).powi(3);
     (mean * ratio).sqrt()
 }
 

@@ -2,10 +2,12 @@
 
 use nalgebra::Matrix3;
 
-use super::residual::{LEAST_MEETINGS, Meeting};
+use super::residual::Meeting;
 use super::start::{Hypothesis, PairHypotheses};
+use super::thresholds as limits;
 use crate::calibration::Calibration;
 use crate::clock::{Aligned, Clock};
+use crate::error::{Error, Result};
 use crate::frontier::{Up, compare};
 use crate::geometry::Fundamental;
 use crate::recording::Recording;
@@ -13,10 +15,11 @@ use crate::recording::tracker::Links;
 
 /// What was found of a pair by itself.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct PairFound {
     /// Index of camera A.
     pub a: usize,
-    /// Index of camera B.
+    /// Index of camera B, the larger.
     pub b: usize,
     /// Geometries in raw pixels, `x_bᵀ F x_a = 0`, the best first, each with its score as a share of the best one's.
     pub geometries: Vec<(Matrix3<f64>, f64)>,
@@ -34,6 +37,33 @@ pub struct PairFound {
 const RIVALS: (f64, usize) = (0.5, 3);
 
 impl PairFound {
+    /// Geometries of cameras `a < b` with clocks that run alike and started together, for which nothing speaks yet.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] where `a` is not the smaller, and without a geometry.
+    pub fn new(a: usize, b: usize, geometries: Vec<(Matrix3<f64>, f64)>) -> Result<Self> {
+        let refuse = |value: String, expected| Err(Error::Argument { name: "pair", value, expected });
+        if a >= b {
+            return refuse(format!("{a}, {b}"), "two cameras, the one with the smaller index first");
+        }
+        if geometries.is_empty() {
+            return refuse(format!("{a}, {b}"), "a geometry");
+        }
+        Ok(Self { a, b, geometries, offset: 0.0, frames_per_frame: 1.0, z: 0.0, accepted: false })
+    }
+
+    /// With where A's first frame falls in B, frames of B, and how many frames of B there are for each of A.
+    #[must_use]
+    pub fn timing(self, offset: f64, frames_per_frame: f64) -> Self {
+        Self { offset, frames_per_frame, ..self }
+    }
+
+    /// With the normal deviate of the best geometry, and whether it was accepted by itself.
+    #[must_use]
+    pub fn verdict(self, z: f64, accepted: bool) -> Self {
+        Self { z, accepted, ..self }
+    }
+
     /// Of a calibration of two recordings; `None` where it has no geometry.
     pub fn of(a: usize, b: usize, calibration: &Calibration) -> Option<Self> {
         let best = calibration.fundamental?;
@@ -75,8 +105,8 @@ impl PairFound {
                     weight: 1.0,
                 })
                 .collect();
-            if meetings.len() >= LEAST_MEETINGS {
-                hypotheses.push(Hypothesis { fundamental: *f.matrix(), meetings, evidence: share * self.z });
+            if meetings.len() >= limits::LEAST_MEETINGS {
+                hypotheses.push(Hypothesis { fundamental: *f.matrix(), meetings, score: share * self.z });
             }
         }
         (!hypotheses.is_empty()).then_some(PairHypotheses { a: self.a, b: self.b, hypotheses })

@@ -5,6 +5,7 @@ use nalgebra::Matrix3;
 use super::camera::Camera;
 use super::joint::{Belief, Beliefs};
 use super::principal::LEVELS;
+use super::thresholds as limits;
 use crate::error::{Error, Result};
 use crate::geometry::lens::Lens;
 use crate::recording::Recording;
@@ -13,7 +14,15 @@ use crate::recording::Recording;
 ///
 /// A recording whose masks had the lens taken out is undistorted: `matrix` is its camera matrix, and there is no distortion. Of a
 /// raw recording matrix and distortions may be known too; it is then seen through that lens.
+///
+/// ```
+/// use epibar::network::{Aspect, Knowledge};
+///
+/// let known = Knowledge::new().focal(1420.0, 0.02).aspect(Aspect::Unknown);
+/// assert_eq!(known.focal, Some((1420.0, 0.02)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Knowledge {
     /// The camera matrix, `[[f_x, 0, c_x], [0, f_y, c_y], [0, 0, 1]]`, pixels.
     pub matrix: Option<Matrix3<f64>>,
@@ -29,6 +38,7 @@ pub struct Knowledge {
 
 /// What is known of `f_y / f_x`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub enum Aspect {
     /// Pixels are square.
     #[default]
@@ -59,13 +69,50 @@ const LENS: [f64; 3] = [0.7, 0.1, 0.05];
 const GIVEN_FOCAL: f64 = 0.001;
 /// Standard deviation of `log (f_y / f_x)` where it is solved for.
 const ASPECT: f64 = 0.01;
+/// Tangential distortions that are given must be below this: they are taken for 0.
+const TANGENTIAL: f64 = 1e-2;
 /// How far hulls lie inside of outlines, pixels: a part of the grid, and what masks leave out or add.
 pub(super) const INSET: Belief = Belief { mean: 0.2, deviation: 1.0 };
 
 impl Knowledge {
+    /// Nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// With the camera matrix, pixels.
+    #[must_use]
+    pub fn matrix(self, matrix: Matrix3<f64>) -> Self {
+        Self { matrix: Some(matrix), ..self }
+    }
+
+    /// With `k₁ k₂ p₁ p₂ k₃` of `OpenCV`.
+    #[must_use]
+    pub fn distortions(self, distortions: [f64; 5]) -> Self {
+        Self { distortions: Some(distortions), ..self }
+    }
+
+    /// With the focal length alone, pixels, and its relative standard deviation.
+    #[must_use]
+    pub fn focal(self, pixels: f64, deviation: f64) -> Self {
+        Self { focal: Some((pixels, deviation)), ..self }
+    }
+
+    /// With the principal point alone, pixels.
+    #[must_use]
+    pub fn principal(self, point: [f64; 2]) -> Self {
+        Self { principal: Some(point), ..self }
+    }
+
+    /// With what is known of `f_y / f_x`.
+    #[must_use]
+    pub fn aspect(self, aspect: Aspect) -> Self {
+        Self { aspect, ..self }
+    }
+
     /// Whether the focal length is known.
     pub fn has_focal(&self) -> bool {
-        self.matrix.is_some() || self.focal.is_some_and(|(_, deviation)| deviation < 0.05)
+        self.matrix.is_some() || self.focal.is_some_and(|(_, deviation)| deviation < limits::KNOWN_FOCAL)
     }
 
     /// Whether what was recorded has no distortion.
@@ -139,7 +186,7 @@ impl Knowledge {
             }
         }
         if let Some(d) = self.distortions
-            && !(d.iter().all(|v| v.is_finite()) && d[2].abs() < 1e-2 && d[3].abs() < 1e-2)
+            && !(d.iter().all(|v| v.is_finite()) && d[2].abs() < TANGENTIAL && d[3].abs() < TANGENTIAL)
         {
             return refuse(
                 "distortions",

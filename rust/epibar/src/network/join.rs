@@ -11,22 +11,26 @@ use super::input::CameraInput;
 use super::joint::{Problem, standing};
 use super::principal;
 use super::result::{CameraStatus, Network};
+use super::settle::Again;
 use super::solve::{Solved, Solver, settled};
 use super::support::Support;
 use super::survey::Survey;
 use super::thresholds as limits;
 use super::verdict::{is_rival, worst};
 use super::world;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
 
 /// Frames of each camera that are looked at in the end.
 const FRAMES: usize = 900;
+/// Least radius within which figures of the floor meet, pixels of a 640×480 image.
+const FIGURES_WITHIN: f64 = 2.0;
 
 /// One network of some cameras from what their pairs brought, by clocks that are known to a frame or two, or exactly.
 ///
 /// # Errors
-/// [`Error::Argument`](crate::Error::Argument) for what cannot be known of a camera, [`Error::Interrupted`](crate::Error::Interrupted).
+/// [`Error::Argument`] for what cannot be known of a camera, for pairs of cameras that are not there, and where there is not a
+/// clock for each camera; [`Error::Interrupted`].
 pub fn join(
     inputs: &[CameraInput],
     pairs: &[PairFound],
@@ -36,6 +40,7 @@ pub fn join(
     for input in inputs {
         input.known.check()?;
     }
+    check(inputs.len(), pairs, clocks)?;
     report(watch, Stage::Network, 0.0)?;
     let case = Case::new(inputs, pairs, clocks);
     if let Some(status) = case.hopeless() {
@@ -56,6 +61,19 @@ pub fn join(
     let finished = case.finished(freed);
     report(watch, Stage::Network, 0.9)?;
     Ok(case.network(&finished, &out, rivalled))
+}
+
+fn check(cameras: usize, pairs: &[PairFound], clocks: &Offsets) -> Result<()> {
+    let refuse = |name, value: String, expected| Err(Error::Argument { name, value, expected });
+    if clocks.seconds.len() != cameras {
+        return refuse("clocks", clocks.seconds.len().to_string(), "a clock for each camera");
+    }
+    for pair in pairs {
+        if pair.a >= pair.b || pair.b >= cameras || pair.geometries.is_empty() {
+            return refuse("pairs", format!("{}, {}", pair.a, pair.b), "two cameras a < b, with a geometry");
+        }
+    }
+    Ok(())
 }
 
 /// A network for every camera of which enough speaks.
@@ -94,7 +112,7 @@ impl Case<'_> {
                 break;
             }
             network.cameras = standing(&network.cameras, &network.placed);
-            let radius = Some((4.0 * now.settled.radius).min(12.0));
+            let radius = Some(Again::FEWER_CAMERAS.after(&now.settled));
             now = solver.settled(network, &now.beliefs, radius);
         }
         Ok((None, out))
@@ -115,9 +133,9 @@ impl Case<'_> {
         if call.level > principal::LEVELS[0] {
             let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
             let beliefs = principal::at_level(&now.beliefs, &widths, call.level);
-            let radius = Some((3.0 * now.settled.radius).min(8.0));
+            let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
             let free = solver.settled(now.network.clone(), &beliefs, radius);
-            if free.evidence > now.evidence {
+            if free.excess > now.excess {
                 let support = Support::of(&self.observed, &free);
                 return Freed { solved: free, support, level: call.level, strained: false };
             }
@@ -128,10 +146,10 @@ impl Case<'_> {
     /// The network over all frames, and errors to expect.
     fn finished(&self, Freed { solved, support, level, strained }: Freed) -> Finished {
         let many = Survey::new(&self.observed, FRAMES);
-        let radius = Some(1.2 * solved.settled.radius);
+        let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
         let finished = settled(&many, solved.network, &solved.beliefs, &support.confirmed(), radius);
-        let floor = world::floor(&many, &finished.network, finished.settled.radius.max(2.0));
+        let floor = world::floor(&many, &finished.network, finished.settled.radius.max(FIGURES_WITHIN));
         let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
         let stated = principal::at_level(&finished.beliefs, &widths, level);
         let settled = &finished.settled;

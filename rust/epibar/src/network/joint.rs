@@ -48,13 +48,13 @@ pub struct Beliefs {
     pub posed: bool,
 }
 
-/// A focal length is known where the standard deviation of its log is below this; otherwise others are tried as well.
-const KNOWN_FOCAL: f64 = 0.1;
+/// Other focal lengths are tried as well where the standard deviation of its log is not below this.
+const NARROW_FOCAL: f64 = 0.1;
 
 impl Beliefs {
     /// Whether the focal length is known so well that no other needs to be tried.
     pub fn has_focal(&self) -> bool {
-        self.intrinsic[0].deviation < KNOWN_FOCAL
+        self.intrinsic[0].deviation < NARROW_FOCAL
     }
 }
 
@@ -326,7 +326,7 @@ pub fn stepped(cameras: &[Camera], active: &[(usize, usize)], step: &DVector<f64
     cameras.iter().zip(&steps).map(|(camera, step)| camera.stepped(step)).collect()
 }
 
-/// The same network about the mean of those of its cameras that stand, the root of the mean square of their distances from it
+/// A network about the mean of those of its cameras that stand, the root of the mean square of their distances from it
 /// being 1; the others stay as they are.
 pub fn standing(cameras: &[Camera], placed: &[bool]) -> Vec<Camera> {
     let stand =

@@ -1,10 +1,30 @@
 //! Many cameras at once: from recordings, clocks and pairs to one network.
 //!
-//! In the order of the data: what is known of each camera (`input`), offsets of all clocks (`clocks`), which pairs are
-//! searched and what they bring (`graph`), triplets and growth (`start`, `pose`), the joint problem over cameras only (`joint`,
-//! `residual`) with tangents found anew under it (`survey`, `ends`, `tangents`, `settle`), cameras tried elsewhere (`relocate`),
-//! what speaks for each on moments kept aside (`support`), errors to expect (`covariance`), floor and vertical (`world`),
-//! and the `verdict` by its `thresholds`, all called from [`join()`]. Of a network that stands, `tracks` of walkers.
+//! In the order of the data, called from [`calibrate_network`] and [`join()`]:
+//!
+//! * `calibrate`, `join`: the whole job; from recordings, clocks and pairs to one network.
+//! * `input`, `stated`: what is known of each camera before; a camera as files state it.
+//! * `clocks`: offsets of all clocks from barcodes.
+//! * `graph`: which pairs are searched, and what they bring.
+//! * `case`, `observed`: what is given, in one place; outlines of silhouettes in raw pixels.
+//! * `camera`, `residual`, `joint`: what is solved for; how far two tangents are from meeting; the joint problem over cameras only.
+//! * `pose`, `start`: relative poses, triplets and growth.
+//! * `ends`, `tangents`, `walkers`, `survey`: epipolar tangents under known cameras, and what stands on the floor, found at some moments.
+//! * `settle`, `relocate`, `solve`: tangents found anew and the joint problem in turns; cameras tried elsewhere; from pairs to networks.
+//! * `support`: what speaks for each camera on moments kept aside.
+//! * `principal`: how far principal points are from the middle.
+//! * `covariance`: errors to expect.
+//! * `world`: floor, vertical and unit.
+//! * `verdict`, `thresholds`, `prose`: what is said of each camera; the numbers that decide; sentences.
+//! * `result`: what comes out.
+//! * `evenly`, `median`: some of many; the median of some numbers.
+//!
+//! Of a network that stands:
+//!
+//! * `check`, `stretch`, `moves`, `zoom`, `suspects`: whether a camera has moved, by new footage, parts of it, other poses, other focal
+//!   lengths, and what each explains.
+//! * `replace`, `check_prose`: where it stands now; sentences.
+//! * `tracks`: walkers over time.
 //!
 //! ```no_run
 //! use epibar::network::{CameraInput, Knowledge, NetworkOptions, calibrate_network};
@@ -31,7 +51,7 @@ mod calibrate;
 mod camera;
 mod case;
 mod check;
-mod check_words;
+mod check_prose;
 mod clocks;
 mod covariance;
 mod ends;
@@ -45,6 +65,7 @@ mod moves;
 mod observed;
 mod pose;
 mod principal;
+mod prose;
 mod relocate;
 mod replace;
 mod residual;
@@ -62,7 +83,6 @@ mod thresholds;
 mod tracks;
 mod verdict;
 mod walkers;
-mod words;
 mod world;
 mod zoom;
 

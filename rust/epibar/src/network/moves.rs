@@ -8,7 +8,6 @@ use super::covariance::{Covariance, NINE_IN_TEN, covariance, length_quantile};
 use super::joint::{Belief, Beliefs, Problem};
 use super::relocate::Placed;
 use super::settle::{Settled, settle};
-use super::solve::COMPARED;
 use super::stretch::Stretch;
 use super::survey::{Survey, summed};
 use super::thresholds as limits;
@@ -25,8 +24,6 @@ const SOLVED: usize = 2;
 pub const CLOSE: f64 = 6.0;
 /// Parts of the footage by which poses are compared.
 pub const PARTS: usize = 48;
-/// A move after this share of the footage is one that was filmed.
-pub const LATER: f64 = 0.05;
 /// Where the log of the focal length is among the parameters of a camera.
 pub const FOCAL: usize = 0;
 
@@ -54,7 +51,7 @@ pub struct Move {
     pub better: f64,
     /// Part of the stretch from which on it does.
     pub from: usize,
-    /// The same as a share of all footage.
+    /// Where that part begins, as a share of all footage.
     pub since: f64,
 }
 
@@ -91,14 +88,14 @@ impl Move {
         self.turned > limits::MOVED * self.turned_error || self.shifted > limits::MOVED * self.shifted_error
     }
 
-    /// The same of its focal length.
+    /// Whether its focal length changed by more than errors make.
     pub fn is_zoomed(&self) -> bool {
         self.focal.abs() > limits::MOVED * self.focal_error
     }
 
     /// Whether it was filmed.
     pub fn is_within(&self) -> bool {
-        self.since > LATER
+        self.since > limits::MOVED_LATER
     }
 
     /// Whether so much speaks for a move in the midst of the footage, which is asked for at every moment of it.
@@ -136,7 +133,7 @@ impl Standing {
     /// That of cameras over a stretch of footage.
     pub fn of(stretch: &Stretch, network: &Placed) -> Self {
         let pairs = network.pairs();
-        let parts = stretch.all.evidence_of_pairs(&network.cameras, &pairs, COMPARED);
+        let parts = stretch.all.excess_of_pairs(&network.cameras, &pairs, limits::COMPARED);
         Self { pairs, parts }
     }
 
@@ -168,8 +165,8 @@ impl Case<'_> {
         beliefs
     }
 
-    /// Evidence of the pairs of a camera that is at some place.
-    pub fn evidence(&self, survey: &Survey, camera: usize, at: Camera, radius: f64) -> f64 {
+    /// Excess over chance of the pairs of a camera that is at some place.
+    pub fn excess(&self, survey: &Survey, camera: usize, at: Camera, radius: f64) -> f64 {
         survey
             .scores(&self.with(camera, at), &self.pairs_of(camera), radius, 0)
             .iter()
@@ -183,20 +180,20 @@ impl Case<'_> {
         let stored = self.network.cameras[camera];
         let mut starts: Vec<(f64, Camera)> = turned(&stored)
             .into_par_iter()
-            .map(|at| (self.evidence(&self.fitted.few, camera, at, ROUGH), at))
+            .map(|at| (self.excess(&self.fitted.few, camera, at, ROUGH), at))
             .collect();
         starts.sort_by(|p, q| q.0.total_cmp(&p.0));
         starts.truncate(SOLVED);
         starts.push((0.0, stored));
         let solved = starts.into_iter().map(|(_, at)| {
             let found = self.settled(&self.fitted.some, camera, at, &beliefs, None).cameras[camera];
-            (self.evidence(&self.fitted.some, camera, found, COMPARED), found)
+            (self.excess(&self.fitted.some, camera, found, limits::COMPARED), found)
         });
         let (_, start) = solved.max_by(|p, q| p.0.total_cmp(&q.0))?;
         self.measured(camera, start, &beliefs)
     }
 
-    /// The same of one that is no further off than tangents reach.
+    /// The pose of a camera that is no further off than tangents reach; `None` where the footage shows too little.
     pub fn nearby(&self, camera: usize) -> Option<Move> {
         let beliefs = self.beliefs_free(camera);
         let stored = self.network.cameras[camera];
@@ -263,9 +260,9 @@ impl Case<'_> {
         covariance(&problem, &settled.cameras, 0.0)
     }
 
-    /// Evidence of the pairs of a camera that is at some place, part by part.
+    /// Excess over chance of the pairs of a camera that is at some place, part by part.
     pub fn parts(&self, camera: usize, at: Camera) -> [f64; PARTS] {
-        self.stretch.all.evidence_by_part(&self.with(camera, at), &self.pairs_of(camera), COMPARED)
+        self.stretch.all.excess_by_part(&self.with(camera, at), &self.pairs_of(camera), limits::COMPARED)
     }
 
     /// How much better the footage agrees with a camera that moved, and from when on.

@@ -114,7 +114,7 @@ impl Observed {
         }
     }
 
-    /// The same, made ready for cameras of one lens, of which rays then take next to nothing.
+    /// What was seen, made ready for cameras of one lens, of which rays then take next to nothing.
     #[must_use]
     pub fn through(self, camera: &Camera) -> Self {
         let direction = |p: &[f64; 2]| {
@@ -159,12 +159,12 @@ impl Observed {
         !self.range(silhouette).is_empty()
     }
 
-    /// The same object one frame later.
+    /// A silhouette's object one frame later.
     pub fn next(&self, silhouette: u32) -> Option<u32> {
         self.links.next(silhouette as usize).map(|h| h as u32).filter(|&h| self.usable(h))
     }
 
-    /// The same object one frame earlier.
+    /// A silhouette's object one frame earlier.
     pub fn previous(&self, silhouette: u32) -> Option<u32> {
         self.links.previous(silhouette as usize).map(|h| h as u32).filter(|&h| self.usable(h))
     }

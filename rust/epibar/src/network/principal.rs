@@ -7,16 +7,15 @@
 
 use super::joint::{Beliefs, Problem};
 use super::solve::Solved;
+use super::thresholds as limits;
 
 /// Standard deviations of a principal point about the middle, in widths of the image: of cameras as they are sold, and of
 /// images that were cropped or stabilised, more and more.
 pub const LEVELS: [f64; 4] = [0.004, 0.012, 0.04, 0.12];
-/// The tangents must say so with so many nats more than a wider belief costs by itself.
-const CLEARLY: f64 = 6.0;
 /// Steps of the solver at a level.
 const STEPS: usize = 25;
 
-/// The same beliefs with those of principal points that are not given at another level.
+/// Beliefs with those of principal points that are not given at another level.
 pub fn at_level(beliefs: &[Beliefs], widths: &[f64], level: f64) -> Vec<Beliefs> {
     let mut beliefs = beliefs.to_vec();
     for (belief, width) in beliefs.iter_mut().zip(widths) {
@@ -62,7 +61,7 @@ pub fn call(solved: &Solved) -> Call {
     let mut now = start;
     for level in LEVELS.into_iter().skip(1) {
         let wider = of_level(level);
-        if now - wider > 2.0 * stand * (level / called.level).ln() + CLEARLY {
+        if now - wider > 2.0 * stand * (level / called.level).ln() + limits::PRINCIPAL_NATS {
             (called.level, now) = (level, wider);
         }
     }
@@ -73,14 +72,14 @@ pub fn call(solved: &Solved) -> Call {
         .map(|(b, width)| {
             let mut b = *b;
             for k in 2..4 {
-                b.intrinsic[k].deviation = STRAINED * width;
+                b.intrinsic[k].deviation = limits::PRINCIPAL_STRAINED * width;
             }
             b
         })
         .collect();
-    called.strain = start - cost(solved, &free) - 2.0 * stand * (STRAINED / LEVELS[0]).ln() - CLEARLY;
+    called.strain = start
+        - cost(solved, &free)
+        - 2.0 * stand * (limits::PRINCIPAL_STRAINED / LEVELS[0]).ln()
+        - limits::PRINCIPAL_NATS;
     called
 }
-
-/// Level at which it is asked whether given principal points are under strain.
-const STRAINED: f64 = 0.04;

@@ -15,18 +15,16 @@ use super::residual::Pair;
 use super::settle::settle;
 use super::start::{FOCALS, PairHypotheses};
 use super::survey::{Rays, Survey};
-use super::thresholds::AGREE;
+use super::thresholds as limits;
 
 /// Lengths of the baseline that are tried, in mean distances of the cameras.
 const LENGTHS: [f64; 7] = [0.12, 0.25, 0.5, 0.8, 1.2, 1.8, 3.0];
+/// Focal lengths that are tried of a camera that stands, as multiples of its own.
+const FOCALS_NEAR: [f64; 3] = [0.7, 1.0, 1.4];
 /// Radius within which guesses are compared, pixels of a 640×480 image.
 const RADIUS: f64 = 8.0;
 /// The best guesses, which are solved for.
 const SOLVED: usize = 4;
-/// A camera is looked at again where less than this share of its pairs' tangents agree.
-const CONTENT: f64 = 0.6;
-/// A place is better with so many times the evidence.
-const BETTER: f64 = 1.03;
 
 /// A network with which of its cameras stand.
 #[derive(Debug, Clone)]
@@ -68,11 +66,11 @@ pub fn agreement(network: &Placed, pairs: &[PairHypotheses], camera: usize, surv
             continue;
         }
         let geometry = Pair::new(&network.cameras[p.a], &network.cameras[p.b]);
-        let within = AGREE * survey.scale(p.a, p.b);
+        let within = limits::AGREE * survey.scale(p.a, p.b);
         let meetings = &p.hypotheses[0].meetings;
         let near = geometry.agreeing(meetings, within);
         // A pair with much evidence weighs more.
-        let weight = p.hypotheses[0].evidence.max(0.0);
+        let weight = p.hypotheses[0].score.max(0.0);
         agreeing += weight * near as f64 / meetings.len().max(1) as f64;
         all += weight;
     }
@@ -84,7 +82,7 @@ pub fn relocate(survey: &Survey, network: Placed, beliefs: &[Beliefs], pairs: &[
     let mut network = network;
     let mut order: Vec<(f64, usize)> = (0..network.cameras.len())
         .map(|c| (if network.placed[c] { agreement(&network, pairs, c, survey) } else { -1.0 }, c))
-        .filter(|(share, _)| *share < CONTENT)
+        .filter(|(share, _)| *share < limits::TRIED_ELSEWHERE)
         .collect();
     order.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
     for (_, camera) in order {
@@ -109,7 +107,7 @@ fn elsewhere(
         return None;
     }
     let rays = survey.all_rays(&network.cameras);
-    let score = |at: &Camera| evidence(survey, network, &rays, camera, at, &others);
+    let score = |at: &Camera| excess(survey, network, &rays, camera, at, &others);
     let mut guesses: Vec<(f64, Camera)> = guesses(network, beliefs, pairs, camera)
         .into_par_iter()
         .map(|at| (score(&at), at))
@@ -134,7 +132,7 @@ fn elsewhere(
     tried.sort_by(|p, q| q.0.total_cmp(&p.0));
     let (best, at) = *tried.first()?;
     let now = if network.placed[camera] { score(&network.cameras[camera]) } else { 0.0 };
-    if !(best > BETTER * now && best > 0.0) {
+    if !(best > limits::ELSEWHERE_BETTER * now && best > 0.0) {
         return None;
     }
     let mut cameras = network.cameras.clone();
@@ -142,8 +140,8 @@ fn elsewhere(
     Some(Placed { cameras, placed })
 }
 
-/// Evidence of a camera at a place with all others.
-fn evidence(
+/// Excess over chance of a camera at a place with all others.
+fn excess(
     survey: &Survey,
     network: &Placed,
     rays: &[Rays],
@@ -175,7 +173,7 @@ fn guesses(network: &Placed, beliefs: &[Beliefs], pairs: &[PairHypotheses], came
     let focals: Vec<f64> = if beliefs[camera].has_focal() {
         vec![now.log_focal]
     } else if network.placed[camera] {
-        [0.7, 1.0, 1.4].map(|f: f64| now.log_focal + f.ln()).to_vec()
+        FOCALS_NEAR.map(|f| now.log_focal + f.ln()).to_vec()
     } else {
         FOCALS.map(|f| (f * now.size.width as f64).ln()).to_vec()
     };

@@ -9,7 +9,6 @@ use super::observed::Observed;
 use super::relocate::Placed;
 use super::result::Place;
 use super::settle::settle;
-use super::solve::COMPARED;
 use super::stretch::FRAMES;
 use super::support::{Deviates, Support};
 use super::survey::Survey;
@@ -122,8 +121,9 @@ impl<'a> Resolved<'a> {
         beliefs[camera].posed = false;
         let moving: Vec<bool> = (0..beliefs.len()).map(|c| c == camera).collect();
         let alone = settle(&self.survey, &self.cameras, &beliefs, &pair, &moving, None).cameras;
-        let evidence = |cameras: &[Camera]| self.survey.evidence_by_part::<PARTS>(cameras, &pair, COMPARED);
-        let (by_itself, agreed) = (evidence(&alone), evidence(&self.cameras));
+        let excess =
+            |cameras: &[Camera]| self.survey.excess_by_part::<PARTS>(cameras, &pair, limits::COMPARED);
+        let (by_itself, agreed) = (excess(&alone), excess(&self.cameras));
         let more: Vec<f64> = by_itself.iter().zip(&agreed).map(|(p, q)| p - q).collect();
         let share = more.iter().sum::<f64>() / by_itself.iter().sum::<f64>().max(1e-9);
         deviates(&more) > limits::MOVED_DEVIATES && share > limits::LEFT_OVER

@@ -18,9 +18,9 @@ pub struct Meeting {
     pub b: [f64; 2],
     /// Away from the silhouette, across the tangent, in A; unit length.
     pub outward_a: [f64; 2],
-    /// The same in B.
+    /// Away from the silhouette, across the tangent, in B; unit length.
     pub outward_b: [f64; 2],
-    /// How fast that moves, pixels a second.
+    /// How fast the pixel of B moves, pixels a second.
     pub velocity_b: [f64; 2],
     /// Seconds of A's clock.
     pub time_a: f64,
@@ -29,9 +29,6 @@ pub struct Meeting {
     /// How much it counts.
     pub weight: f64,
 }
-
-/// Fewer meetings say nothing of a pair.
-pub const LEAST_MEETINGS: usize = 20;
 
 /// Derivatives of a residual to the parameters of A and then those of B.
 pub type Row = SVector<f64, { 2 * PARAMETERS }>;

@@ -75,7 +75,7 @@ pub struct NetworkCamera {
     pub name: String,
     /// Why it is accepted or not.
     pub status: CameraStatus,
-    /// The same in words.
+    /// What the status says, as a sentence, with the numbers behind it.
     pub reason: String,
     /// Where it stands, with its lens; `None` where that was not found.
     pub(super) camera: Option<Camera>,
@@ -210,7 +210,7 @@ pub struct CameraCheck {
     pub name: String,
     /// Whether it moved.
     pub status: CheckStatus,
-    /// The same in words.
+    /// What the status says, as a sentence, with the numbers behind it.
     pub reason: String,
     /// By how much it looks another way, radians; NaN where it is not known.
     pub turned: f64,

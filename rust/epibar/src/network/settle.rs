@@ -7,8 +7,9 @@
 use super::camera::Camera;
 use super::joint::{Beliefs, PairMeetings, Problem, standing};
 use super::median::deviation;
-use super::residual::{LEAST_MEETINGS, Pair};
+use super::residual::Pair;
 use super::survey::Survey;
+use super::thresholds as limits;
 
 /// Radii, pixels of a 640×480 image, within which tangents meet: the first, and the least.
 const WIDEST: f64 = 12.0;
@@ -21,12 +22,33 @@ const DEVIATIONS: f64 = 4.0;
 const STEPS: usize = 8;
 /// Rounds at the most.
 const ROUNDS: usize = 24;
-/// Nothing changes where no pixel moves by more than this, pixels.
-const STILL: f64 = 0.02;
+/// Nothing changes where no pixel moves by more than this, pixels, and the radius by less than to this share.
+const STILL: (f64, f64) = (0.02, 0.97);
 /// Tangents of neighbouring frames and of one outline say the same: so many count as one measurement.
 const DEPENDENT: f64 = 30.0;
-/// Spread that is not believed to be smaller, pixels.
-const LEAST_SPREAD: f64 = 0.1;
+/// Scatter that is not believed to be smaller, pixels.
+const LEAST_SCATTER: f64 = 0.1;
+
+/// From which radius to begin once more, the wider the more may change: so many times the one within which tangents met, and at the most
+/// so many pixels of a 640×480 image.
+#[derive(Debug, Clone, Copy)]
+pub struct Again(f64, f64);
+
+impl Again {
+    /// Without some of the moments.
+    pub const FEWER_MOMENTS: Self = Self(2.0, 8.0);
+    /// With other principal points.
+    pub const PRINCIPAL_POINTS: Self = Self(3.0, 8.0);
+    /// Without a camera that was wrong.
+    pub const FEWER_CAMERAS: Self = Self(4.0, 12.0);
+    /// On more frames.
+    pub const MORE_FRAMES: Self = Self(1.2, f64::INFINITY);
+
+    /// The radius, after the one of a network that was settled.
+    pub fn after(self, settled: &Settled) -> f64 {
+        (self.0 * settled.radius).min(self.1)
+    }
+}
 
 /// A network after its tangents were found anew.
 #[derive(Debug, Clone)]
@@ -60,20 +82,20 @@ pub fn settle(
     let mut found = Vec::new();
     let (mut scale, mut prior_weight) = (radius, 1.0);
     for _ in 0..ROUNDS {
-        found = survey.meetings(&at, pairs, radius, LEAST_MEETINGS);
-        let spread = spread(&at, &found);
-        if spread.is_nan() {
+        found = survey.meetings(&at, pairs, radius, limits::LEAST_MEETINGS);
+        let scatter = scatter(&at, &found);
+        if scatter.is_nan() {
             break;
         }
-        let suits = (DEVIATIONS * spread).clamp(NARROWEST, radius);
-        scale = spread.max(LEAST_SPREAD);
+        let suits = (DEVIATIONS * scatter).clamp(NARROWEST, radius);
+        scale = scatter.max(LEAST_SCATTER);
         prior_weight = weight_of_prior(&at, &found, scale);
         let problem = Problem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
         let solved = problem.solve(&at, STEPS).0;
         let moved = shift(&at, &solved, &found);
         at = if whole { standing(&solved, moving) } else { solved };
         let next = suits.max(NARROWER * radius);
-        if moved < STILL && next > 0.97 * radius {
+        if moved < STILL.0 && next > STILL.1 * radius {
             break;
         }
         radius = next;
@@ -97,11 +119,11 @@ fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f6
         }
     }
     DEPENDENT * surprise / f64::max(count, 1.0)
-        * (influence / f64::max(weight, 1e-9)).max(LEAST_SPREAD.powi(2))
+        * (influence / f64::max(weight, 1e-9)).max(LEAST_SCATTER.powi(2))
 }
 
 /// Robust standard deviation of all residuals, pixels; NaN of none.
-fn spread(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
+fn scatter(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
     let residuals = pairs.iter().flat_map(|p| {
         let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
         p.meetings.iter().filter_map(move |m| pair.residual(m))

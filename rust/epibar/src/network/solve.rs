@@ -7,13 +7,12 @@ use super::relocate::{Placed, relocate};
 use super::settle::{Settled, settle};
 use super::start::{PairHypotheses, Started, Starter};
 use super::survey::Survey;
+use super::thresholds as limits;
 
 /// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands.
 const FRAMES: [usize; 2] = [80, 240];
 /// Rounds of trying cameras elsewhere.
 const ROUNDS: usize = 3;
-/// Radius at which networks are compared, pixels of a 640×480 image.
-pub const COMPARED: f64 = 3.0;
 /// A network with less than this share of the evidence of another is not worth improving.
 const PROMISING: f64 = 0.5;
 /// Cameras that are turned by less than this against each other, radians, stand alike: 1°.
@@ -30,8 +29,8 @@ pub struct Solved {
     pub settled: Settled,
     /// What was believed of the cameras.
     pub beliefs: Vec<Beliefs>,
-    /// Evidence on the frames that networks are compared on.
-    pub evidence: f64,
+    /// Excess over chance on the frames that networks are compared on.
+    pub excess: f64,
 }
 
 /// What every network of some cameras is solved with.
@@ -56,19 +55,18 @@ impl<'a> Solver<'a> {
             self.settled(placed, beliefs, None)
         };
         let mut found: Vec<Solved> = starts.into_iter().map(settled).collect();
-        let by_evidence = |p: &Solved, q: &Solved| q.evidence.total_cmp(&p.evidence);
-        found.sort_by(by_evidence);
+        let by_excess = |p: &Solved, q: &Solved| q.excess.total_cmp(&p.excess);
+        found.sort_by(by_excess);
         let mut improved: Vec<Solved> = Vec::new();
         for network in found {
             let idle = improved.iter().any(|better| {
-                network.evidence < PROMISING * better.evidence
-                    || is_part_of(&network.network, &better.network)
+                network.excess < PROMISING * better.excess || is_part_of(&network.network, &better.network)
             });
             if !idle {
                 improved.push(self.improved(network));
             }
         }
-        improved.sort_by(by_evidence);
+        improved.sort_by(by_excess);
         improved
     }
 
@@ -76,7 +74,7 @@ impl<'a> Solver<'a> {
     pub fn settled(&self, network: Placed, beliefs: &[Beliefs], from: Option<f64>) -> Solved {
         let pairs = network.pairs();
         let mut solved = settled(&self.some, network, beliefs, &pairs, from);
-        solved.evidence = evidence(&self.some, &solved.network);
+        solved.excess = excess(&self.some, &solved.network);
         solved
     }
 
@@ -89,7 +87,7 @@ impl<'a> Solver<'a> {
                 break;
             }
             let next = self.settled(moved, &now.beliefs, None);
-            if next.evidence <= now.evidence {
+            if next.excess <= now.excess {
                 break;
             }
             now = next;
@@ -108,7 +106,7 @@ pub fn settled(
 ) -> Solved {
     let settled = settle(survey, &network.cameras, beliefs, pairs, &network.placed, from);
     let network = Placed { cameras: settled.cameras.clone(), placed: network.placed };
-    Solved { network, settled, beliefs: beliefs.to_vec(), evidence: f64::NAN }
+    Solved { network, settled, beliefs: beliefs.to_vec(), excess: f64::NAN }
 }
 
 /// Whether all cameras that stand in one network do so in another, and look the same ways.
@@ -116,16 +114,16 @@ fn is_part_of(one: &Placed, other: &Placed) -> bool {
     one.placed.iter().zip(&other.placed).all(|(p, q)| !p || *q) && one.turns(other).all(|turn| turn < ALIKE)
 }
 
-/// Evidence of a network, less that of shifted clocks.
-fn evidence(survey: &Survey, network: &Placed) -> f64 {
-    survey.scores(&network.cameras, &network.pairs(), COMPARED, 3).iter().map(|s| s.excess).sum()
+/// Excess over chance of a network, less that of shifted clocks.
+fn excess(survey: &Survey, network: &Placed) -> f64 {
+    survey.scores(&network.cameras, &network.pairs(), limits::COMPARED, 3).iter().map(|s| s.excess).sum()
 }
 
 /// By which share of its evidence a network is better than another, and by how many standard deviations over parts of
 /// the recording.
 pub fn gain(survey: &Survey, than: &Placed, network: &Placed) -> (f64, f64) {
     let pairs = than.pairs();
-    let of = |network: &Placed| survey.evidence_by_part::<PARTS>(&network.cameras, &pairs, COMPARED);
+    let of = |network: &Placed| survey.excess_by_part::<PARTS>(&network.cameras, &pairs, limits::COMPARED);
     let (one, other) = (of(than), of(network));
     let differences: Vec<f64> = one.iter().zip(&other).map(|(p, q)| q - p).collect();
     let mean = differences.iter().sum::<f64>() / PARTS as f64;

@@ -13,6 +13,7 @@ use super::evenly::evenly;
 use super::joint::{Beliefs, PairMeetings, Problem, standing};
 use super::pose::{placed_beside, relative_pose};
 use super::residual::{Meeting, Pair};
+use super::thresholds as limits;
 
 /// A geometry of a pair, with the tangents that meet under it.
 #[derive(Debug, Clone)]
@@ -21,8 +22,8 @@ pub struct Hypothesis {
     pub fundamental: Matrix3<f64>,
     /// What met.
     pub meetings: Vec<Meeting>,
-    /// Its evidence.
-    pub evidence: f64,
+    /// Its normal deviate as a pair's, times its share of the best one's.
+    pub score: f64,
 }
 
 /// What is known of a pair.
@@ -57,12 +58,12 @@ const STEPS: usize = 15;
 const SOLVED: usize = 5;
 /// Scale of the loss of a guess, pixels.
 const ROUGH: f64 = 20.0;
+/// What a tangent costs that lies behind a camera, in the unit of that loss.
+const BEHIND: f64 = 9.0;
+/// Lengths of a triplet's second baseline that are tried, as multiples of its first.
+const RATIOS: [f64; 7] = [0.3, 0.5, 0.75, 1.0, 1.35, 2.0, 3.3];
 /// Tangents of each pair that are looked at.
 const MEETINGS: usize = 160;
-/// Tangents agree below this residual, pixels.
-const AGREE: f64 = 3.0;
-/// Share of a pair's tangents that must agree with the cameras that it is part of.
-const LEAST_SHARE: f64 = 0.4;
 /// Triplets that are tried.
 const TRIPLETS: usize = 16;
 /// Lengths of a baseline that are tried, in mean distances of the cameras that stand.
@@ -128,7 +129,7 @@ impl<'p> Starter<'p> {
     fn support(&self, cameras: &[Camera], placed: &[bool]) -> f64 {
         let of_pair = |(p, m): (&PairHypotheses, &Vec<Meeting>)| {
             if placed[p.a] && placed[p.b] {
-                Pair::new(&cameras[p.a], &cameras[p.b]).agreement(m, AGREE)
+                Pair::new(&cameras[p.a], &cameras[p.b]).agreement(m, limits::START_AGREES)
             } else {
                 0.0
             }
@@ -167,7 +168,7 @@ impl<'p> Starter<'p> {
             let ((a, b), (c, d)) = (pair(network), pair(seed));
             let (one, other) = (Pair::new(&a, &b), Pair::new(&c, &d));
             let near = |m: &&Meeting| match (one.residual(m), other.residual(m)) {
-                (Some(r), Some(s)) => (r - s).abs() < AGREE,
+                (Some(r), Some(s)) => (r - s).abs() < limits::START_AGREES,
                 _ => false,
             };
             2 * meetings.iter().filter(near).count() > meetings.len()
@@ -203,7 +204,7 @@ impl<'p> Starter<'p> {
                         (self.pair(a, b), self.pair(a, c), self.pair(b, c))
                     {
                         let sides = [ab, ac, bc];
-                        let least = sides.iter().map(|&p| self.pairs[p].hypotheses[0].evidence);
+                        let least = sides.iter().map(|&p| self.pairs[p].hypotheses[0].score);
                         triplets.push(([a, b, c], sides, least.fold(f64::INFINITY, f64::min)));
                     }
                 }
@@ -260,20 +261,19 @@ impl<'p> Starter<'p> {
         let [Some((turn_p, t_p)), Some((turn_q, t_q))] = poses[..] else { return None };
         // The third side tells how long the second is as a multiple of the first.
         let p = placed_beside(&at[first], &at[others[0]], &turn_p, &t_p, 1.0);
-        let ratios = [0.3, 0.5, 0.75, 1.0, 1.35, 2.0, 3.3];
         let with = |ratio: f64| {
             let mut at = at.clone();
             at[others[0]] = p;
             at[others[1]] = placed_beside(&at[first], &at[others[1]], &turn_q, &t_q, ratio);
             (sides.iter().map(|&side| self.rough_cost(side, &at)).sum::<f64>(), at)
         };
-        ratios.into_iter().map(with).min_by(|x, y| x.0.total_cmp(&y.0))
+        RATIOS.into_iter().map(with).min_by(|x, y| x.0.total_cmp(&y.0))
     }
 
     /// Share of the tangents of a pair that agree with cameras.
     fn share(&self, pair: usize, cameras: &[Camera]) -> f64 {
         let (side, meetings) = (&self.pairs[pair], &self.thinned[pair]);
-        let agreeing = Pair::new(&cameras[side.a], &cameras[side.b]).agreeing(meetings, AGREE);
+        let agreeing = Pair::new(&cameras[side.a], &cameras[side.b]).agreeing(meetings, limits::START_AGREES);
         agreeing as f64 / meetings.len().max(1) as f64
     }
 
@@ -281,7 +281,7 @@ impl<'p> Starter<'p> {
     fn rough_cost(&self, pair: usize, at: &[Camera]) -> f64 {
         let side = &self.pairs[pair];
         let geometry = Pair::new(&at[side.a], &at[side.b]);
-        let cost = |m: &Meeting| geometry.residual(m).map_or(9.0, |r| (r / ROUGH).powi(2).ln_1p());
+        let cost = |m: &Meeting| geometry.residual(m).map_or(BEHIND, |r| (r / ROUGH).powi(2).ln_1p());
         self.thinned[pair].iter().map(cost).sum()
     }
 
@@ -312,7 +312,7 @@ impl<'p> Starter<'p> {
                     .pairs
                     .iter()
                     .filter(|p| (p.a == c && network.placed[p.b]) || (p.b == c && network.placed[p.a]));
-                pairs.map(|p| p.hypotheses[0].evidence.max(0.0)).sum()
+                pairs.map(|p| p.hypotheses[0].score.max(0.0)).sum()
             };
             let mut waiting: Vec<(f64, usize)> =
                 (0..n).filter(|&c| !network.placed[c]).map(|c| (reach(c), c)).collect();
@@ -339,7 +339,7 @@ impl<'p> Starter<'p> {
         let mut moving = vec![false; placed.len()];
         moving[camera] = true;
         let focals: &[f64] = if self.beliefs[camera].has_focal() { &[1.0] } else { &FOCALS };
-        let size = spread(network);
+        let size = mean_distance(network);
         let tried = neighbours.iter().flat_map(|&(other, pair)| {
             focals.iter().flat_map(move |&f| LENGTHS.map(|length| (other, pair, f, length * size)))
         });
@@ -362,14 +362,14 @@ impl<'p> Starter<'p> {
                     .iter()
                     .map(|&(other, pair)| {
                         let (p, q) = (other.min(camera), other.max(camera));
-                        Pair::new(&at[p], &at[q]).agreement(&self.thinned[pair], AGREE)
+                        Pair::new(&at[p], &at[q]).agreement(&self.thinned[pair], limits::START_AGREES)
                     })
                     .sum();
                 (support, at)
             })
             .collect();
         let (_, cameras) = found.into_iter().rev().max_by(|p, q| p.0.total_cmp(&q.0))?;
-        if !neighbours.iter().any(|&(_, pair)| self.share(pair, &cameras) > LEAST_SHARE) {
+        if !neighbours.iter().any(|&(_, pair)| self.share(pair, &cameras) > limits::ENTERS) {
             return None;
         }
         let cameras = self.solved(&cameras, &placed, &placed, STEPS / 2);
@@ -379,7 +379,7 @@ impl<'p> Starter<'p> {
 }
 
 /// Mean distance between the cameras that stand.
-fn spread(network: &Started) -> f64 {
+fn mean_distance(network: &Started) -> f64 {
     let placed: Vec<_> =
         network.cameras.iter().zip(&network.placed).filter(|(_, p)| **p).map(|(c, _)| c.position).collect();
     let mut sum = 0.0;

@@ -10,21 +10,19 @@ use rayon::prelude::*;
 use super::camera::Camera;
 use super::observed::Observed;
 use super::relocate::Placed;
-use super::solve::{COMPARED, Solved, settled};
+use super::settle::Again;
+use super::solve::{Solved, settled};
 use super::survey::Survey;
 use super::tangents::Score;
 use super::thresholds as limits;
 use crate::verify::shift_curve::normal_deviate;
 
-/// Stretches of time; every third one is kept aside.
-const STRETCHES: f64 = 15.0;
 /// Frames of each camera that are looked at.
 const FRAMES: usize = 300;
-/// Shifts that stand for chance.
-const SHIFTS: usize = 20;
 
 /// Normal deviates of what was seen on moments kept aside.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Deviates {
     /// Of the tangents.
     pub tangents: f64,
@@ -46,8 +44,8 @@ pub struct Support {
 /// What meets beyond chance, of what could.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Share {
-    /// Evidence of a tangent.
-    pub evidence: f64,
+    /// Excess over chance of a tangent.
+    pub excess: f64,
     /// Of whole silhouettes.
     pub whole: f64,
 }
@@ -61,11 +59,11 @@ impl Share {
             let by_chance =
                 |value: fn(&Score) -> f64| rest.iter().map(value).sum::<f64>() / rest.len() as f64;
             ends += first.ends as f64;
-            sum.evidence += first.excess - by_chance(|s| s.excess);
+            sum.excess += first.excess - by_chance(|s| s.excess);
             sum.whole += first.whole as f64 - by_chance(|s| s.whole as f64);
         }
         let ends = f64::max(ends, 1.0);
-        Self { evidence: sum.evidence / ends, whole: 2.0 * sum.whole / ends }
+        Self { excess: sum.excess / ends, whole: 2.0 * sum.whole / ends }
     }
 }
 
@@ -83,7 +81,7 @@ impl Support {
     pub fn of(observed: &[Observed], solved: &Solved) -> Self {
         let aside = Aside::of(observed, &solved.network.cameras);
         let fitted = Survey::among(observed, FRAMES, |camera, seconds| !aside.has(camera, seconds));
-        let radius = Some((2.0 * solved.settled.radius).min(8.0));
+        let radius = Some(Again::FEWER_MOMENTS.after(&solved.settled));
         let pairs = solved.network.pairs();
         let network = settled(&fitted, solved.network.clone(), &solved.beliefs, &pairs, radius).network;
         let kept = Survey::among(observed, FRAMES, |camera, seconds| aside.has(camera, seconds));
@@ -99,17 +97,17 @@ impl Support {
             .map(|&(a, b)| {
                 let tangents = survey.tangents(&network.cameras, &rays, a, b);
                 let n = tangents.moments();
-                if n <= SHIFTS {
-                    return vec![Score::default(); SHIFTS + 1];
+                if n <= limits::SHIFTS {
+                    return vec![Score::default(); limits::SHIFTS + 1];
                 }
-                let scorer = tangents.scorer(COMPARED * survey.scale(a, b));
-                (0..=SHIFTS).map(|k| scorer.score(k * n / (SHIFTS + 1))).collect()
+                let scorer = tangents.scorer(limits::COMPARED * survey.scale(a, b));
+                (0..=limits::SHIFTS).map(|k| scorer.score(k * n / (limits::SHIFTS + 1))).collect()
             })
             .collect();
         let deviates = |of: &dyn Fn(&(usize, usize)) -> bool| {
             let sum = |value: &dyn Fn(&Score) -> f64| -> Vec<f64> {
                 let chosen = || pairs.iter().zip(&scores).filter(|(pair, _)| of(pair));
-                (0..=SHIFTS).map(|k| chosen().map(|(_, s)| value(&s[k])).sum()).collect()
+                (0..=limits::SHIFTS).map(|k| chosen().map(|(_, s)| value(&s[k])).sum()).collect()
             };
             Deviates { tangents: deviate(&sum(&|s| s.excess)), whole: deviate(&sum(&|s| s.whole as f64)) }
         };
@@ -155,7 +153,7 @@ impl<'c> Aside<'c> {
             [o.times.first(), o.times.last()].into_iter().flatten().map(|t| c.time_of(*t)).collect::<Vec<_>>()
         });
         let (start, end) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
-        Self { cameras, start, length: ((end - start) / STRETCHES).max(1e-9) }
+        Self { cameras, start, length: ((end - start) / limits::STRETCHES).max(1e-9) }
     }
 
     fn has(&self, camera: usize, seconds: f64) -> bool {
@@ -164,33 +162,28 @@ impl<'c> Aside<'c> {
     }
 }
 
-/// Parts of the recording between which a knock is looked for.
-const PARTS: usize = 8;
-/// Shifts whose evidence is what chance has.
-const CHANCE: usize = 3;
-
 /// The share of its recording at which a camera was knocked, about, of each that sees what the others see only before or only
 /// after some moment.
 pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
     let pairs = network.pairs();
     let rays = survey.all_rays(&network.cameras);
     // Evidence, and what could meet, of each part of the network's time as camera A of the pair has it.
-    let parts: Vec<[(f64, f64); PARTS]> = pairs
+    let parts: Vec<[(f64, f64); limits::KNOCKED_PARTS]> = pairs
         .par_iter()
         .map(|&(a, b)| {
             let tangents = survey.tangents(&network.cameras, &rays, a, b);
-            let scorer = tangents.scorer(COMPARED * survey.scale(a, b));
-            let mut sums = [(0.0, 0.0); PARTS];
-            for shift in 0..=CHANCE {
-                let by = shift * tangents.moments() / (CHANCE + 1);
+            let scorer = tangents.scorer(limits::COMPARED * survey.scale(a, b));
+            let mut sums = [(0.0, 0.0); limits::KNOCKED_PARTS];
+            for shift in 0..=limits::KNOCKED_SHIFTS {
+                let by = shift * tangents.moments() / (limits::KNOCKED_SHIFTS + 1);
                 let scores = scorer.by_moment(by);
                 for (k, score) in scores.iter().enumerate() {
-                    let part = &mut sums[k * PARTS / scores.len()];
+                    let part = &mut sums[k * limits::KNOCKED_PARTS / scores.len()];
                     if shift == 0 {
                         part.0 += score.excess;
                         part.1 += score.ends as f64;
                     } else {
-                        part.0 -= score.excess / CHANCE as f64;
+                        part.0 -= score.excess / limits::KNOCKED_SHIFTS as f64;
                     }
                 }
             }
@@ -209,7 +202,7 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
         sums
     };
     let kept = |[before, after]: [(f64, f64); 2]| {
-        let rate = |(evidence, ends): (f64, f64)| (evidence / f64::max(ends, 1.0)).max(0.0);
+        let rate = |(excess, ends): (f64, f64)| (excess / f64::max(ends, 1.0)).max(0.0);
         let (p, q) = (rate(before), rate(after));
         (p.min(q) / p.max(q).max(1e-12), p >= q)
     };
@@ -217,7 +210,7 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
         .map(|c| {
             let own = |p: &(usize, usize)| p.0 == c || p.1 == c;
             let mut worst: Option<(f64, f64)> = None;
-            for boundary in 2..PARTS - 1 {
+            for boundary in 2..limits::KNOCKED_PARTS - 1 {
                 let of_own = sides(&own, boundary);
                 let (share, stands_before) = kept(of_own);
                 let (others, _) = kept(sides(&|p| !own(p), boundary));
@@ -230,7 +223,7 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
                     && better > limits::KNOCKED_CLEAR
                     && shows;
                 if found && worst.is_none_or(|w| share < w.0) {
-                    worst = Some((share, boundary as f64 / PARTS as f64));
+                    worst = Some((share, boundary as f64 / limits::KNOCKED_PARTS as f64));
                 }
             }
             worst.map(|w| w.1)
@@ -247,8 +240,8 @@ mod tests {
         let score = |ends, whole, excess| Score { ends, whole, excess };
         let one = vec![score(100, 22, 90.0), score(100, 2, 15.0), score(100, 2, 5.0)];
         let other = vec![score(300, 0, 0.0), score(300, 0, 0.0), score(300, 0, 0.0)];
-        assert_eq!(Share::of([&one].into_iter()), Share { evidence: 0.8, whole: 0.4 });
-        assert_eq!(Share::of([&one, &other].into_iter()), Share { evidence: 0.2, whole: 0.1 });
+        assert_eq!(Share::of([&one].into_iter()), Share { excess: 0.8, whole: 0.4 });
+        assert_eq!(Share::of([&one, &other].into_iter()), Share { excess: 0.2, whole: 0.1 });
         assert_eq!(Share::of([].into_iter()), Share::default());
     }
 

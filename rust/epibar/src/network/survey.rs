@@ -38,7 +38,7 @@ impl<'a> Survey<'a> {
         Self::among(observed, limit, |_, _| true)
     }
 
-    /// The same of the frames of a camera, by its index and its clock's seconds, that are to be kept.
+    /// At most `limit` frames of each camera, evenly spread over those in which something moves and that are kept: asked by the camera's index and its clock's seconds.
     pub fn among(observed: &'a [Observed], limit: usize, keep: impl Fn(usize, f64) -> bool) -> Self {
         let frames = observed
             .iter()
@@ -157,17 +157,17 @@ impl<'a> Survey<'a> {
     }
 
     /// Evidence of some pairs at a radius, pixels of a 640×480 image, in each of so many parts of the recording.
-    pub fn evidence_by_part<const PARTS: usize>(
+    pub fn excess_by_part<const PARTS: usize>(
         &self,
         cameras: &[Camera],
         pairs: &[(usize, usize)],
         radius: f64,
     ) -> [f64; PARTS] {
-        summed(&self.evidence_of_pairs(cameras, pairs, radius))
+        summed(&self.excess_of_pairs(cameras, pairs, radius))
     }
 
-    /// The same of each pair by itself.
-    pub fn evidence_of_pairs<const PARTS: usize>(
+    /// Excess over chance of each pair, part by part.
+    pub fn excess_of_pairs<const PARTS: usize>(
         &self,
         cameras: &[Camera],
         pairs: &[(usize, usize)],

@@ -11,7 +11,6 @@ use super::moves::{CLOSE, Case, Move, PARTS, Standing, deviates};
 use super::observed::Observed;
 use super::relocate::Placed;
 use super::settle::settle;
-use super::solve::COMPARED;
 use super::stretch::Stretch;
 use super::survey::summed;
 use super::thresholds as limits;
@@ -162,7 +161,7 @@ impl Footage<'_> {
         let posed = case.measured(camera, start, &case.beliefs_free(camera));
         let found = posed.map_or(*found, |posed| case.zoomed(camera, &posed));
         let there = case.with(camera, found.camera);
-        let new = stretch.all.evidence_of_pairs::<PARTS>(&there, &standing.pairs, COMPARED);
+        let new = stretch.all.excess_of_pairs::<PARTS>(&there, &standing.pairs, limits::COMPARED);
         let part = |p: usize, k: usize| if k >= found.from { new[p][k] } else { standing.parts[p][k] };
         let parts = (0..new.len()).map(|p| std::array::from_fn(|k| part(p, k))).collect();
         Explanation { camera, found, network, parts }

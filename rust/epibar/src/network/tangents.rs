@@ -36,9 +36,9 @@ pub struct Tangents<'a> {
     sorted_b: [Vec<f64>; 2],
 }
 
-/// Two ends that meet.
+/// Two ends that meet, as indices; a [`Meeting`] is what is measured of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Met {
+pub struct MatchedEnds {
     /// Index of the moment.
     pub moment: u32,
     /// 0 for lower ends, 1 for upper ones.
@@ -55,7 +55,7 @@ pub struct Met {
 
 /// Of a lower end among those that met, in the order of [`Tangents::meet`], the upper end of the same silhouettes, where that met
 /// too.
-pub fn other_end(met: &[Met], lower: usize) -> Option<&Met> {
+pub fn other_end(met: &[MatchedEnds], lower: usize) -> Option<&MatchedEnds> {
     let low = met.get(lower).filter(|m| m.side == 0)?;
     let mut same_moment = met[lower + 1..].iter().take_while(|m| m.moment == low.moment);
     same_moment.find(|m| m.side == 1 && m.a == low.a && m.b == low.b)
@@ -148,10 +148,10 @@ impl<'a> Tangents<'a> {
 
     /// The ends that meet within a radius, pixels, each the other's nearest, with B's moments moved on cyclically by
     /// `shift`; in the order of time.
-    pub fn meet(&self, radius: f64, shift: usize) -> Vec<Met> {
+    pub fn meet(&self, radius: f64, shift: usize) -> Vec<MatchedEnds> {
         let count = self.moments.len();
         let chunk = 64;
-        let parts: Vec<Vec<Met>> = (0..count.div_ceil(chunk))
+        let parts: Vec<Vec<MatchedEnds>> = (0..count.div_ceil(chunk))
             .into_par_iter()
             .map(|part| {
                 let (mut found, mut seen) = (Vec::new(), Vec::new());
@@ -166,7 +166,7 @@ impl<'a> Tangents<'a> {
         parts.concat()
     }
 
-    fn meet_at(&self, moment: usize, seen: &[Between], radius: f64, found: &mut Vec<Met>) {
+    fn meet_at(&self, moment: usize, seen: &[Between], radius: f64, found: &mut Vec<MatchedEnds>) {
         let in_a = self.a.observed.of_frame(self.moments[moment].0);
         for side in 0..2 {
             let ends_b: Vec<End> = seen.iter().map(|between| self.end_of_b(between, side)).collect();
@@ -194,7 +194,7 @@ impl<'a> Tangents<'a> {
                 }
                 let within = radius * end.per_pixel.hypot(ends_b[k].per_pixel);
                 let chance = self.chance(side, end.angle, within);
-                found.push(Met {
+                found.push(MatchedEnds {
                     moment: moment as u32,
                     side: side as u8,
                     a,
@@ -228,13 +228,13 @@ impl<'a> Tangents<'a> {
     }
 
     /// Where the object lies from both tangents of a meeting, along the images' `y` axes: 1 below, −1 above.
-    pub fn below(&self, met: &Met) -> [f64; 2] {
+    pub fn below(&self, met: &MatchedEnds) -> [f64; 2] {
         let side = met.side as usize;
         [self.ends_a[met.a as usize][side].below(), self.end_of_b(&met.b, side).below()]
     }
 
     /// The pixels of a meeting, in A and in B.
-    pub fn pixels(&self, met: &Met) -> [[f64; 2]; 2] {
+    pub fn pixels(&self, met: &MatchedEnds) -> [[f64; 2]; 2] {
         let side = met.side as usize;
         let end = &self.ends_a[met.a as usize][side];
         let moved = |p: [f64; 2], outward: [f64; 2], inset: f64| [0, 1].map(|k| p[k] + inset * outward[k]);
@@ -245,7 +245,7 @@ impl<'a> Tangents<'a> {
     }
 
     /// Meetings as measurements for the joint problem.
-    pub fn measurements(&self, met: &[Met]) -> Vec<Meeting> {
+    pub fn measurements(&self, met: &[MatchedEnds]) -> Vec<Meeting> {
         let (a, b) = (self.a.observed, self.b.observed);
         met.iter()
             .map(|m| {
@@ -308,7 +308,7 @@ impl Scorer<'_> {
         self.by_moment(shift).into_iter().fold(Score::default(), |sum, s| sum.plus(&s))
     }
 
-    /// The same moment by moment.
+    /// What the two cameras have in common, moment by moment.
     pub fn by_moment(&self, shift: usize) -> Vec<Score> {
         let mut scores = self.unmet.clone();
         let met = self.tangents.meet(self.radius, shift);

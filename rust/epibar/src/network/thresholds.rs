@@ -1,19 +1,69 @@
 //! What decides about a network: every number, and where it comes from.
+//!
+//! In the order in which they are asked. `docs/trust.md` says what each is for; where a number was measured, what stood on either
+//! side of it is said here, and `benchmarks/README.md` names the command. The others are choices, and give their reason. How a solver
+//! walks (steps, starts, radii) stands with the solver.
 
+// --- the clocks ---
+
+/// Two offsets agree within so many seconds: barcodes tell one to a frame or two, 0.1 s, and three of them close a triangle.
+pub const OFFSETS_AGREE: f64 = 0.3;
+/// An offset below this, seconds, is none: that frame or two.
+pub const NO_OFFSET: f64 = 0.15;
+/// Without an offset barcodes agree as well with this share of the score of the best offset: that is a maximum over all
+/// offsets, and so a little above what is the truth by itself.
+pub const NO_OFFSET_SHARE: f64 = 0.97;
+/// Share of the pairs that must have no offset for all cameras to have started together; of the others some are wrong.
+pub const NO_OFFSET_PAIRS: f64 = 0.6;
+
+// --- who enters ---
+
+/// Relative standard deviation below which a focal length that is given is known; two known ones make a network of two cameras.
+pub const KNOWN_FOCAL: f64 = 0.05;
+/// Fewer tangents that meet say nothing of a pair, whose geometry has seven numbers.
+pub const LEAST_MEETINGS: usize = 20;
+/// A tangent of a pair agrees with a start below this residual, pixels.
+pub const START_AGREES: f64 = 3.0;
+/// Share of a pair's tangents that must agree with a camera for it to enter; what is wrong there is tried elsewhere later.
+pub const ENTERS: f64 = 0.4;
+/// A camera is tried elsewhere where less than this share of its pairs' tangents agree.
+pub const TRIED_ELSEWHERE: f64 = 0.6;
+/// Another place of it is better with so many times the evidence, so that the same place from another start is not.
+pub const ELSEWHERE_BETTER: f64 = 1.03;
+/// Radius at which networks are compared, pixels of a 640×480 image: four times a scatter of 0.75.
+pub const COMPARED: f64 = 3.0;
+
+// --- principal points ---
+
+/// The tangents must say that a principal point is further from the middle with so many nats more than the wider belief costs by itself.
+pub const PRINCIPAL_NATS: f64 = 6.0;
+/// Standard deviation of principal points, widths of the image, with which it is asked whether those believed in are under strain:
+/// that of images that were cropped.
+pub const PRINCIPAL_STRAINED: f64 = 0.04;
+
+// --- what speaks for a camera ---
+
+/// Stretches of time, every third of which is kept aside.
+pub const STRETCHES: f64 = 15.0;
+/// Shifts of the clocks that stand for chance: a Student's t of 19 degrees of freedom.
+pub const SHIFTS: usize = 20;
 /// Normal deviate that the tangents of an accepted camera have on moments kept aside: by chance once in three million.
 pub const CAMERA_DEVIATES: f64 = 5.0;
-/// The same of whole silhouettes, which floors without walkers cannot have.
+/// Normal deviate that its whole silhouettes have there, which floors without walkers cannot have.
 pub const WHOLE_DEVIATES: f64 = 3.0;
 /// Whole silhouettes of a camera that meet beyond chance, of those that could in its pairs; or the evidence of a tangent. What is far
 /// from chance may still explain next to nothing: a camera 16° off, put there by a pair that saw other people, had 0.008 and
 /// 0.07; right ones 0.06 to 0.7 of silhouettes, but one of `wildtrack`, which cuts nearly all of them, 0.01 and 0.14.
 pub const CAMERA_WHOLE: f64 = 0.02;
-/// The same of the evidence of a tangent.
-pub const CAMERA_EVIDENCE: f64 = 0.1;
-/// The same of the tangents of a pair that confirms a network.
+/// Excess of a tangent of a camera over chance, below which, with fewer whole silhouettes than those, next to nothing is explained.
+pub const CAMERA_EXCESS: f64 = 0.1;
+/// Normal deviate that the tangents of a pair have that confirms a network.
 pub const PAIR_DEVIATES: f64 = 3.0;
 /// Pairs that must confirm a camera among more than two: two directions are needed for its place.
 pub const CONFIRMED_PAIRS: usize = 2;
+
+// --- errors and rivals ---
+
 /// Expected errors, nine times in ten below, that are still of use: of the focal length, relative.
 pub const MAX_FOCAL: f64 = 0.08;
 /// Of the rotation, radians: 2°.
@@ -30,6 +80,9 @@ pub const RIVAL_DEVIATES: f64 = 3.0;
 pub const AGREE: f64 = 4.0;
 /// A pair contradicts the network where less than this share of what it found agrees.
 pub const CONTRADICTS: f64 = 0.3;
+
+// --- outlines and clocks as errors count them ---
+
 /// Silhouettes that fill their hulls to more than this share may be boxes or ellipses that stand for something else.
 pub const CONVEX: f64 = 0.96;
 /// By how many pixels the outlines of one camera may all be wrong alike in one part of the image, at least.
@@ -39,7 +92,7 @@ pub const PIXELS: f64 = 0.5;
 /// The share of the scatter that is common to the outlines of one camera in one part of the image: of what pixels do by
 /// themselves, and of what is more than that.
 pub const OUTLINE_SHARE: [f64; 2] = [0.5, 0.9];
-/// The same as a multiple of the scatter where outlines are wrong in the same way everywhere.
+/// What is common to them as a multiple of the scatter, where outlines are wrong in the same way everywhere.
 pub const OUTLINE_STRAINED: f64 = 4.0;
 /// The share of it that is another one after a move, when a camera sees the same outlines elsewhere in its image. Of 22 moves of
 /// development the error of 19 is below what is stated; with all of it what is stated is some ten times the error, and without any the
@@ -47,15 +100,20 @@ pub const OUTLINE_STRAINED: f64 = 4.0;
 pub const OUTLINE_MOVED: f64 = 0.25;
 /// Standard deviation of clocks' offsets where barcodes found that all started together, seconds.
 pub const CLOCK_TOGETHER: f64 = 0.02;
-/// The same where barcodes found the offsets, to a frame or two.
+/// Standard deviation of offsets that barcodes found to a frame or two, seconds.
 pub const CLOCK_FOUND: f64 = 0.1;
 /// Standard deviation of clocks' drifts, ppm: quartz.
 pub const DRIFT: f64 = 30.0;
+
+// --- has a camera moved? ---
+
 /// A camera has moved where it now looks another way, or stands elsewhere, by so many times what is below nine times in ten.
 pub const MOVED: f64 = 2.0;
+/// A move after this share of the footage is one that was filmed: from the fourth of 48 parts on.
+pub const MOVED_LATER: f64 = 0.05;
 /// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
 pub const MOVED_DEVIATES: f64 = 4.0;
-/// The same of a move that only the end of the footage shows, which is asked for besides.
+/// Standard deviations that a move asks for which only the end of the footage shows, as that is asked for besides.
 pub const MOVED_WITHIN_DEVIATES: f64 = 6.0;
 /// A camera may have been turned far while it was filmed where less than this share of its evidence is left at the end.
 pub const FADES: f64 = 0.6;
@@ -74,6 +132,13 @@ pub const ZOOMED_SHARE: f64 = 0.1;
 /// A place leaves something over where a pair by itself agrees better with another one by this share of its evidence: of true places
 /// below 0.02.
 pub const LEFT_OVER: f64 = 0.05;
+
+// --- was a camera knocked while it was filmed? ---
+
+/// Parts of the recording between which a knock is looked for.
+pub const KNOCKED_PARTS: usize = 8;
+/// Shifts of the clocks whose evidence is what chance has there.
+pub const KNOCKED_SHIFTS: usize = 3;
 /// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment.
 pub const KNOCKED_KEEPS: f64 = 0.35;
 /// And at least this share of what pairs keep that it has no part in.
@@ -84,3 +149,16 @@ pub const OTHERS_KEEP: f64 = 0.4;
 pub const KNOCKED_CLEAR: f64 = 60.0;
 /// Nor where on one side it sees less than this share of what it sees on the other.
 pub const KNOCKED_SHOWS: f64 = 0.2;
+
+// --- the floor ---
+
+/// Fewest figures that tell a floor.
+pub const FLOOR_FIGURES: usize = 30;
+/// A bottom is on a floor within this share of the median height: 0.14 m of 1.75.
+pub const ON_FLOOR: f64 = 0.08;
+/// Bottoms further off one plane than this share of the height do not stand on a floor.
+pub const FLOOR_UNEVEN: f64 = 0.12;
+/// A floor whose normal is further from the mean of the segments than this, radians, is a wall, or none: 34°.
+pub const FLOOR_LEANING: f64 = 0.6;
+/// Figures share errors in time: so many, those of a second, say what one would by itself.
+pub const FIGURES_AS_ONE: f64 = 20.0;

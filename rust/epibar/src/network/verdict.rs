@@ -4,6 +4,7 @@ use super::camera::Camera;
 use super::case::{Case, Finished, Out};
 use super::covariance::Expected;
 use super::graph::{PairFound, all_pairs};
+use super::prose;
 use super::relocate::Placed;
 use super::residual::Pair;
 use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
@@ -11,7 +12,6 @@ use super::solve::{Solved, gain};
 use super::support::{Deviates, Support, knocked};
 use super::survey::Survey;
 use super::thresholds as limits;
-use super::words;
 use super::world::{self, World};
 
 /// Whether another network has about the same evidence, and another geometry.
@@ -35,7 +35,7 @@ pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec
         let d = support.cameras[c];
         let pairs = confirmed.iter().filter(|p| p.0 == c || p.1 == c).count();
         let share = support.shares[c];
-        let explains = share.whole >= limits::CAMERA_WHOLE || share.evidence >= limits::CAMERA_EVIDENCE;
+        let explains = share.whole >= limits::CAMERA_WHOLE || share.excess >= limits::CAMERA_EXCESS;
         let stands_out = d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES;
         stands_out && explains && pairs >= needed
     };
@@ -111,7 +111,7 @@ impl Case<'_> {
             all_pairs(self.count()).map(|(a, b)| self.pair(a, b, &cameras, finished)).collect::<Vec<_>>();
         let radius = finished.solved.settled.radius;
         let accepted = cameras.iter().all(NetworkCamera::accepted);
-        let reason = words::of_network(&cameras, &pairs, &ground);
+        let reason = prose::of_network(&cameras, &pairs, &ground);
         Network { cameras, pairs, accepted, reason, ground, radius }
     }
 
@@ -130,7 +130,7 @@ impl Case<'_> {
         NetworkCamera {
             name: input.name.to_owned(),
             status,
-            reason: words::of_camera(status, expected, rig, knocked_at, input, &self.pairs_of(camera)),
+            reason: prose::of_camera(status, expected, rig, knocked_at, input, &self.pairs_of(camera)),
             camera: None,
             expected: None,
             deviates: out.map_or(Deviates::default(), |o| o.deviates),
@@ -186,7 +186,7 @@ impl Case<'_> {
             })
             .collect();
         let pairs: Vec<NetworkPair> = all_pairs(self.count()).map(outside).collect();
-        let reason = words::of_network(&cameras, &pairs, &world::Ground::Cameras);
+        let reason = prose::of_network(&cameras, &pairs, &world::Ground::Cameras);
         Network { cameras, pairs, accepted: false, reason, ground: world::Ground::Cameras, radius: f64::NAN }
     }
 }

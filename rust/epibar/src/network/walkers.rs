@@ -10,7 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::camera::Camera;
 use super::median::{deviation, median};
-use super::tangents::{Met, Tangents, other_end};
+use super::tangents::{MatchedEnds, Tangents, other_end};
+use super::thresholds as limits;
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,11 +39,11 @@ const STEEP: f64 = 0.6;
 const NARROW: f64 = 0.05;
 
 /// The silhouettes of which both ends meet those of one silhouette of the other camera, top to top.
-pub fn figures(tangents: &Tangents, met: &[Met]) -> Vec<Figure> {
+pub fn figures(tangents: &Tangents, met: &[MatchedEnds]) -> Vec<Figure> {
     let mut found = Vec::new();
     for (k, low) in met.iter().enumerate() {
         let Some(high) = other_end(met, k) else { continue };
-        let below = |m: &Met| tangents.below(m);
+        let below = |m: &MatchedEnds| tangents.below(m);
         let top_first =
             |[a, b]: [f64; 2], [c, d]: [f64; 2]| a > STEEP && b > STEEP && c < -STEEP && d < -STEEP;
         let (of_low, of_high) = (below(low), below(high));
@@ -101,17 +102,17 @@ pub struct Floor {
     pub figures: usize,
 }
 
-/// Fewest figures that tell a floor.
-const LEAST_FIGURES: usize = 30;
-/// A bottom is on a floor within this share of the median height.
-const ON_FLOOR: f64 = 0.08;
 /// Samples of three bottoms.
 const SAMPLES: usize = 300;
+/// Three bottoms nearer to one line tell no plane: twice the area of their triangle, in squares of the median height.
+const LEAST_TRIANGLE: f64 = 0.05;
+/// Rounds of least squares.
+const REFITS: usize = 5;
 
 impl Floor {
     /// The floor of segments, each a top and a bottom; `None` where they are too few, or have none in common.
     pub fn of(segments: &[[Vector3<f64>; 2]]) -> Option<Self> {
-        if segments.len() < LEAST_FIGURES {
+        if segments.len() < limits::FLOOR_FIGURES {
             return None;
         }
         let height = median(segments.iter().map(|[t, b]| (t - b).norm()))?;
@@ -124,30 +125,32 @@ impl Floor {
             let pick = |j: usize| segments[(k * 7919 + j * n / 3 + (k * k + 31 * j) % 97) % n][1];
             let (p, q, r) = (pick(0), pick(1), pick(2));
             let normal = (q - p).cross(&(r - p));
-            if normal.norm() < 0.05 * height * height {
+            if normal.norm() < LEAST_TRIANGLE * height * height {
                 continue;
             }
             let normal = normal.normalize();
             let normal = if normal.dot(&mean_up) < 0.0 { -normal } else { normal };
             let level = normal.dot(&p);
-            let on =
-                segments.iter().filter(|[_, b]| (normal.dot(b) - level).abs() < ON_FLOOR * height).count();
+            let on = segments
+                .iter()
+                .filter(|[_, b]| (normal.dot(b) - level).abs() < limits::ON_FLOOR * height)
+                .count();
             if best.is_none_or(|b| on > b.0) {
                 best = Some((on, normal, level));
             }
         }
         let (_, mut up, mut level) = best?;
-        for _ in 0..5 {
-            (up, level) = refitted(segments, up, level, ON_FLOOR * height)?;
+        for _ in 0..REFITS {
+            (up, level) = refitted(segments, up, level, limits::ON_FLOOR * height)?;
         }
         let up = if up.dot(&mean_up) < 0.0 { -up } else { up };
         let level = median(segments.iter().map(|[_, b]| up.dot(b)))?;
         let standing: Vec<_> = segments
             .iter()
-            .filter(|[_, b]| (up.dot(b) - level).abs() < 2.0 * ON_FLOOR * height)
+            .filter(|[_, b]| (up.dot(b) - level).abs() < 2.0 * limits::ON_FLOOR * height)
             .copied()
             .collect();
-        if standing.len() < LEAST_FIGURES {
+        if standing.len() < limits::FLOOR_FIGURES {
             return None;
         }
         let tall = median(standing.iter().map(|[t, _]| up.dot(t) - level))?;
@@ -179,7 +182,7 @@ fn refitted(
 ) -> Option<(Vector3<f64>, f64)> {
     let near: Vec<Vector3<f64>> =
         segments.iter().map(|s| s[1]).filter(|b| (up.dot(b) - level).abs() < reach).collect();
-    if near.len() < LEAST_FIGURES / 2 {
+    if near.len() < limits::FLOOR_FIGURES / 2 {
         return None;
     }
     let mean = near.iter().sum::<Vector3<f64>>() / near.len() as f64;

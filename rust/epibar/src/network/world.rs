@@ -10,12 +10,15 @@ use super::camera::Camera;
 use super::evenly::evenly;
 use super::relocate::Placed;
 use super::survey::Survey;
+use super::thresholds as limits;
 use super::walkers::{Floor, segment};
 
 /// Where the vertical of a network comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub enum Ground {
     /// From the floor that figures stand on: z = 0 is that floor.
+    #[non_exhaustive]
     Floor {
         /// Median height of the figures, in the unit of the network.
         height: f64,
@@ -30,14 +33,18 @@ pub enum Ground {
     Cameras,
 }
 
+impl Ground {
+    /// A word for programs.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Floor { .. } => "floor",
+            Self::Cameras => "cameras",
+        }
+    }
+}
+
 /// Figures looked at of all pairs.
 const FIGURES: usize = 4000;
-/// Bottoms further off one plane than this share of the height do not stand on a floor.
-const UNEVEN: f64 = 0.12;
-/// A floor whose normal is further from the mean of the segments than this, radians, is a wall, or none.
-const LEANING: f64 = 0.6;
-/// Figures share errors in time: so many say what one would by itself.
-const TOGETHER: f64 = 20.0;
 
 /// The floor under a network's figures; `None` where they stand on none.
 pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
@@ -50,7 +57,7 @@ pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
         segments.extend(some.filter_map(|figure| segment(a, b, figure)));
     }
     let floor = Floor::of(&segments)?;
-    (floor.unevenness < UNEVEN && floor.lean < LEANING).then_some(floor)
+    (floor.unevenness < limits::FLOOR_UNEVEN && floor.lean < limits::FLOOR_LEANING).then_some(floor)
 }
 
 /// Cameras in a world of their own.
@@ -63,7 +70,7 @@ pub struct World {
     pub unit: f64,
 }
 
-/// The same cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
+/// Cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
 pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
     let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
     let of = |c: usize| &network.cameras[stand[c]];
@@ -103,7 +110,7 @@ pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
         })
         .collect();
     let ground = floor.map_or(Ground::Cameras, |floor| {
-        let independent = (floor.figures as f64 / TOGETHER).max(1.0);
+        let independent = (floor.figures as f64 / limits::FIGURES_AS_ONE).max(1.0);
         Ground::Floor {
             height: floor.height / unit,
             vertical_error: floor.unevenness * floor.height / floor.reach.max(1e-9) / independent.sqrt(),

@@ -17,7 +17,7 @@ impl Case<'_> {
         self.elsewhere(camera).map(|posed| self.zoomed(camera, &posed))
     }
 
-    /// The same by the end of the footage alone; `None` where nothing speaks for a move in the midst of it.
+    /// A camera by the end of the footage alone; `None` where nothing speaks for a move in the midst of it.
     pub fn found_at_end(&self, camera: usize) -> Option<Move> {
         let posed = if self.fades(camera) { self.elsewhere(camera) } else { self.nearby(camera) };
         let posed = posed.filter(|m| m.gain > limits::MOVED_DEVIATES && m.is_within())?;
@@ -75,7 +75,7 @@ impl Case<'_> {
         let stored = self.network.cameras[camera];
         let zoomed = ZOOMS.map(|by| Camera { log_focal: stored.log_focal + by.ln(), ..stored });
         let tried = zoomed.into_iter().chain([*posed]);
-        let scored = tried.map(|at| (self.evidence(&self.fitted.few, camera, at, ROUGH), at));
+        let scored = tried.map(|at| (self.excess(&self.fitted.few, camera, at, ROUGH), at));
         scored.max_by(|p, q| p.0.total_cmp(&q.0)).map_or(*posed, |best| best.1)
     }
 }

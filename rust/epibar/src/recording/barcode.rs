@@ -197,6 +197,7 @@ fn copy_bits(source: &[u64], start: usize, target: &mut [u64], at: usize, len: u
 /// that changes once or twice is matched by any other that changes then. A constant barcode has no correlation at
 /// all and is never informative, whatever the criteria.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Informative {
     /// Least share of frames with motion on the line.
     pub min_ones_fraction: f64,

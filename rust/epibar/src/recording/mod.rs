@@ -32,5 +32,5 @@ pub use barcode::{Barcodes, Informative};
 pub use parts::RecordingParts;
 pub use recorder::{Recorder, RecorderOptions};
 pub(crate) use recording::LONG_STEP;
-pub use recording::{FramePair, Recording};
+pub use recording::{FramePair, RecordedFrame, Recording};
 pub use silhouettes::Silhouettes;

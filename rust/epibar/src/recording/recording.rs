@@ -15,6 +15,17 @@ pub struct FramePair {
     pub b: u32,
 }
 
+/// Index of a frame of one recording, from 0: not that of a moment which two recordings have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct RecordedFrame(pub(crate) u32);
+
+impl RecordedFrame {
+    /// The index.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// Frames further apart than so many frame intervals have others missing between them.
 pub(crate) const LONG_STEP: f64 = 1.6;
 

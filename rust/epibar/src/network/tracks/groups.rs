@@ -11,7 +11,7 @@ use super::triangulate::{Ray, covariance, point};
 
 /// Standard deviation of tops of one walker in two pairs of cameras, over the median height: of places on a head.
 const TOPS: f64 = 0.03;
-/// The same of bottoms: two pairs of cameras may touch different feet.
+/// Standard deviation of bottoms of one walker, over the median height: two pairs of cameras may touch different feet.
 const FEET: f64 = 0.1;
 /// Standard deviations by which two sightings of one walker may differ.
 const APART: f64 = 3.5;
@@ -19,7 +19,7 @@ const APART: f64 = 3.5;
 const MOST_APART: f64 = 0.5;
 /// How far a top may be from where a camera has it, over the median height.
 const TOP_OFF: f64 = 0.06;
-/// The same of a bottom.
+/// How far a bottom may be from where a camera has it, over the median height.
 const FOOT_OFF: f64 = 0.25;
 /// Pixels of a 640×480 image by which a silhouette may fall short of a place that it covers.
 const COVERED: f64 = 6.0;
@@ -113,8 +113,8 @@ impl Bundle {
         let one = &all[seed];
         let of_end = |s: &Sighting, end: usize, share: f64| {
             let off = s.segment[end] - one.segment[end];
-            let spread = Matrix3::identity() * (2.0 * (share * scale.height).powi(2));
-            let by = (one.covariance[end] + s.covariance[end] + spread).try_inverse();
+            let of_end = Matrix3::identity() * (2.0 * (share * scale.height).powi(2));
+            let by = (one.covariance[end] + s.covariance[end] + of_end).try_inverse();
             by.map_or(f64::INFINITY, |by| (off.dot(&(by * off))).sqrt() / APART)
         };
         let apart = |s: &Sighting| {
@@ -184,8 +184,8 @@ fn whole(eyes: &[Eye], moment: usize, sightings: &[&Sighting], scale: Scale) -> 
         let mut single = tops.clone();
         single.sort_by_key(|ray| ray.camera);
         single.dedup_by_key(|ray| ray.camera);
-        let spread = covariance(&single, &top, scale.radius / DEVIATIONS)?;
-        let deviation = spread.symmetric_eigenvalues().max().max(0.0).sqrt();
+        let covariance = covariance(&single, &top, scale.radius / DEVIATIONS)?;
+        let deviation = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
         return Some(Group { silhouettes, top, foot, residual, deviation });
     }
 }

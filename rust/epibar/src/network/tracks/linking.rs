@@ -13,7 +13,7 @@ const GAP: f64 = 0.8;
 /// How far a top may be from where it is expected, in median heights: at once, and by each second since.
 const REACH: [f64; 2] = [0.12, 0.7];
 /// And by so many standard deviations of where its cameras have it.
-const SPREAD: f64 = 2.0;
+const DEVIATIONS: f64 = 2.0;
 /// What a silhouette that a camera has followed is worth, in reaches.
 const FOLLOWED: f64 = 0.5;
 /// Two that could go on, nearer to each other than this, in reaches, are not told apart.
@@ -28,7 +28,7 @@ const TALL: f64 = 0.1;
 const SMOOTH: f64 = 0.1;
 /// Seconds and moments that a track has at least.
 const LEAST: (f64, usize) = (0.5, 5);
-/// The same of one that hardly ever more than two cameras see at once.
+/// Seconds and moments of a track that hardly ever more than two cameras see at once.
 const LEAST_OF_TWO: (f64, usize) = (1.0, 8);
 /// Share of the moments at which more than two cameras see it, from which on it is not one of these.
 const OFTEN: f64 = 0.2;
@@ -102,8 +102,8 @@ impl Crowd<'_> {
         let (last, before) = track.points.last()?;
         let seconds = self.times[moment] - self.times[*last];
         let expected = before.top + self.speed(track) * seconds;
-        let spread = walker.deviation.max(before.deviation);
-        let reach = (REACH[0] + REACH[1] * seconds) * self.height + SPREAD * spread;
+        let deviation = walker.deviation.max(before.deviation);
+        let reach = (REACH[0] + REACH[1] * seconds) * self.height + DEVIATIONS * deviation;
         let off = (walker.top - expected).norm() / reach;
         let taller = (walker.top.z - walker.foot.z) / tall(track) - 1.0;
         if off >= 1.0 || taller.abs() > 1.5 * TALL {
@@ -134,12 +134,12 @@ impl Crowd<'_> {
         let n = lately.len() as f64;
         let mean_t = lately.iter().map(|(t, _)| t).sum::<f64>() / n;
         let mean = lately.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / n;
-        let spread: f64 = lately.iter().map(|(t, _)| (t - mean_t).powi(2)).sum();
+        let squares: f64 = lately.iter().map(|(t, _)| (t - mean_t).powi(2)).sum();
         // Of less than half a window a slope is mostly noise.
-        if lately.last().is_none_or(|(t, _)| *t > -0.5 * WINDOW) || spread <= 0.0 {
+        if lately.last().is_none_or(|(t, _)| *t > -0.5 * WINDOW) || squares <= 0.0 {
             return Vector3::zeros();
         }
-        lately.iter().map(|(t, p)| (p - mean) * (t - mean_t)).sum::<Vector3<f64>>() / spread
+        lately.iter().map(|(t, p)| (p - mean) * (t - mean_t)).sum::<Vector3<f64>>() / squares
     }
 
     /// What is left of tracks without what does not fit into them, and without those that are too short to be believed; in the order of
@@ -167,7 +167,7 @@ impl Crowd<'_> {
         let fits = |at: usize| {
             let group = &track.points[at].1;
             let near = near(at);
-            let smooth = SMOOTH * self.height + SPREAD * group.deviation;
+            let smooth = SMOOTH * self.height + DEVIATIONS * group.deviation;
             let height = (group.top.z - group.foot.z) / tall - 1.0;
             let by_all = near.iter().filter(|(seconds, top)| {
                 (group.top - top).norm() < smooth + FASTEST * seconds.abs() * self.height
@@ -208,8 +208,8 @@ fn line(places: &[(f64, Vector3<f64>)]) -> Option<Vector3<f64>> {
     }
     let mean_t = places.iter().map(|(t, _)| t).sum::<f64>() / n;
     let mean = places.iter().map(|(_, p)| p).sum::<Vector3<f64>>() / n;
-    let spread: f64 = places.iter().map(|(t, _)| (t - mean_t).powi(2)).sum();
+    let squares: f64 = places.iter().map(|(t, _)| (t - mean_t).powi(2)).sum();
     let slope =
-        places.iter().map(|(t, p)| (p - mean) * (t - mean_t)).sum::<Vector3<f64>>() / spread.max(1e-12);
+        places.iter().map(|(t, p)| (p - mean) * (t - mean_t)).sum::<Vector3<f64>>() / squares.max(1e-12);
     Some(mean - slope * mean_t)
 }

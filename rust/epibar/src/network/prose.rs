@@ -1,4 +1,4 @@
-//! Results in words.
+//! What is said of cameras and networks, as sentences.
 
 use super::covariance::Expected;
 use super::graph::PairFound;
@@ -75,7 +75,7 @@ pub(super) fn of_network(cameras: &[NetworkCamera], pairs: &[NetworkPair], groun
         cameras.iter().filter(|c| chosen(c)).map(|c| c.name.clone()).collect()
     };
     let refused = names(&|c| !c.accepted());
-    let mut words = if refused.is_empty() {
+    let mut text = if refused.is_empty() {
         format!("all {} cameras are calibrated", cameras.len())
     } else if refused.len() == cameras.len() {
         let first = &cameras[0];
@@ -98,11 +98,11 @@ pub(super) fn of_network(cameras: &[NetworkCamera], pairs: &[NetworkPair], groun
         .map(|p| format!("{}-{}", cameras[p.a].name, cameras[p.b].name))
         .collect();
     if !against.is_empty() {
-        words += "; by themselves these pairs would have another geometry: ";
-        words += &against.join(", ");
+        text += "; by themselves these pairs would have another geometry: ";
+        text += &against.join(", ");
     }
     if cameras.iter().any(NetworkCamera::accepted) && *ground == Ground::Cameras {
-        words += "; no floor was found, so up is the mean of the cameras' own";
+        text += "; no floor was found, so up is the mean of the cameras' own";
     }
-    words
+    text
 }

@@ -1,4 +1,4 @@
-"""Which cameras have moved, in words: a table, and what to know of it."""
+"""Which cameras have moved, as prose: a table, and what to know of it."""
 
 from __future__ import annotations
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arguments import Array, as_camera_matrix, camera_names, check_pairs
+from ..arguments import Array, Index, as_camera_matrix, camera_names, check_pairs
 from ..calibration import Calibration
 from ..clocks import nearest_frame, position_in_b
 from ..errors import EpibarError
@@ -70,7 +69,7 @@ class Pair:
         return f"{self.a} - {self.b}"
 
     @property
-    def frames_b(self) -> NDArray[np.int64]:
+    def frames_b(self) -> Index:
         """Frame of B of each frontier point, where no frame of either camera is missing."""
         frames = self.frontier_points.frame
         return nearest_frame(position_in_b(frames, self.time_offset, self.frames_per_frame))

@@ -1,10 +1,10 @@
-"""Verdicts in words, and what to do next."""
+"""Verdicts as prose, and what to do next."""
 
 from __future__ import annotations
 
 from ..calibration import Calibration
 
-__all__ = ["advice", "verdict_words"]
+__all__ = ["advice", "verdict_prose"]
 
 SOME_EVIDENCE = 2.0
 """Standard deviations above chance: by chance one pair in 44 has more."""
@@ -55,7 +55,7 @@ FILM_LONGER = (
 )
 
 
-def verdict_words(calibration: Calibration) -> str:
+def verdict_prose(calibration: Calibration) -> str:
     """Name the verdict in a few words."""
     kind = calibration.kind
     return TITLES.get(kind, kind.replace("_", " ").capitalize())

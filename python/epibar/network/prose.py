@@ -1,4 +1,4 @@
-"""A network in words: a table of its cameras, and what to know of it."""
+"""A network as prose: a table of its cameras, and what to know of it."""
 
 from __future__ import annotations
 

@@ -70,12 +70,12 @@ def cut_command(source: str, output: str, time: StartTime) -> str | None:
         return None
     margin = MARGIN / time.fps
     start = max(time.first_second - margin, 0.0)
-    words = ["ffmpeg", "-nostdin", "-n", "-ss", f"{start:.6f}"]
+    command = ["ffmpeg", "-nostdin", "-n", "-ss", f"{start:.6f}"]
     if time.last_second is not None:
-        words += ["-t", f"{time.last_second + margin - start:.6f}"]
+        command += ["-t", f"{time.last_second + margin - start:.6f}"]
     # Without `file:` a colon in a path would make a protocol of what is before it.
-    words += ["-i", f"file:{os.path.abspath(source)}"]
-    return shlex.join([*words, "-c:v", "libx264", "-crf", "18", output])
+    command += ["-i", f"file:{os.path.abspath(source)}"]
+    return shlex.join([*command, "-c:v", "libx264", "-crf", "18", output])
 
 
 def camera_starts(times: Mapping[str, StartTime], sources: Mapping[str, str]) -> list[CameraStart]:
