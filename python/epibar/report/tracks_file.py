@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from ..arguments import Array
 from ..errors import EpibarError
 from ..network.walker_file import load_tracks
