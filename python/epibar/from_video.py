@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +32,13 @@ from .sources.colour_frames import ColourFrames
 from .sources.frame_range import FrameRange
 from .sources.images import read_image
 from .sources.mask_frames import MaskFrames
+from .sources.picture_taking import PictureTaker
 from .sources.prefetch import prefetched
 
 __all__ = ["record"]
 
-Moment = tuple[float, Mask]
+Moment = tuple[float, Mask, NDArray[np.uint8]]
+"""Seconds, what moves, and the frame itself, which for ready masks is the mask."""
 Stream = Generator[Moment, None, None]
 
 EDGE = 5
@@ -56,6 +59,7 @@ def record(
     fps: float | None = None,
     frames: Sequence[int | None] | None = None,
     seconds: float | None = None,
+    pictures: bool = False,
     progress: bool | Callable[[str, float], None] | None = None,
 ) -> Recording:
     """Turn the video of one stationary camera into a recording.
@@ -91,6 +95,8 @@ def record(
     seconds : float, optional
         Use only so much of the video, from the first frame used on. A live stream needs this, or a last
         frame.
+    pictures : bool
+        Keep small pictures of a few hundred frames, for a report, as :attr:`Recording.pictures`.
     progress : bool or callable, optional
         Show a progress bar on stderr; by default where that is a terminal. Or called after each frame with
         the name of the stage and the share of the announced frames that is done, 0 to 1.
@@ -132,11 +138,20 @@ def record(
             stream = _ready_masks(source, hidden)
         else:
             stream = _moving(source, _options(foreground, background, hidden), health)
+        taker = PictureTaker(source.frame_count, source.fps) if pictures else None
         with closing(stream):
-            for time, mask in _watched(stream, source.frame_count, name, progress):
+            watched = _watched(stream, source.frame_count, name, progress)
+            for index, (time, mask, frame) in enumerate(watched):
                 straight = np.ascontiguousarray(undistort(mask) if undistort else mask)
                 with core_errors():
                     recorder.push(straight, time)
+                if taker is not None:
+                    taker.look(
+                        index,
+                        time,
+                        int(np.count_nonzero(straight)),
+                        partial(_straight_image, frame, undistort),
+                    )
         with core_errors():
             core = recorder.finish()
         return Recording(
@@ -146,6 +161,7 @@ def record(
             matrix=None if intrinsics is None else intrinsics.matrix,
             health=health.numbers,
             first_frame=source.first,
+            pictures=None if taker is None else taker.pictures(),
         )
 
 
@@ -171,16 +187,21 @@ def _moving(frames: ColourFrames, options: ForegroundOptions, health: CameraHeal
 
     with closing(prefetched(masked(), depth=1)) as ahead:
         for index, time, frame, mask in ahead:
-            yield time, health.update(frames.first + index, frame, mask)
+            yield time, health.update(frames.first + index, frame, mask), frame
 
 
 def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Stream:
     """Time and mask of each frame that already is a mask."""
     with closing(prefetched(frames)) as ahead:
         for _, time, mask in ahead:
-            if hidden is not None:
-                mask = np.where(hidden, np.uint8(0), mask)
-            yield time, mask
+            counted = mask if hidden is None else np.where(hidden, np.uint8(0), mask)
+            yield time, counted, mask
+
+
+def _straight_image(frame: NDArray[np.uint8], undistort: Undistorter | None) -> NDArray[np.uint8]:
+    """Frame or mask as an image for people, undistorted where the recording is."""
+    image = np.repeat(frame[:, :, None] * np.uint8(255), 3, axis=2) if frame.ndim == 2 else frame
+    return image if undistort is None else undistort.image(image)
 
 
 def _watched(

@@ -95,9 +95,10 @@ def calibrate_all(
 ) -> AllPairs:
     """Record every camera once, calibrate pairs, join all to a network, write it to a folder.
 
-    Recordings and pairs are kept under ``out/recordings`` and ``out/pairs``, each with a key of what it was
-    made of: the path, size and time of change of its files, the options, the versions of epibar and OpenCV. A
-    run that was interrupted, or to which a camera was added, does only what is missing.
+    Recordings, pictures of some frames and pairs are kept under ``recordings``, ``pictures`` and ``pairs`` in
+    ``out``, each with a key of what it was made of: the path, size and time of change of its files, the
+    options, the versions of epibar and OpenCV. A run that was interrupted, or to which a camera was added,
+    does only what is missing.
 
     Parameters
     ----------
