@@ -146,12 +146,7 @@ def record(
                 with core_errors():
                     recorder.push(straight, time)
                 if taker is not None:
-                    taker.look(
-                        index,
-                        time,
-                        int(np.count_nonzero(straight)),
-                        partial(_straight_image, frame, undistort),
-                    )
+                    taker.look(index, time, straight, partial(_straight_image, frame, undistort))
         with core_errors():
             core = recorder.finish()
         return Recording(

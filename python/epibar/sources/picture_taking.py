@@ -14,7 +14,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ..arguments import Image
+from ..arguments import Image, Mask
+from .opencv import opencv
 from .pictures import Pictures, jpeg_within
 
 __all__ = ["MOST", "PicturePlan", "PictureTaker"]
@@ -96,7 +97,7 @@ class PictureTaker:
         self._step = self._plan.step
         self._last = -1
 
-    def look(self, index: int, time: float, motion: int, image: Callable[[], Image]) -> None:
+    def look(self, index: int, time: float, mask: Mask, image: Callable[[], Image]) -> None:
         """Look at the next frame.
 
         Parameters
@@ -105,8 +106,8 @@ class PictureTaker:
             Its number.
         time : float
             Its seconds since frame 0.
-        motion : int
-            How many of its pixels move.
+        mask : ndarray, shape (H, W), uint8
+            Non-zero where something moves.
         image : callable
             Returns it, (H, W, 3) uint8 BGR; called where a picture is taken.
         """
@@ -116,7 +117,7 @@ class PictureTaker:
         place = math.floor((time + self._early) / self._step)
         sparse, self._last = place > self._last, place
         if sparse and self._running is None:
-            self._begin_run(time, motion)
+            self._begin_run(time, opencv().countNonZero(mask))
         if not sparse and self._running is None:
             return
         jpeg = jpeg_within(image(), BUDGET, LONGEST_SIDE)
