@@ -28,6 +28,7 @@ from .lens.cameras_toml import intrinsics_of
 from .lens.intrinsics import Intrinsics
 from .lens.undistortion import Undistorter
 from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder
+from .sources.chapters import colour_frames
 from .sources.colour_frames import ColourFrames
 from .sources.frame_range import FrameRange
 from .sources.images import read_image
@@ -59,6 +60,7 @@ def record(
     fps: float | None = None,
     frames: Sequence[int | None] | None = None,
     seconds: float | None = None,
+    chapters: bool = False,
     pictures: bool = False,
     progress: bool | Callable[[str, float], None] | None = None,
 ) -> Recording:
@@ -95,6 +97,9 @@ def record(
     seconds : float, optional
         Use only so much of the video, from the first frame used on. A live stream needs this, or a last
         frame.
+    chapters : bool
+        A folder of videos, or a pattern such as ``GX*0123.MP4``, is one camera whose files follow one
+        another, in the order of their numbers.
     pictures : bool
         Keep small pictures of a few hundred frames, for a report, as :attr:`Recording.pictures`.
     progress : bool or callable, optional
@@ -118,9 +123,9 @@ def record(
     """
     part = FrameRange.of(frames, seconds)
     with (
-        MaskFrames(path, fps=fps, frames=part)
+        MaskFrames(path, fps=fps, frames=part, chapters=chapters)
         if masks
-        else ColourFrames(path, fps=fps, frames=part) as source
+        else colour_frames(path, fps, part, chapters) as source
     ):
         name = name or source.name
         if isinstance(intrinsics, (str, os.PathLike)):

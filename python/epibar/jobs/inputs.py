@@ -93,6 +93,7 @@ class RecordOptions:
     masks: bool = False
     foreground: str = "auto"
     frames: FrameRange = field(default_factory=FrameRange)
+    chapters: bool = False
 
     def __post_init__(self) -> None:
         if self.foreground not in FOREGROUNDS:

@@ -51,6 +51,7 @@ def record_camera(
             ignore=camera.ignore,
             frames=(options.frames.first, options.frames.last),
             seconds=options.frames.seconds,
+            chapters=options.chapters,
             pictures=pictures,
             progress=progress,
         )
