@@ -2,15 +2,14 @@
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
-import cv2
 import numpy as np
 
 import epibar
 from epibar import synthetic
 from epibar.geometry.correspondences import FrontierPoints
 from epibar.report.inputs import ReportCamera, ReportPair
+from epibar.sources.pictures import Pictures, as_jpeg
 
 SIZE = (320, 240)
 LATE = 7
@@ -34,18 +33,24 @@ def calibrated():
     return masks, recordings, good
 
 
-def make_report_input(folder: Path):
+def pictures_of(masks, frames=None):
+    """Pictures of some frames of masks; of all by default."""
+    frames = range(len(masks)) if frames is None else frames
+    return Pictures(
+        {frame: as_jpeg(np.repeat(masks[frame][:, :, None] * 255, 3, axis=2)) for frame in frames}
+    )
+
+
+def make_report_input():
     """Three cameras, an accepted pair with a time offset, a refused one with F, a refused one without.
 
-    The first two cameras' masks are there to be read again, the third's are gone.
+    Of the first two cameras there are pictures, of the third there are none.
     """
     masks, recordings, good = calibrated()
     cameras = []
     for recording, stack in zip(recordings, masks, strict=True):
-        source = folder / f"{recording.name}.npz"
-        if recording is not recordings[2]:
-            np.savez_compressed(source, masks=stack, fps=25.0)
-        cameras.append(ReportCamera(recording.name, str(source), True, recording, None))
+        pictures = None if recording is recordings[2] else pictures_of(stack.astype(np.uint8))
+        cameras.append(ReportCamera(recording.name, f"{recording.name}.npz", True, recording, pictures))
     refused = replace(
         good,
         accepted=False,
@@ -72,11 +77,3 @@ def make_report_input(folder: Path):
         ReportPair("cam2", "cam3", nothing, 1.0),
     ]
     return cameras, pairs
-
-
-def numbered_frames(folder: Path, count: int) -> Path:
-    """A folder of images whose brightness says which frame they are."""
-    folder.mkdir()
-    for index in range(count):
-        cv2.imwrite(str(folder / f"{index:04d}.png"), np.full((48, 64, 3), 2 * index, np.uint8))
-    return folder

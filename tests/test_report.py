@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from report_input import LATE, NO_POINTS, SIZE, make_report_input, numbered_frames
+from report_input import LATE, NO_POINTS, SIZE, make_report_input
 
 import epibar
 from epibar.clocks import Timing
@@ -20,6 +20,7 @@ from epibar.report.page import write_report
 from epibar.report.prose import ADVICE, TITLES, advice
 from epibar.show.line_barcodes import hull_barcodes
 from epibar.show.moments import choose_moments
+from epibar.sources.pictures import Pictures, as_jpeg
 
 VERDICTS = Path(__file__).parent.parent / "rust/epibar/src/verify/verdict.rs"
 
@@ -52,8 +53,8 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def report_input(tmp_path_factory):
-    return make_report_input(tmp_path_factory.mktemp("masks"))
+def report_input():
+    return make_report_input()
 
 
 @pytest.fixture(scope="module")
@@ -86,15 +87,15 @@ def test_nothing_is_loaded_from_anywhere(page):
 
 def test_four_cameras_stay_below_15_megabytes(report_input, tmp_path):
     """Noise, which JPEG cannot compress, and offsets by which no two pairs share a frame."""
-    video, rng = tmp_path / "noise.avi", np.random.default_rng(0)
-    writer = cv2.VideoWriter(str(video), cv2.VideoWriter_fourcc(*"MJPG"), 25.0, (640, 480))
+    rng = np.random.default_rng(0)
     masks = np.zeros((150, 480, 640), np.uint8)
     for t in range(150):
         masks[t, 200:300, 4 * t : 4 * t + 60] = 1
-        writer.write(rng.integers(0, 256, (480, 640, 3), dtype=np.uint8))
-    writer.release()
+    noise = Pictures(
+        {t: as_jpeg(rng.integers(0, 256, (480, 640, 3), dtype=np.uint8)) for t in range(len(masks))}
+    )
     recording = epibar.Recording.from_masks(masks, lines=100)
-    cameras = [ReportCamera(f"cam{k}", str(video), False, recording, None) for k in range(4)]
+    cameras = [ReportCamera(f"cam{k}", "noise.avi", False, recording, noise) for k in range(4)]
     good = report_input[1][0].calibration
     pairs = [
         ReportPair(
@@ -311,13 +312,12 @@ def test_moments_that_other_pairs_show_come_first():
 
 
 def test_pictures_are_the_frames_they_claim_to_be(report_input, tmp_path):
-    source = numbered_frames(tmp_path / "frames", 110)
     masks = np.zeros((100, 48, 64), np.uint8)
     for t in range(100):
         masks[t, 10:30, t // 2 : t // 2 + 8] = 1
     recording = epibar.Recording.from_masks(masks, lines=50)
-    recording.first_frame = 10
-    cameras = [ReportCamera(name, str(source), False, recording, None) for name in "ab"]
+    pictures = Pictures({t: as_jpeg(np.full((48, 64, 3), 2 * t, np.uint8)) for t in range(100)})
+    cameras = [ReportCamera(name, "frames", False, recording, pictures) for name in "ab"]
     calibration = replace(report_input[1][0].calibration, time_offset=4.0, frontier_points=NO_POINTS)
     path = write_report(tmp_path / "report.html", cameras, [ReportPair("a", "b", calibration, 1.0)])
     data = Page(path).data
@@ -327,7 +327,7 @@ def test_pictures_are_the_frames_they_claim_to_be(report_input, tmp_path):
         for moment in moments:
             picture = decoded(data["cameras"][camera]["images"][str(moment[key])])
             assert picture.shape == (48, 64, 3)
-            assert abs(picture.mean() - 2 * (moment[key] + 10)) <= 1.5
+            assert abs(picture.mean() - 2 * moment[key]) <= 1.5
 
 
 def test_pictures_are_undistorted_with_the_intrinsics(report_input, tmp_path):
@@ -335,16 +335,16 @@ def test_pictures_are_undistorted_with_the_intrinsics(report_input, tmp_path):
     image = cv2.resize(rng.integers(0, 256, (12, 16, 3), dtype=np.uint8), SIZE)
     (tmp_path / "frames").mkdir()
     for index in range(60):
-        cv2.imwrite(str(tmp_path / "frames" / f"{index:03d}.png"), image)
+        shown = image.copy()
+        shown[100:110, 2 * index : 2 * index + 10] = 255 * (index % 2)
+        cv2.imwrite(str(tmp_path / "frames" / f"{index:03d}.png"), shown)
     camera = epibar.Intrinsics("a", SIZE, [[250, 0, 160], [0, 250, 120], [0, 0, 1]], [-0.4, 0.1, 0, 0, 0])
-    masks = np.zeros((60, SIZE[1], SIZE[0]), np.uint8)
-    masks[::2, 50:90, 50:70] = 1
-    recording = epibar.Recording.from_masks(masks, lines=50)
-    calibration = replace(report_input[1][0].calibration, time_offset=0.0, frontier_points=NO_POINTS)
-    cameras = [
-        ReportCamera("a", str(tmp_path / "frames"), False, recording, camera),
-        ReportCamera("b", str(tmp_path / "frames"), False, recording, None),
+    recorded = [
+        epibar.record(tmp_path / "frames", lines=50, name=name, intrinsics=lens, pictures=True)
+        for name, lens in (("a", camera), ("b", None))
     ]
+    calibration = replace(report_input[1][0].calibration, time_offset=0.0, frontier_points=NO_POINTS)
+    cameras = [ReportCamera(one.name, "frames", False, one, one.pictures) for one in recorded]
     path = write_report(tmp_path / "report.html", cameras, [ReportPair("a", "b", calibration, 1.0)])
     straight, bent = (
         decoded(next(iter(entry["images"].values()))).astype(int) for entry in Page(path).data["cameras"]
@@ -354,7 +354,27 @@ def test_pictures_are_undistorted_with_the_intrinsics(report_input, tmp_path):
     assert np.abs(straight - bent).mean() > 12
 
 
-def test_without_its_source_a_camera_shows_silhouettes(page):
+def test_moments_with_pictures_of_both_come_first(report_input, tmp_path):
+    """The second camera's pictures are of other frames, but for ten moments."""
+    cameras, pairs = report_input
+    kept = [dict(camera.pictures) for camera in cameras[:2]]
+    both = set(range(100, 150, 5))
+    pictures = [
+        Pictures({frame: jpeg for frame, jpeg in kept[0].items() if frame % 2 == 0 or frame in both}),
+        Pictures({frame: jpeg for frame, jpeg in kept[1].items() if frame % 2 == 0 or frame - LATE in both}),
+    ]
+    pictures[1] = Pictures({f: j for f, j in pictures[1].items() if (f - LATE) % 2 == 1 or f - LATE in both})
+    shown = [replace(camera, pictures=some) for camera, some in zip(cameras[:2], pictures, strict=True)]
+    data = Page(write_report(tmp_path / "report.html", shown, pairs[:1])).data
+    moments = [(str(moment["a"]), str(moment["b"])) for moment in data["pairs"][0]["moments"]]
+    assert 8 <= len(moments) <= 10
+    for a, b in moments:
+        assert int(a) in both
+        assert a in data["cameras"][0]["images"]
+        assert b in data["cameras"][1]["images"]
+
+
+def test_without_pictures_a_camera_shows_silhouettes(page):
     third = page.data["cameras"][2]
     assert third["images"] == {}
     shown = {str(moment["b"]) for moment in page.data["pairs"][1]["moments"]}

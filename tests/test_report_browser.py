@@ -18,7 +18,7 @@ PAIRS = 3
 @pytest.fixture(scope="module")
 def report(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
-    cameras, pairs = make_report_input(folder)
+    cameras, pairs = make_report_input()
     return write_report(folder / "report.html", cameras, pairs, ["cam9.mp4: no such file"]), pairs
 
 
@@ -31,7 +31,7 @@ def opened(watched, report):
 
 
 def test_the_clocks_are_told(browser, tmp_path):
-    cameras, pairs = make_report_input(tmp_path)
+    cameras, pairs = make_report_input()
     slow, fast = Timing(), Timing(frames_per_frame=1.2 * (1 - 50e-6))
     for timing, offset, words in (
         (slow, 7.0, "Frame i of A is frame i + 7 of B."),

@@ -206,7 +206,7 @@ def test_names_cannot_inject_markup(tmp_path):
 def test_twenty_cameras_stay_below_25_megabytes(tmp_path):
     """All 190 pairs, each with as much to show as a well calibrated one has, and long tracks."""
     made = network(20, refused=(), lost=())
-    report_cameras, pairs = make_report_input(tmp_path)
+    report_cameras, pairs = make_report_input()
     known = {one.name: one for one in report_cameras}
     shown = [replace(known[f"cam{1 + k % 2}"], name=name) for k, name in enumerate(made.cameras)]
     both = [ReportPair(a, b, pairs[0].calibration, 1.0) for a, b in made.pairs]

@@ -134,7 +134,7 @@ def test_pairs_have_the_colour_of_their_verdict(watched, report):
 
 
 def test_a_line_leads_to_its_pair(watched, tmp_path):
-    shown, pairs = make_report_input(tmp_path)
+    shown, pairs = make_report_input()
     made = network(3, refused=(), lost=())
     path = write_report(tmp_path / "r.html", shown, pairs, network=NetworkReport(made, None, walkers()))
     page = drawn(watched(path.as_uri(), DESKTOP))

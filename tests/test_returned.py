@@ -13,6 +13,7 @@ from epibar import Calibration, EpibarError
 from epibar.jobs.returned import checked_clocks, checked_network
 from epibar.network import Network
 from epibar.network.offsets import ClockOffsets
+from epibar.sources.pictures import Pictures
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +41,11 @@ def points(calibration, **other):
 
 def renamed(recording):
     recording.name = "cam9"
+    return recording
+
+
+def pictured(recording):
+    recording.pictures = Pictures({recording.frames: b"\xff\xd8\xff"})
     return recording
 
 
@@ -77,6 +83,7 @@ def test_a_lie_about_a_pair(lie, masks, tmp_path):
     [
         lambda r, s: (None, s),
         lambda r, s: (renamed(r), s),
+        lambda r, s: (pictured(r), s),
         lambda r, s: (epibar.Recording.from_masks(np.ones((3, 9, 9), bool), lines=7, name="cam2"), s),
     ],
 )

@@ -10,8 +10,10 @@ import time
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
+import numpy as np
 from table import Stage
 from whole import decode
 
@@ -21,6 +23,7 @@ from epibar.foreground import Foreground
 from epibar.health.camera_health import CameraHealth
 from epibar.recording import DEFAULT_LINES, MIN_COMPONENT_AREA, new_recorder
 from epibar.sources.colour_frames import ColourFrames
+from epibar.sources.picture_taking import PictureTaker
 
 ROUNDS = 2
 
@@ -71,6 +74,7 @@ def _one_round(video: Path) -> dict[str, float]:
             foreground = Foreground.for_frames(frames)
         health = CameraHealth("camera")
         recorder = new_recorder(*frames.size, DEFAULT_LINES, 0, MIN_COMPONENT_AREA)
+        taker = PictureTaker(frames.frame_count, frames.fps)
         moments = iter(frames)
         while True:
             with timed("decoding"):
@@ -86,6 +90,8 @@ def _one_round(video: Path) -> dict[str, float]:
                 mask = health.update(index, frame, mask)
             with timed("components, hulls, packing"):
                 recorder.push(mask, at)
+            with timed("pictures for the report, if asked for"):
+                taker.look(index, at, mask, partial(np.copy, frame))
         with timed("barcodes"):
             recorder.finish()
     return cpu

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,15 +26,18 @@ from .lens.cameras_toml import intrinsics_of
 from .lens.intrinsics import Intrinsics
 from .lens.undistortion import Undistorter
 from .recording import DEFAULT_LINES, MIN_COMPONENT_AREA, Recording, new_recorder
+from .sources.chapters import colour_frames
 from .sources.colour_frames import ColourFrames
 from .sources.frame_range import FrameRange
 from .sources.images import read_image
 from .sources.mask_frames import MaskFrames
+from .sources.picture_taking import PictureTaker
 from .sources.prefetch import prefetched
 
 __all__ = ["record"]
 
-Moment = tuple[float, Mask]
+Moment = tuple[float, Mask, Image]
+"""Seconds, what moves, and the frame itself, which for ready masks is the mask."""
 Stream = Generator[Moment, None, None]
 
 EDGE = 5
@@ -54,6 +58,8 @@ def record(
     fps: float | None = None,
     frames: Sequence[int | None] | None = None,
     seconds: float | None = None,
+    chapters: bool = False,
+    pictures: bool = False,
     progress: bool | Callable[[str, float], None] | None = None,
 ) -> Recording:
     """Turn the video of one stationary camera into a recording.
@@ -89,6 +95,11 @@ def record(
     seconds : float, optional
         Use only so much of the video, from the first frame used on. A live stream needs this, or a last
         frame.
+    chapters : bool
+        A folder of videos, or a pattern such as ``GX*0123.MP4``, is one camera whose files follow one
+        another, in the order of their numbers.
+    pictures : bool
+        Keep small pictures of a few hundred frames, for a report, as :attr:`Recording.pictures`.
     progress : bool or callable, optional
         Show a progress bar on stderr; by default where that is a terminal. Or called after each frame with
         the name of the stage and the share of the announced frames that is done, 0 to 1.
@@ -110,9 +121,9 @@ def record(
     """
     part = FrameRange.of(frames, seconds)
     with (
-        MaskFrames(path, fps=fps, frames=part)
+        MaskFrames(path, fps=fps, frames=part, chapters=chapters)
         if masks
-        else ColourFrames(path, fps=fps, frames=part) as source
+        else colour_frames(path, fps, part, chapters) as source
     ):
         name = name or source.name
         if isinstance(intrinsics, (str, os.PathLike)):
@@ -130,11 +141,15 @@ def record(
             stream = _ready_masks(source, hidden)
         else:
             stream = _moving(source, _options(foreground, background, hidden), health)
+        taker = PictureTaker(source.frame_count, source.fps) if pictures else None
         with closing(stream):
-            for time, mask in _watched(stream, source.frame_count, name, progress):
+            watched = _watched(stream, source.frame_count, name, progress)
+            for index, (time, mask, frame) in enumerate(watched):
                 straight = np.ascontiguousarray(undistort(mask) if undistort else mask)
                 with core_errors():
                     recorder.push(straight, time)
+                if taker is not None:
+                    taker.look(index, time, straight, partial(_straight_image, frame, undistort))
         with core_errors():
             core = recorder.finish()
         return Recording(
@@ -144,6 +159,7 @@ def record(
             matrix=None if intrinsics is None else intrinsics.matrix,
             health=health.numbers,
             first_frame=source.first,
+            pictures=None if taker is None else taker.pictures(),
         )
 
 
@@ -169,16 +185,21 @@ def _moving(frames: ColourFrames, options: ForegroundOptions, health: CameraHeal
 
     with closing(prefetched(masked(), depth=1)) as ahead:
         for index, time, frame, mask in ahead:
-            yield time, health.update(frames.first + index, frame, mask)
+            yield time, health.update(frames.first + index, frame, mask), frame
 
 
 def _ready_masks(frames: MaskFrames, hidden: Mask | None) -> Stream:
     """Time and mask of each frame that already is a mask."""
     with closing(prefetched(frames)) as ahead:
         for _, time, mask in ahead:
-            if hidden is not None:
-                mask = np.where(hidden, np.uint8(0), mask)
-            yield time, mask
+            counted = mask if hidden is None else np.where(hidden, np.uint8(0), mask)
+            yield time, counted, mask
+
+
+def _straight_image(frame: Image, undistort: Undistorter | None) -> Image:
+    """Frame or mask as an image for people, undistorted where the recording is."""
+    image = np.repeat(frame[:, :, None] * np.uint8(255), 3, axis=2) if frame.ndim == 2 else frame
+    return image if undistort is None else undistort.image(image)
 
 
 def _watched(

@@ -1,7 +1,7 @@
 """One camera over time: all that a pair needs, and nothing of a second camera.
 
-A :class:`Recording` holds no image: lines with their motion barcodes, silhouettes, a motion heat map, frame
-times. It is small, can be saved, sent to another machine and matched with any other.
+A saved :class:`Recording` holds no image: lines with their motion barcodes, silhouettes, a motion heat map,
+frame times. It is small, can be saved, sent to another machine and matched with any other.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from .arguments import (
 from .errors import EpibarError
 from .files.archive import ArrayHeader, read_archive, write_archive
 from .files.checks import check_format, check_recording
+from .sources.pictures import Pictures
 
 __all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "as_recording", "new_recorder"]
 
@@ -67,6 +68,9 @@ class Recording:
         what it means.
     first_frame : int
         Number in the video of frame 0.
+    pictures : Pictures or None
+        Of some frames, where :func:`epibar.record` was asked for them. They travel with a pickle, and are not
+        in the file that :meth:`save` writes.
     """
 
     def __init__(
@@ -78,6 +82,7 @@ class Recording:
         matrix: ArrayLike | None = None,
         health: Mapping[str, float] | None = None,
         first_frame: int = 0,
+        pictures: Pictures | None = None,
     ) -> None:
         self._core = core
         self.name = name
@@ -85,6 +90,7 @@ class Recording:
         self.matrix = None if matrix is None else as_camera_matrix(matrix)
         self.health = dict(health or {})
         self.first_frame = first_frame
+        self.pictures = pictures
 
     @classmethod
     def from_masks(
@@ -217,7 +223,8 @@ class Recording:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as arrays, on the way to another process or machine."""
-        return _unpickled, (self.to_arrays(),)
+        pictures = None if self.pictures is None else self.pictures.to_arrays()
+        return _unpickled, (self.to_arrays(), pictures)
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""
@@ -321,10 +328,13 @@ def _stored_health(arrays: Mapping[str, AnyArray]) -> dict[str, float]:
     return found
 
 
-def _unpickled(arrays: dict[str, AnyArray]) -> Recording:
+def _unpickled(arrays: dict[str, AnyArray], pictures: dict[str, AnyArray] | None = None) -> Recording:
     # Buffers that came over a network need not be aligned, and the compiled module wants them so.
     aligned = {name: np.require(array, requirements=["C", "A"]) for name, array in arrays.items()}
-    return Recording.from_arrays(aligned, "pickled recording")
+    recording = Recording.from_arrays(aligned, "pickled recording")
+    if pictures is not None:
+        recording.pictures = Pictures.from_arrays(pictures, "pickled recording: its pictures")
+    return recording
 
 
 def new_recorder(

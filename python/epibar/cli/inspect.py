@@ -50,7 +50,9 @@ def run(args: Namespace) -> int:
         camera = CameraInput(source_name(video), video, index, backgrounds[index], ignored[index])
         try:
             lens = find_camera(known, camera.name, index) if known is not None else None
-            recording, _ = record_camera(replace(camera, intrinsics=lens), options, console.interactive)
+            recording, _ = record_camera(
+                replace(camera, intrinsics=lens), options, console.interactive, pictures=False
+            )
         except EpibarError as error:
             console.error(str(error))
             continue

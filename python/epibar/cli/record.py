@@ -46,7 +46,10 @@ def run(args: Namespace) -> int:
     camera = CameraInput(name, args.video, 0, args.background, args.ignore, intrinsics)
     with Console(args.quiet, verbose=args.verbose) as console:
         recording, seconds = record_camera(
-            camera, record_options(args), lambda stage, share: console.progress(stage, share, 1)
+            camera,
+            record_options(args),
+            lambda stage, share: console.progress(stage, share, 1),
+            pictures=False,
         )
         console.recorded(name, recording, seconds)
         recording.save(out)

@@ -64,6 +64,12 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         help="use only so many seconds, from the first frame used on; a live stream needs this, or a LAST",
     )
     group.add_argument(
+        "--chapters",
+        action="store_true",
+        help="a folder of videos, or a pattern in quotes as in 'cam1_*.mp4', is one camera whose files "
+        "follow one another: for action cameras, which begin a new file every few gigabytes",
+    )
+    group.add_argument(
         "--lines",
         type=positive,
         default=20_000,
@@ -101,4 +107,4 @@ def record_options(args: argparse.Namespace) -> RecordOptions:
     from ..sources.frame_range import FrameRange
 
     frames = FrameRange.of(args.frames, args.seconds)
-    return RecordOptions(args.lines, args.seed, args.masks, args.foreground, frames)
+    return RecordOptions(args.lines, args.seed, args.masks, args.foreground, frames, args.chapters)

@@ -88,6 +88,7 @@ def calibrate_all(
     distances: Any = (),
     every_pair: bool = False,
     seconds: float | None = None,
+    chapters: bool = False,
     executor: Executor | None = None,
     fresh: bool = False,
     report: bool = True,
@@ -95,9 +96,10 @@ def calibrate_all(
 ) -> AllPairs:
     """Record every camera once, calibrate pairs, join all to a network, write it to a folder.
 
-    Recordings and pairs are kept under ``out/recordings`` and ``out/pairs``, each with a key of what it was
-    made of: the path, size and time of change of its files, the options, the versions of epibar and OpenCV. A
-    run that was interrupted, or to which a camera was added, does only what is missing.
+    Recordings, pictures of some frames and pairs are kept under ``recordings``, ``pictures`` and ``pairs`` in
+    ``out``, each with a key of what it was made of: the path, size and time of change of its files, the
+    options, the versions of epibar and OpenCV. A run that was interrupted, or to which a camera was added,
+    does only what is missing.
 
     Parameters
     ----------
@@ -111,7 +113,7 @@ def calibrate_all(
     time_offset : "auto", float or "search"
         "auto" finds an offset for the clock of each camera, and whether all started together; with "search"
         every pair searches by itself; a number, in frames of B, is for two cameras, or 0 for all.
-    lines, seed, masks, foreground, frames, seconds
+    lines, seed, masks, foreground, frames, seconds, chapters
         Of every camera, see :func:`epibar.record`.
     background, ignore : sequence of path, optional
         One per camera, see :func:`epibar.record`.
@@ -162,7 +164,7 @@ def calibrate_all(
             lengths=lengths,
         ),
         out=Path(out),
-        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds)),
+        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds), chapters),
         pair=PairOptions(
             method=method,
             seed=seed,

@@ -26,7 +26,7 @@ __all__ = ["Folder"]
 
 OWN = ".epibar"
 FORMAT = 1
-KEPT = ("recordings", "pairs")
+KEPT = ("recordings", "pictures", "pairs")
 NAMED = 5
 """Files that an error names."""
 

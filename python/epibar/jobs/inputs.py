@@ -39,6 +39,7 @@ __all__ = [
     "pair_file",
     "pair_stems",
     "picture_file",
+    "pictures_file",
     "points_file",
     "recording_file",
 ]
@@ -61,6 +62,11 @@ SYNC_FILE = "sync.csv"
 def recording_file(out: Path, name: str) -> Path:
     """Where a camera's recording is kept."""
     return out / "recordings" / f"{name}.npz"
+
+
+def pictures_file(out: Path, name: str) -> Path:
+    """Where pictures of a camera are kept."""
+    return out / "pictures" / f"{name}.npz"
 
 
 def pair_file(out: Path, stem: str) -> Path:
@@ -87,6 +93,7 @@ class RecordOptions:
     masks: bool = False
     foreground: str = "auto"
     frames: FrameRange = field(default_factory=FrameRange)
+    chapters: bool = False
 
     def __post_init__(self) -> None:
         if self.foreground not in FOREGROUNDS:
@@ -221,7 +228,7 @@ class Job:
         return [
             *(self.out / name for name in ((RESULT, REPORT) if self.report else (RESULT,))),
             *(self.out / name for name in (NETWORK_FILE, CLOCKS_FILE, TRACKS_FILE, SYNC_FILE)),
-            *(recording_file(self.out, camera.name) for camera in recorded),
+            *(file(self.out, one.name) for one in recorded for file in (recording_file, pictures_file)),
             *(file(self.out, stem) for stem in stems for file in (pair_file, points_file, picture_file)),
         ]
 

@@ -17,7 +17,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from ..errors import is_address
+from ..errors import EpibarError, is_address
+from ..sources.chapters import chapter_files, has_chapters
 from ..sources.images import IMAGE_SUFFIXES
 from .inputs import CameraInput, PairOptions, RecordOptions
 
@@ -25,7 +26,7 @@ __all__ = ["clocks_key", "fingerprint", "network_key", "pair_key", "recording_ke
 
 
 def fingerprint(path: str) -> str | None:
-    """Hash name, size and time of change of a file, or of every image of a folder or numbered pattern.
+    """Hash name, size and time of change of a file, or of every image or chapter of a folder or pattern.
 
     Returns
     -------
@@ -38,6 +39,8 @@ def fingerprint(path: str) -> str | None:
     try:
         if place.is_file():
             found = [place]
+        elif has_chapters(path):
+            found = chapter_files(path)
         elif place.is_dir():
             found = [item for item in place.iterdir() if item.suffix.lower() in IMAGE_SUFFIXES]
         elif re.search(r"%0?\d*d", place.name):
@@ -45,7 +48,7 @@ def fingerprint(path: str) -> str | None:
         else:
             return None
         states = [(item.name, item.stat()) for item in sorted(found)]
-    except OSError:
+    except (OSError, EpibarError):
         return None
     return _digest([(name, state.st_size, state.st_mtime_ns) for name, state in states])
 

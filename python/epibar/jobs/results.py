@@ -14,6 +14,7 @@ from ..network.result import Network
 from ..outcome.entries import camera_entry, pair_entry, pose_entry, run_entry
 from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
+from ..sources.pictures import Pictures
 from .folder import Folder
 from .inputs import REPORT, RESULT, TRACKS_FILE, CameraInput, Job, Pair, picture_file, points_file
 from .network_files import kept_network, write_network
@@ -31,6 +32,8 @@ class Results:
     Attributes
     ----------
     recordings : dict of CameraInput to Recording
+    pictures : dict of CameraInput to Pictures
+        Taken while the camera was recorded.
     calibrations : dict of (CameraInput, CameraInput) to Calibration
     seconds : dict of (CameraInput, CameraInput) to float
         What each calibration took, whenever it was made.
@@ -46,6 +49,7 @@ class Results:
     def __init__(self, job: Job, folder: Folder) -> None:
         self._folder = folder
         self.recordings: dict[CameraInput, Recording] = {}
+        self.pictures: dict[CameraInput, Pictures] = {}
         self.calibrations: dict[Pair, Calibration] = {}
         self.seconds: dict[Pair, float] = {}
         self.errors: dict[CameraInput | Pair, dict[str, str]] = {}
@@ -62,6 +66,12 @@ class Results:
         """The file calibration.json."""
         return self._job.out / RESULT
 
+    def take(self, camera: CameraInput, recording: Recording) -> None:
+        """Take a recording; its pictures stay here when it goes to the tasks of its pairs."""
+        self.recordings[camera] = recording
+        if recording.pictures is not None:
+            self.pictures[camera], recording.pictures = recording.pictures, None
+
     def add(self, pair: Pair, stem: str, calibration: Calibration, seconds: float) -> None:
         """Take a calibration; write its points and its picture where they are missing."""
         a, b = pair
@@ -74,10 +84,9 @@ class Results:
             write_pair_picture(
                 picture,
                 (a.name, b.name),
-                (a.source, b.source),
+                (self.pictures.get(a), self.pictures.get(b)),
                 (self.recordings[a], self.recordings[b]),
                 calibration,
-                (a.intrinsics, b.intrinsics),
             )
         self._files[pair] = {"frontier_points": points.name, "picture": picture.name}
 
@@ -168,7 +177,7 @@ class Results:
                 None if camera.is_saved(job.record) else camera.source,
                 job.record.masks,
                 self.recordings[camera],
-                camera.intrinsics,
+                self.pictures.get(camera),
             )
             for camera in job.cameras
             if camera in self.recordings

@@ -20,10 +20,12 @@ from ..network.offsets import ClockOffsets
 from ..network.result import Network
 from ..network.saved import as_dict, network_from
 from ..recording import Recording
+from ..sources.picture_taking import MOST
 from .inputs import CameraInput, PairOptions, RecordOptions
 
 __all__ = ["are_clocks", "checked_calibration", "checked_clocks", "checked_network", "checked_recording"]
 
+MOST_PICTURES = 2 * MOST
 MARGIN = 2
 """Pixels that a point may lie outside of its image."""
 
@@ -50,6 +52,8 @@ def checked_recording(value: Any, camera: CameraInput, options: RecordOptions) -
     if not camera.is_saved(options):
         wrong |= recording.seed != options.seed or len(recording.segments) != options.lines
         wrong |= recording.first_frame != options.frames.first
+    taken = recording.pictures or ()
+    wrong |= not all(frame < recording.frames for frame in taken) or len(taken) > MOST_PICTURES
     if wrong:
         raise EpibarError(
             f"{camera.name}: what ran the task returned another recording, {recording!r} of seed "

@@ -168,7 +168,7 @@ class Runner:
 
     def _tell_damaged(self) -> None:
         for text in self._store.damaged:
-            self._watch.warning(f"{text}; it is made again")
+            self._watch.warning(text)
         self._store.damaged.clear()
 
     @property
@@ -335,8 +335,8 @@ class Runner:
     def _recorded(self, camera: CameraInput, recording: Recording, seconds: float | None) -> None:
         """Take a recording, made just now or kept, and go on to the pairs that waited for it."""
         self._watch.recorded(camera.name, recording, seconds)
+        self.results.take(camera, recording)
         recordings = self.results.recordings
-        recordings[camera] = recording
         for pair in self._job.pairs:
             both = camera in pair and all(one in recordings for one in pair)
             if both and not self._waits_for_clocks:

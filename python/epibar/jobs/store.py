@@ -2,6 +2,7 @@
 
 ``recordings/<name>.npz`` and ``pairs/<a>_<b>.npz``, each with the key of what it was made of. They are what
 :meth:`Recording.save` and :meth:`Calibration.save` write with two entries more, and can be loaded like those.
+``pictures/<name>.npz`` is for people alone: a run without it shows silhouettes.
 """
 
 from __future__ import annotations
@@ -22,8 +23,10 @@ from ..files.folders import make_folder
 from ..files.json_file import read_json_object, write_json
 from ..network.offsets import ClockOffsets
 from ..recording import Recording
+from ..sources.pictures import KIND as PICTURES
+from ..sources.pictures import Pictures
 from .folder import Folder
-from .inputs import CLOCKS_FILE, pair_file, recording_file
+from .inputs import CLOCKS_FILE, pair_file, pictures_file, recording_file
 from .returned import are_clocks
 
 __all__ = ["Store"]
@@ -43,7 +46,7 @@ class Store:
     Attributes
     ----------
     damaged : list of str
-        What could not be read, one message per file.
+        What could not be read, and what comes of that, one message per file.
     """
 
     def __init__(self, folder: Folder) -> None:
@@ -52,14 +55,30 @@ class Store:
         self.damaged: list[str] = []
 
     def recording(self, name: str, key: str | None) -> Recording | None:
-        """Return the kept recording of a camera, if there is one with this key."""
+        """Return the kept recording of a camera with its pictures, if there is one with this key."""
         path = self._recording(name)
         try:
             arrays = self._read(path, key, recording.KIND)
-            return None if arrays is None else Recording.from_arrays(arrays, str(path))
+            if arrays is None:
+                return None
+            kept = Recording.from_arrays(arrays, str(path))
         except EpibarError as error:
-            self.damaged.append(str(error))
+            self._damaged(error)
             return None
+        kept.pictures = self._pictures(name, key)
+        return kept
+
+    def _pictures(self, name: str, key: str | None) -> Pictures | None:
+        path = pictures_file(self.out, name)
+        try:
+            arrays = self._read(path, key, PICTURES)
+            return None if arrays is None else Pictures.from_arrays(arrays, str(path))
+        except EpibarError as error:
+            self._damaged(error, "silhouettes are shown instead")
+            return None
+
+    def _damaged(self, error: EpibarError | str, then: str = "it is made again") -> None:
+        self.damaged.append(f"{error}; {then}")
 
     def pair(self, stem: str, key: str | None) -> tuple[Calibration, float] | None:
         """Return the kept calibration of a pair and the seconds it took, if there is one with this key."""
@@ -70,11 +89,13 @@ class Store:
                 return None
             return Calibration.from_arrays(arrays, str(path)), float(arrays[SECONDS])
         except (KeyError, TypeError, ValueError) as error:
-            self.damaged.append(str(error) if isinstance(error, EpibarError) else f"{path}: damaged")
+            self._damaged(error if isinstance(error, EpibarError) else f"{path}: damaged")
             return None
 
     def keep_recording(self, name: str, key: str | None, kept: Recording, seconds: float) -> None:
-        """Write a recording, unless it has no key to be found by."""
+        """Write a recording and its pictures, unless it has no key to be found by."""
+        if kept.pictures is not None:  # first, as nothing is recorded again for its pictures alone
+            self._write(pictures_file(self.out, name), key, kept.pictures.to_arrays(), seconds)
         self._write(self._recording(name), key, kept.to_arrays(), seconds)
 
     def keep_pair(self, stem: str, key: str | None, kept: Calibration, seconds: float) -> None:
@@ -96,7 +117,7 @@ class Store:
                 return found
             raise ValueError
         except (KeyError, TypeError, ValueError, EpibarError) as error:
-            self.damaged.append(str(error) if isinstance(error, EpibarError) else f"{path}: damaged")
+            self._damaged(error if isinstance(error, EpibarError) else f"{path}: damaged")
             return None
 
     def keep_clocks(self, key: str | None, kept: ClockOffsets) -> None:

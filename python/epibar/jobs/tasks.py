@@ -22,9 +22,11 @@ Progress = Callable[[str, float], None]
 
 
 def record_camera(
-    camera: CameraInput, options: RecordOptions, progress: Progress | bool = False
+    camera: CameraInput, options: RecordOptions, progress: Progress | bool = False, pictures: bool = True
 ) -> tuple[Recording, float]:
     """Record one camera, or load it where it was recorded before; also returns the seconds it took.
+
+    What is recorded has ``pictures``, so that nobody need open the video again.
 
     Raises
     ------
@@ -49,6 +51,8 @@ def record_camera(
             ignore=camera.ignore,
             frames=(options.frames.first, options.frames.last),
             seconds=options.frames.seconds,
+            chapters=options.chapters,
+            pictures=pictures,
             progress=progress,
         )
     return recording, time.perf_counter() - started

@@ -18,6 +18,7 @@ from ..network.start_times import StartTime
 from ..recording import Recording
 from ..sources.images import IMAGE_SUFFIXES
 from ..sources.mask_array_file import ARRAY_SUFFIXES
+from ..sources.source import is_pattern
 from .stored import entries
 
 __all__ = ["CameraStart", "camera_starts", "cut_command", "starts_of_run", "write_starts"]
@@ -66,7 +67,7 @@ def cut_command(source: str, output: str, time: StartTime) -> str | None:
     suffix = Path(source).suffix.lower()
     if is_address(source) or suffix in {*IMAGE_SUFFIXES, *ARRAY_SUFFIXES} or "%" in Path(source).name:
         return None
-    if os.path.isdir(source) or printable(source) != source or "\n" in source:
+    if os.path.isdir(source) or is_pattern(source) or printable(source) != source or "\n" in source:
         return None
     margin = MARGIN / time.fps
     start = max(time.first_second - margin, 0.0)

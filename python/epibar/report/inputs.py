@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ..calibration import Calibration
-from ..lens.intrinsics import Intrinsics
 from ..network.parts import NetworkParts
 from ..recording import Recording
+from ..sources.pictures import Pictures
 from .tracks_file import Track
 
 __all__ = ["NetworkReport", "ReportCamera", "ReportPair"]
@@ -23,20 +23,19 @@ class ReportCamera:
     name : str
         As the pairs call it.
     source : str or None
-        What it was recorded from. Where that can no longer be read, the report shows silhouettes over
-        the heat map instead of frames.
+        What it was recorded from, to be named.
     masks : bool
         The source is ready-made masks.
     recording : Recording
-    intrinsics : Intrinsics or None
-        With which the frames are undistorted, as the recording was.
+    pictures : Pictures or None
+        Of some of its frames; of the others the report shows silhouettes over the heat map.
     """
 
     name: str
     source: str | None
     masks: bool
     recording: Recording
-    intrinsics: Intrinsics | None
+    pictures: Pictures | None
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from .inputs import NetworkReport, ReportCamera, ReportPair
 from .network_table import network_section, no_network_note
 from .overview import camera_cards, error_list, legend, matrix, summary
 from .payload import camera_entry, pair_entries
-from .pictures import data_url, heat_picture, read_frames
+from .pictures import data_url, heat_picture, pictures_within
 from .space import space_entry
 
 __all__ = ["SIZE_LIMIT", "write_report"]
@@ -112,7 +112,7 @@ def _data(
     budget = min(MOST_PER_PICTURE, left * 3 // 4 // max(1, sum(map(len, wanted.values()))))
     cards = []
     for camera, entry in zip(cameras, data["cameras"], strict=True):
-        frames = read_frames(camera, wanted[camera.name], budget)
+        frames = pictures_within(camera.pictures, wanted[camera.name], budget)
         entry["images"] = {str(frame): data_url(jpeg) for frame, jpeg in frames.items()}
         cards.append(heat_picture(camera.recording, next(iter(frames.values()), None)))
     return data, cards

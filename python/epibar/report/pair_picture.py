@@ -8,15 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import Array, Image
+from ..arguments import Array, Image, Size
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..files.atomic import write_atomically
-from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 from ..show.colours import RGB
 from ..show.matched_lines import frames_to_show, matched_lines
-from ..sources.single_frame import read_frame
+from ..sources.pictures import Pictures, decoded
 
 __all__ = ["draw_pair", "write_pair_picture"]
 
@@ -29,32 +28,41 @@ BGR = [colour[::-1] for colour in RGB]
 def write_pair_picture(
     path: Path,
     names: tuple[str, str],
-    sources: tuple[str, str],
+    pictures: tuple[Pictures | None, Pictures | None],
     recordings: tuple[Recording, Recording],
     calibration: Calibration,
-    intrinsics: tuple[Intrinsics | None, Intrinsics | None] = (None, None),
 ) -> Path:
-    """Draw a pair over a real frame of each video and write it as PNG.
+    """Draw a pair over pictures of one moment and write it as PNG.
 
     Parameters
     ----------
     path : Path
         The file to write.
-    names, sources : two of str
-        Of the cameras and of the files they were recorded from. Where a frame cannot be read again, e.g.
-        because the source is a saved recording, the motion heat map takes its place.
+    names : two of str
+        Of the cameras.
+    pictures : two of Pictures or None
+        Of some frames of each. Silhouettes over the motion heat map take the place of one that is not there,
+        e.g. because the source is a saved recording.
     recordings : two of Recording
     calibration : Calibration
         Of the pair.
-    intrinsics : two of Intrinsics or None
-        With which the frames are undistorted.
     """
     import cv2
 
-    frames = frames_to_show(recordings, calibration)
-    images = [_view(*view) for view in zip(sources, frames, recordings, intrinsics, strict=True)]
-    captions = [f"{name}, frame {frame}" for name, frame in zip(names, frames, strict=True)]
-    picture = draw_pair((images[0], images[1]), (captions[0], captions[1]), calibration, frames[0])
+    kept = pictures[0] or Pictures(), pictures[1] or Pictures()
+    frames = frames_to_show(recordings, calibration, kept)
+    images, captions = [], []
+    for name, frame, recording, taken in zip(names, frames, recordings, kept, strict=True):
+        image = decoded(taken[frame]) if frame in taken else None
+        captions.append(f"{name}, frame {frame}" + (", silhouettes" if image is None else ""))
+        images.append(_silhouettes(recording, frame) if image is None else image)
+    picture = draw_pair(
+        (images[0], images[1]),
+        (captions[0], captions[1]),
+        calibration,
+        frames[0],
+        (recordings[0].size, recordings[1].size),
+    )
     ok, data = cv2.imencode(".png", picture)
     if not ok:
         raise EpibarError(f"{path}: the picture cannot be encoded")
@@ -63,24 +71,30 @@ def write_pair_picture(
 
 
 def draw_pair(
-    images: tuple[Image, Image], captions: tuple[str, str], calibration: Calibration, frame: int
+    images: tuple[Image, Image],
+    captions: tuple[str, str],
+    calibration: Calibration,
+    frame: int,
+    sizes: tuple[Size, Size],
 ) -> Image:
     """Put two views side by side, with the verdict above and matched epipolar lines in matching colours.
 
     Parameters
     ----------
     images : two of ndarray, shape (H, W, 3), uint8
-        Blue, green, red.
+        Blue, green, red; of any resolution.
     captions : two of str
         Below the views.
     calibration : Calibration
         Of the pair.
     frame : int
         Frame of A that is shown; its frontier points come first and are marked.
+    sizes : two of (int, int)
+        Width and height of the frames, whose pixels the calibration is in.
     """
-    views = [_scaled(image) for image in images]
+    views = [_scaled(image, size) for image, size in zip(images, sizes, strict=True)]
     if calibration.F is not None:
-        _draw_lines(views, images, calibration, frame)
+        _draw_lines(views, sizes, calibration, frame)
     height = PANEL_HEIGHT
     gap = np.full((height, MARGIN, 3), 255, np.uint8)
     body = np.hstack([gap, views[0][0], gap, views[1][0], gap])
@@ -94,41 +108,32 @@ def draw_pair(
     return np.vstack([heading, body, caption])
 
 
-def _view(source: str, frame: int, recording: Recording, intrinsics: Intrinsics | None) -> Image:
-    """Read one frame, undistorted where the recording is; the heat map where there is no such frame."""
-    try:
-        image = read_frame(source, recording.first_frame + frame)
-    except EpibarError:
-        return _heat_map(recording)
-    if image.shape[:2] != (recording.height, recording.width):
-        return _heat_map(recording)
-    if image.max() <= 1:
-        image = image * np.uint8(255)
-    return image if intrinsics is None else intrinsics.undistort_image(image)
-
-
-def _heat_map(recording: Recording) -> Image:
+def _silhouettes(recording: Recording, frame: int) -> Image:
+    """Outlines of what moved in a frame over the motion heat map."""
     import cv2
 
     heat = np.sqrt(recording.heat / max(1, int(recording.heat.max())))
-    return cv2.applyColorMap((255 * heat).astype(np.uint8), cv2.COLORMAP_INFERNO)  # type: ignore[return-value]
+    image: Image = cv2.applyColorMap((255 * heat).astype(np.uint8), cv2.COLORMAP_INFERNO)  # type: ignore[assignment]
+    thick = max(1, round(recording.height / 400))
+    for hull in recording.hulls(frame):
+        cv2.polylines(image, [hull.round().astype(np.int32)], True, (255, 255, 255), thick, cv2.LINE_AA)
+    return image
 
 
-def _scaled(image: Image) -> tuple[Image, float]:
-    """Scale to the height of a panel; also returns the factor."""
+def _scaled(image: Image, size: Size) -> tuple[Image, float]:
+    """Scale the image of a frame of ``size`` to the height of a panel; also returns the frame's factor."""
     import cv2
 
-    scale = PANEL_HEIGHT / image.shape[0]
-    size = (max(1, round(image.shape[1] * scale)), PANEL_HEIGHT)
-    method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
-    return cv2.resize(image, size, interpolation=method), scale  # type: ignore[return-value]
+    scale = PANEL_HEIGHT / size[1]
+    panel = (max(1, round(size[0] * scale)), PANEL_HEIGHT)
+    method = cv2.INTER_AREA if image.shape[0] > PANEL_HEIGHT else cv2.INTER_LINEAR
+    return cv2.resize(image, panel, interpolation=method), scale  # type: ignore[return-value]
 
 
 def _draw_lines(
-    views: list[tuple[Image, float]], images: tuple[Image, Image], calibration: Calibration, frame: int
+    views: list[tuple[Image, float]], sizes: tuple[Size, Size], calibration: Calibration, frame: int
 ) -> None:
     """Draw the epipolar lines of a few points, and the points of the frame that is shown."""
-    sizes = [(image.shape[1], image.shape[0]) for image in images]
     lines = list(zip(BGR, matched_lines(calibration, sizes[0], sizes[1], frame, LINES), strict=False))
     for colour, line in lines:
         for (view, scale), segment in zip(views, line.segments, strict=True):

@@ -15,7 +15,7 @@ from ..clocks import common_frames
 from ..geometry.correspondences import FrontierPoints
 from ..recording import Recording
 from ..show.line_barcodes import WINDOW, LineSet, line_sets
-from ..show.moments import busiest_window, choose_moments, points_per_frame
+from ..show.moments import busiest_window, choose_moments, points_per_frame, with_pictures
 from .inputs import ReportCamera, ReportPair
 from .prose import advice, verdict_prose
 
@@ -84,7 +84,9 @@ def _pair_entry(
     a, b = (cameras[by_name[name]].recording for name in (pair.a, pair.b))
     common = common_frames(a, b, calibration)
     worth = points_per_frame(common, a, b, calibration)
-    moments = choose_moments(common, worth, wanted[pair.a], wanted[pair.b])
+    pictures_a, pictures_b = (cameras[by_name[name]].pictures or () for name in (pair.a, pair.b))
+    shown = with_pictures(common, worth, pictures_a, pictures_b)
+    moments = choose_moments(common[shown], worth[shown], wanted[pair.a], wanted[pair.b])
     wanted[pair.a].update(moments[:, 0].tolist())
     wanted[pair.b].update(moments[:, 1].tolist())
     window = common[busiest_window(worth, WINDOW)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from ..geometry.epipolar import epipoles
 from ..geometry.lines import clip_lines
 from ..geometry.vectors import homogeneous
 from ..recording import Recording
+from .moments import with_pictures
 
 __all__ = ["MatchedLine", "frames_to_show", "matched_lines"]
 
@@ -36,13 +38,24 @@ class MatchedLine:
     points: tuple[Array, Array] | None
 
 
-def frames_to_show(recordings: tuple[Recording, Recording], calibration: Calibration) -> tuple[int, int]:
-    """Frame of A with the most frontier points, or else the most motion, and B's frame of that moment."""
+def frames_to_show(
+    recordings: tuple[Recording, Recording],
+    calibration: Calibration,
+    pictures: tuple[Collection[int], Collection[int]] = ((), ()),
+) -> tuple[int, int]:
+    """Frame of A with the most frontier points, or else the most motion, and B's frame of that moment.
+
+    Where there are ``pictures`` of some frames, a moment of which both cameras have one comes first, then one
+    of which one has.
+    """
     a, b = recordings
     points = calibration.frontier_points.frame
     counts = np.bincount(points, minlength=a.frames) if len(points) else a.moving_pixels
     position = positions_in_b(a, b, calibration)
-    frame = int(np.where(np.isfinite(position), counts[: a.frames].astype(np.int64), -1).argmax())
+    worth = np.where(np.isfinite(position), counts[: a.frames].astype(np.int64), -1)
+    frames_b = nearest_frame(np.nan_to_num(position, nan=-1.0))
+    shown = with_pictures(np.column_stack([np.arange(a.frames), frames_b]), worth, *pictures, least=1)
+    frame = int(np.where(shown, worth, -1).argmax())
     # Where they have no moment in common, the nearest.
     of_b = position[frame] if np.isfinite(position[frame]) else calibration.frame_of_b(frame)
     return frame, int(nearest_frame(of_b).clip(0, b.frames - 1))

@@ -6,11 +6,11 @@ from collections.abc import Collection
 
 import numpy as np
 
-from ..arguments import Index
+from ..arguments import Bits, Index
 from ..calibration import Calibration
 from ..recording import Recording
 
-__all__ = ["MOMENTS", "busiest_window", "choose_moments", "points_per_frame"]
+__all__ = ["MOMENTS", "busiest_window", "choose_moments", "points_per_frame", "with_pictures"]
 
 MOMENTS = 16
 """Frames to scrub through, per pair."""
@@ -22,6 +22,38 @@ def points_per_frame(common: Index, a: Recording, b: Recording, calibration: Cal
         return np.bincount(calibration.frontier_points.frame, minlength=a.frames)[common[:, 0]]
     moving = np.minimum(a.moving_pixels[common[:, 0]], b.moving_pixels[common[:, 1]])
     return moving.astype(np.int64)
+
+
+def with_pictures(
+    common: Index,
+    worth: Index,
+    pictures_a: Collection[int],
+    pictures_b: Collection[int],
+    least: int = MOMENTS // 2,
+) -> Bits:
+    """Which moments have the most to look at: pictures of both cameras; or of one at least; or else all.
+
+    Parameters
+    ----------
+    common : ndarray, shape (n, 2)
+        Frames of A and of B.
+    worth : ndarray, shape (n,)
+        How much each has to show; those of none do not count where others have some.
+    pictures_a, pictures_b : collections of int
+        Frames of which there are pictures.
+    least : int
+        So many moments must have them.
+
+    Returns
+    -------
+    ndarray, shape (n,), bool
+    """
+    there = np.isin(common[:, 0], list(pictures_a)).astype(int) + np.isin(common[:, 1], list(pictures_b))
+    if (worth > 0).any():
+        there[worth <= 0] = 0
+    enough = [cameras for cameras in (2, 1) if np.count_nonzero(there >= cameras) >= least]
+    shown: Bits = there >= (enough[0] if enough else 0)
+    return shown
 
 
 def choose_moments(

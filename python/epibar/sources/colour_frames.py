@@ -255,7 +255,7 @@ class ColourFrames(FrameSource[AnyArray]):
         if gaps:
             self._warn(
                 f"{self.shown}: {gaps} gaps between frames are longer than 1.5 frame times; frames were "
-                "dropped or the rate varies, and frames of two cameras may not belong together"
+                "dropped or the rate varies. The times in the file are used, and longer gaps left out"
             )
 
     def read(self, index: int) -> AnyArray:

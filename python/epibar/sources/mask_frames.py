@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import AnyArray
+from .chapters import colour_frames
 from .colour_frames import ColourFrames
 from .frame_range import FrameRange
 from .mask_array_file import ARRAY_SUFFIXES, MaskArrayFile
@@ -38,6 +39,8 @@ class MaskFrames(FrameSource[AnyArray]):
         Frames per second. Overrides what the file says.
     frames : FrameRange, optional
         As for :class:`ColourFrames`.
+    chapters : bool
+        A folder of videos, or a pattern, is one camera, see :func:`~epibar.sources.chapters.colour_frames`.
 
     Raises
     ------
@@ -46,14 +49,19 @@ class MaskFrames(FrameSource[AnyArray]):
     """
 
     def __init__(
-        self, path: str | os.PathLike[str], *, fps: float | None = None, frames: FrameRange | None = None
+        self,
+        path: str | os.PathLike[str],
+        *,
+        fps: float | None = None,
+        frames: FrameRange | None = None,
+        chapters: bool = False,
     ) -> None:
         super().__init__(path, fps, frames)
         self._frames: ColourFrames | None = None
         if Path(self.path).suffix.lower() in ARRAY_SUFFIXES and not Path(self.path).is_dir():
             self._open_array()
         else:
-            self._frames = ColourFrames(path, fps=fps, frames=frames)
+            self._frames = colour_frames(path, fps, frames, chapters)
             self.name, self.fps = self._frames.name, self._frames.fps
             self.width, self.height = self._frames.size
             self.frame_count = self._frames.frame_count

@@ -12,20 +12,29 @@ from ..arguments import is_number
 from ..errors import EpibarError, address_without_secrets, is_address
 from .frame_range import FrameRange
 
-__all__ = ["DEFAULT_FPS", "FrameSource", "source_name"]
+__all__ = ["DEFAULT_FPS", "FrameSource", "is_pattern", "source_name"]
 
 DEFAULT_FPS = 25.0
 
 T = TypeVar("T")
 
 
+def is_pattern(source: str) -> bool:
+    """Whether a path stands for several files: it holds ``*`` or ``?``, and there is no file of that name."""
+    return re.search(r"[*?]", source) is not None and not is_address(source) and not os.path.exists(source)
+
+
 def source_name(source: str) -> str:
     """Name of a camera that was given none: the file's without its suffix, or the folder's.
 
+    Of a pattern it is what all names begin with, or else the folder's.
     Of an address it is the last part of the path, or else the host: never a user, a password or a key.
     """
     if not is_address(source):
         path = Path(source)
+        if is_pattern(source):
+            begin = re.split(r"[*?]", path.name)[0].strip("_-. ")
+            return begin or path.resolve().parent.name
         return path.resolve().name if os.path.isdir(path) else path.stem
     place = address_without_secrets(source).partition("://")[2].rpartition("@")[2].partition("?")[0]
     host, _, rest = place.partition("/")

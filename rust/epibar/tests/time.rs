@@ -221,3 +221,23 @@ fn positions_follow_the_frame_times() {
     assert!((positions[99] - 99.0).abs() < 1e-6 && (positions[110] - 100.0).abs() < 1e-6);
     assert!(positions[101..109].iter().all(|p| p.is_nan()), "{:?}", &positions[99..111]);
 }
+
+#[test]
+fn a_rate_that_varies_goes_by_the_frame_times() {
+    let (_, [a, b]) = shared();
+    // Light, then dark: 30 frames a second, then 24. No step is far from the mean one, and both have the same mean.
+    let moment = |k: usize| k.min(120) as f64 / 30.0 + k.saturating_sub(120) as f64 / 24.0;
+    let (dark, later) = (at_times(a, moment), at_times(b, moment));
+    let offset = 48.0; // in A's first frame B is 48 mean intervals on
+    let clock = Clock::at(offset);
+    let positions = clock.positions(&dark, &later);
+    let start = offset * later.frame_interval();
+    for (i, p) in positions.iter().enumerate().filter(|(_, p)| p.is_finite()) {
+        let (j, share) = (p.floor() as usize, p.fract());
+        let shown = if share > 0.0 { (1.0 - share) * moment(j) + share * moment(j + 1) } else { moment(j) };
+        // The last is that frame for half a frame more.
+        let within = if j == 239 { 0.5 * later.frame_interval() } else { 1e-6 };
+        assert!((shown - moment(i) - start).abs() < within, "{i}: {p}");
+    }
+    assert!(positions.iter().filter(|p| p.is_finite()).count() > 180);
+}
