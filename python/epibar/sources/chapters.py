@@ -14,8 +14,7 @@ from glob import glob
 from itertools import pairwise
 from pathlib import Path
 
-import numpy as np
-
+from ..arguments import Image
 from ..errors import EpibarError, is_address
 from .colour_frames import ColourFrames
 from .frame_range import FrameRange
@@ -167,10 +166,10 @@ class ChapterFrames(ColourFrames):
                 "chapters of one camera have one frame rate"
             )
 
-    def __iter__(self) -> Iterator[tuple[int, float, np.ndarray]]:
+    def __iter__(self) -> Iterator[tuple[int, float, Image]]:
         return self._range.in_time(self._iterate_chapters())
 
-    def _iterate_chapters(self) -> Generator[tuple[int, float, np.ndarray], None, None]:
+    def _iterate_chapters(self) -> Generator[tuple[int, float, Image], None, None]:
         number, start, used = 0, 0.0, 0
         zero: float | None = None
         for file in self.files:
@@ -200,7 +199,7 @@ class ChapterFrames(ColourFrames):
             raise self._range.beyond(self.shown, number)
         self.frame_count = used
 
-    def read(self, index: int) -> np.ndarray:
+    def read(self, index: int) -> Image:
         """One frame by its number, as :meth:`ColourFrames.read`."""
         with closing(self._iterate_chapters()) as moments:
             for number, _, frame in moments:
@@ -208,7 +207,7 @@ class ChapterFrames(ColourFrames):
                     return frame
         raise EpibarError(f"{self.shown}: frame {index} asked for, but it has {self.frame_count} frames")
 
-    def sample(self, count: int) -> Iterator[np.ndarray]:
+    def sample(self, count: int) -> Iterator[Image]:
         """About ``count`` frames, from each chapter as many as it has a share of the frames that are used."""
         used = []
         before = 0
