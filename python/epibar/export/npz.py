@@ -36,16 +36,20 @@ def write_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     unknown = np.full((3, 3), np.nan)
 
     def matrices(values: list[Any]) -> AnyArray:
-        return np.array([unknown if value is None else value for value in values])
+        return np.array([unknown if value is None else value for value in values]).reshape(-1, 3, 3)
+
+    def joined(parts: list[AnyArray], *shape: int) -> AnyArray:
+        # Also where there is no pair.
+        return np.concatenate(parts) if parts else np.empty((0, *shape))
 
     errors = [np.nan if pair.expected_error is None else pair.expected_error for pair in run.pairs]
     write_archive(
         path,
         {
             "cameras": np.array([camera.name for camera in run.cameras]),
-            "sizes": np.array([camera.size for camera in run.cameras]),
+            "sizes": np.array([camera.size for camera in run.cameras]).reshape(-1, 2),
             "matrices": matrices([camera.matrix for camera in run.cameras]),
-            "pairs": np.array([(places[pair.a], places[pair.b]) for pair in run.pairs]),
+            "pairs": np.array([(places[pair.a], places[pair.b]) for pair in run.pairs], int).reshape(-1, 2),
             "accepted": np.array([pair.accepted for pair in run.pairs]),
             "kind": np.array([pair.kind for pair in run.pairs]),
             "reason": np.array([pair.reason for pair in run.pairs]),
@@ -54,13 +58,13 @@ def write_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
             "F": matrices([pair.F for pair in run.pairs]),
             "E": matrices([None if pose is None else pose.E for pose in by_pair]),
             "R": matrices([None if pose is None else pose.R for pose in by_pair]),
-            "t": np.array([unknown[0] if pose is None else pose.t for pose in by_pair]),
-            "point_pair": np.repeat(np.arange(len(points)), [len(group) for group in points]),
-            "frame_a": np.concatenate([group.frame for group in points]),
-            "frame_b": np.concatenate([pair.frames_b for pair in run.pairs]),
-            "points_a": np.concatenate([group.a for group in points]),
-            "points_b": np.concatenate([group.b for group in points]),
-            "residual": np.concatenate([group.residual for group in points]),
+            "t": np.array([unknown[0] if pose is None else pose.t for pose in by_pair]).reshape(-1, 3),
+            "point_pair": np.repeat(np.arange(len(points)), np.array([len(group) for group in points], int)),
+            "frame_a": joined([group.frame for group in points]),
+            "frame_b": joined([pair.frames_b for pair in run.pairs]),
+            "points_a": joined([group.a for group in points], 2),
+            "points_b": joined([group.b for group in points], 2),
+            "residual": joined([group.residual for group in points]),
         },
     )
     return [Path(path)]

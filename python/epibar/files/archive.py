@@ -22,6 +22,7 @@ import numpy as np
 from ..arguments import AnyArray
 from ..errors import EpibarError
 from .atomic import write_atomically
+from .npy_header import LONGEST_HEADER, read_npy_header
 
 __all__ = [
     "DAMAGED",
@@ -38,7 +39,6 @@ MOST_EXPANDED = 64
 """Recordings of real videos expand 4 to 11 times, those in which nothing moves some hundred times."""
 
 MOST_ENTRIES = 10_000
-LONGEST_HEADER = 10_000
 KINDS = "biufU"
 """Truth values, whole and real numbers, texts."""
 
@@ -163,10 +163,7 @@ def _header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> tuple[ArrayHead
 
 
 def _parsed(start: IO[bytes], name: str, size: int) -> tuple[ArrayHeader, int]:
-    formats = np.lib.format
-    version = formats.read_magic(start)
-    read = {(1, 0): formats.read_array_header_1_0, (2, 0): formats.read_array_header_2_0}[version]
-    shape, columns_first, dtype = read(start, max_header_size=LONGEST_HEADER)
+    shape, columns_first, dtype = read_npy_header(start)
     if dtype.kind not in KINDS or dtype.names is not None:
         raise ValueError(f"{name}: {dtype} is not what epibar writes")
     if any(side < 0 for side in shape) or math.prod(shape) * dtype.itemsize != size - start.tell():

@@ -15,11 +15,11 @@ from ..arguments import AnyArray
 from ..errors import EpibarError
 from ..files.archive import DAMAGED, check_compression, read_array
 from ..files.checks import LONGEST_SIDE
+from ..files.npy_header import read_npy_header
 
 __all__ = ["ARRAY_SUFFIXES", "MaskArrayFile"]
 
 ARRAY_SUFFIXES = {".npz", ".npy"}
-LONGEST_HEADER = 10_000
 
 
 class MaskArrayFile:
@@ -86,10 +86,7 @@ class MaskArrayFile:
     def _header(self, stream: IO[bytes]) -> tuple[int, int, int]:
         where = f"{self.path}: key 'masks'" if self._is_npz else f"{self.path}: the array"
         try:
-            version = np.lib.format.read_magic(stream)
-            formats = np.lib.format
-            read = formats.read_array_header_1_0 if version == (1, 0) else formats.read_array_header_2_0
-            shape, fortran, dtype = read(stream, max_header_size=LONGEST_HEADER)
+            shape, fortran, dtype = read_npy_header(stream)
         except DAMAGED as error:
             raise EpibarError(f"{where} is not a numpy array that can be read ({error})") from error
         if dtype not in (np.dtype(bool), np.dtype(np.uint8)):
