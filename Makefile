@@ -108,17 +108,20 @@ hostile: build
 	ulimit -v 12000000; EPIBAR_FUZZ=$(FUZZ) $(BIN)/python -m pytest -q tests/test_properties_*.py
 	ulimit -v 12000000; PROPTEST_CASES=$(FUZZ) cargo test --package epibar --locked --test hostile_files --test hostile_recordings
 
-# Both ask for lists of known holes on the network, so they are not part of the check.
-$(VENV)/.audit: $(VENV)/.created
-	$(BIN)/python -m pip install 'pip-audit>=2.7'
+$(VENV)/.deny: $(VENV)/.created
 	cargo install --quiet --locked --root $(VENV) 'cargo-deny@^0.20'
 	touch $@
 
-audit: build $(VENV)/.audit
+# Both ask for lists of known holes on the network, which is not there everywhere: no part of the check, which asks for licences and sources.
+$(VENV)/.audit: $(VENV)/.created
+	$(BIN)/python -m pip install 'pip-audit>=2.7'
+	touch $@
+
+audit: build $(VENV)/.audit $(VENV)/.deny
 	$(BIN)/pip-audit --skip-editable
 	$(BIN)/cargo-deny --workspace check
 
-check: build
+check: build $(VENV)/.deny
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --locked
@@ -126,6 +129,7 @@ check: build
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest epibar._core
+	$(BIN)/cargo-deny --workspace check licenses bans sources
 
 $(VENV)/.semver: $(VENV)/.created
 	cargo install --quiet --locked --root $(VENV) 'cargo-semver-checks@^0.51'
