@@ -12,7 +12,6 @@ from epibar.errors import EpibarError
 from epibar.sources.colour_frames import ColourFrames
 from epibar.sources.mask_frames import MaskFrames
 from epibar.sources.prefetch import prefetched
-from epibar.sources.single_frame import read_frame
 from epibar.sources.source import DEFAULT_FPS
 
 WIDTH, HEIGHT, COUNT = 96, 64, 40
@@ -63,16 +62,6 @@ def test_given_fps_wins(write_video):
         ColourFrames(write_video("a.mp4"), fps=-1)
 
 
-@pytest.mark.parametrize("index", [0, 1, COUNT - 1])
-def test_read_frame(write_video, index):
-    path = write_video("a.avi", "MJPG")
-    assert abs(read_frame(path, index).mean() - grey_of(index)) < 3
-    with pytest.raises(EpibarError, match=rf"a.avi: frame {COUNT} asked for"):
-        read_frame(path, COUNT)
-    with pytest.raises(EpibarError, match="count from 0"):
-        read_frame(path, -1)
-
-
 def test_sample_is_spread_over_the_video(write_video):
     with ColourFrames(write_video("a.avi", "MJPG")) as frames:
         means = [frame.mean() for frame in frames.sample(5)]
@@ -92,7 +81,6 @@ def test_folder_in_natural_order(tmp_path):
         assert frames.fps == DEFAULT_FPS
         assert "no frame rate" in frames.warnings[0]
         assert len(list(frames.sample(2))) == 2
-    assert read_frame(tmp_path, 2)[0, 0, 0] == 10
     with ColourFrames(tmp_path / "frame1.png", fps=5) as one:  # not the start of a sequence
         assert [frame[0, 0, 0] for _, _, frame in one] == [1]
         assert not one.warnings
@@ -179,7 +167,6 @@ def test_mask_archive(tmp_path, scale, save):
             assert mask.dtype == np.uint8
             assert np.array_equal(mask, masks[index])
         assert not source.warnings
-    assert np.array_equal(read_frame(tmp_path / "m.npz", 2)[..., 1], masks[2] * 255)
 
 
 def test_bool_masks_without_rate(tmp_path):
@@ -298,7 +285,7 @@ def test_opencv_does_not_chatter(tmp_path, write_video):
     whole = write_video("whole.mp4").read_bytes()
     (tmp_path / "cut.mp4").write_bytes(whole[: len(whole) // 2])
     done = run(
-        f"from epibar.sources.single_frame import ColourFrames; ColourFrames({str(tmp_path / 'cut.mp4')!r})"
+        f"from epibar.sources.colour_frames import ColourFrames; ColourFrames({str(tmp_path / 'cut.mp4')!r})"
     )
     assert "EpibarError" in done.stderr
     assert "moov" not in done.stderr

@@ -14,7 +14,6 @@ from .frame_range import FrameRange
 from .mask_frames import MaskFrames
 from .opencv import opencv
 from .prefetch import prefetched
-from .single_frame import read_frame
 from .source import DEFAULT_FPS
 
 __all__ = [
@@ -24,5 +23,4 @@ __all__ = [
     "MaskFrames",
     "opencv",
     "prefetched",
-    "read_frame",
 ]
