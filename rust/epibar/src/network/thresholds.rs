@@ -94,8 +94,8 @@ pub const PIXELS: f64 = 0.5;
 pub const OUTLINE_SHARE: [f64; 2] = [0.5, 0.9];
 /// What is common to them as a multiple of the scatter, where outlines are wrong in the same way everywhere.
 pub const OUTLINE_STRAINED: f64 = 4.0;
-/// The share of it that is another one after a move, when a camera sees the same outlines elsewhere in its image. Of 22 moves of
-/// development the error of 19 is below what is stated; with all of it what is stated is some ten times the error, and without any the
+/// The share of it that is another one after a move, when a camera sees the same outlines elsewhere in its image. Of 23 moves of
+/// development the error of 20 is below what is stated; with all of it what is stated is some ten times the error, and without any the
 /// error was below in 4 of 6.
 pub const OUTLINE_MOVED: f64 = 0.25;
 /// Standard deviation of clocks' offsets where barcodes found that all started together, seconds.
