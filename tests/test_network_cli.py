@@ -167,8 +167,12 @@ def test_the_report_has_the_network_and_its_walkers(masks, again, capsys):
     assert {way.name for way in ways} == {
         name for name in names if name.startswith("walker") and not name.endswith("moving")
     }
-    (again / "tracks.csv").write_text("something else\n")
+    tracks.scaled(1.0, "metre").save(again / "tracks.csv")  # by hand: the network is in baselines
     capsys.readouterr()
+    assert main(export) == 0
+    assert "tracks.csv is in metres, and the network in baselines" in capsys.readouterr().err
+    assert "animations" not in json.loads(scene.read_text())
+    (again / "tracks.csv").write_text("something else\n")
     assert main(export) == 0
     assert "without walkers" in capsys.readouterr().err
     assert "animations" not in json.loads(scene.read_text())

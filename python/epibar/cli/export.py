@@ -13,6 +13,7 @@ from .options import CommandParser, add_output_options
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from ..network.walkers import WalkerTracks
     from ..outcome.run import Run
     from .console import Console
 
@@ -114,7 +115,6 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
     from ..errors import EpibarError
     from ..jobs.inputs import TRACKS_FILE
     from ..network import Network
-    from ..network.walker_file import load_tracks
 
     if chosen not in CAMERA_FORMATS:
         raise EpibarError(
@@ -125,13 +125,26 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
             f"{file}: there is no network in this run; calibrate three cameras, or two with intrinsics"
         )
     network = Network.load(file)
-    tracks, table = None, file.parent / TRACKS_FILE
-    if CAMERA_FORMATS[chosen].tracks and table.exists():
-        try:
-            tracks = load_tracks(table)
-        except EpibarError as error:
-            console.warning(f"without walkers: {error}")
+    table = file.parent / TRACKS_FILE
+    shown = CAMERA_FORMATS[chosen].tracks and table.exists()
+    tracks = _walkers(table, network.unit, console) if shown else None
     written = network.export(args.out, chosen, run.lenses(args.intrinsics), tracks)
     if network.unit != "metre":
         console.note("lengths are not in metres: 'epibar scale' makes them so")
     return written
+
+
+def _walkers(table: Path, unit: str, console: Console) -> WalkerTracks | None:
+    """Read the walkers of a run; where they do not fit, it is said, and the cameras go without them."""
+    from ..errors import EpibarError
+    from ..network.walker_file import load_tracks
+
+    try:
+        tracks = load_tracks(table)
+    except EpibarError as error:
+        console.warning(f"without walkers: {error}")
+        return None
+    if tracks.unit != unit:
+        console.warning(f"without walkers: {table} is in {tracks.unit}s, and the network in {unit}s")
+        return None
+    return tracks
