@@ -31,7 +31,7 @@ from ..geometry.cameras import opengl_pose
 from ..lens.intrinsics import Intrinsics
 from .losses import off_as_pinhole, tell, told
 from .shapes import frustum, frustum_depth, ground_grid
-from .ways import Way
+from .ways import AFTER, Way
 from .world import World
 
 __all__ = ["write_gltf"]
@@ -44,8 +44,6 @@ Y_DOWN = [1.0, 0.0, 0.0, 0.0]
 OPENGL = np.array([1.0, -1.0, -1.0])
 FLOAT, ARRAY_BUFFER, LINES, LINE_STRIP = 5126, 34962, 1, 3
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
-AFTER = 1e-3
-"""Seconds after the last place at which a walker is not there any more."""
 NEAR = 0.01
 """Where a camera's view begins, over the depth of its frustum."""
 
@@ -174,14 +172,13 @@ class _Scene:
         self._accessors.append(accessor)
         return numbers.tobytes()
 
+    @property
+    def _buffer(self) -> bytes:
+        return self._vertices + self._samples
+
     def _document(self, buffer: dict[str, Any]) -> bytes:
-        vertices, samples = len(self._vertices), len(self._samples)
-        views = [{"buffer": 0, "byteLength": vertices, "target": ARRAY_BUFFER}]
-        animations = []
-        if self._channels:
-            views.append({"buffer": 0, "byteOffset": vertices, "byteLength": samples})
-            animations = [{"name": "walkers", "channels": self._channels, "samplers": self._samplers}]
-        document = {
+        vertices = len(self._vertices)
+        document: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "epibar"},
             "scene": 0,
             "scenes": [{"nodes": [0]}],
@@ -189,15 +186,19 @@ class _Scene:
             "cameras": self._cameras,
             "meshes": self._meshes,
             "accessors": self._accessors,
-            "bufferViews": views,
-            "buffers": [{"byteLength": vertices + samples, **buffer}],
-            **({"animations": animations} if animations else {}),
+            "bufferViews": [{"buffer": 0, "byteLength": vertices, "target": ARRAY_BUFFER}],
+            "buffers": [{"byteLength": len(self._buffer), **buffer}],
         }
+        if self._channels:  # neither may be empty
+            samples = {"buffer": 0, "byteOffset": vertices, "byteLength": len(self._samples)}
+            document["bufferViews"].append(samples)
+            walkers = {"name": "walkers", "channels": self._channels, "samplers": self._samplers}
+            document["animations"] = [walkers]
         return json.dumps(document, allow_nan=False).encode()
 
     def text(self) -> bytes:
         """Return a ``.gltf`` file, the buffer in it."""
-        data = base64.b64encode(self._vertices + self._samples).decode()
+        data = base64.b64encode(self._buffer).decode()
         return self._document({"uri": f"data:application/octet-stream;base64,{data}"})
 
     def binary(self) -> bytes:
@@ -206,7 +207,7 @@ class _Scene:
         document += b" " * (-len(document) % 4)
         chunks = b"".join(
             struct.pack("<II", len(content), kind) + content
-            for content, kind in ((document, JSON_CHUNK), (self._vertices + self._samples, BINARY_CHUNK))
+            for content, kind in ((document, JSON_CHUNK), (self._buffer, BINARY_CHUNK))
         )
         return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
 

@@ -20,7 +20,7 @@ from ..files.atomic import write_atomically
 from ..lens.intrinsics import Intrinsics
 from .losses import off_as_pinhole, tell, told
 from .shapes import frustum_depth, ground_grid, positions
-from .ways import Way
+from .ways import AFTER, Way
 from .world import World
 
 __all__ = ["write_rerun"]
@@ -28,8 +28,6 @@ __all__ = ["write_rerun"]
 APPLICATION = "epibar"
 ROOT = "world"
 TIME = "time"
-AFTER = 1e-3
-"""Seconds after the last place at which a walker is not there any more."""
 
 
 def write_rerun(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:

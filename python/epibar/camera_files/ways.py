@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 from ..arguments import Array
 
-__all__ = ["Way"]
+__all__ = ["AFTER", "Way"]
+
+AFTER = 1e-3
+"""Seconds after the last place at which a walker is not there any more."""
 
 
 @dataclass(frozen=True, eq=False)

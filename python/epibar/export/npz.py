@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arguments import AnyArray
 from ..files.archive import write_archive
-from ..outcome.run import Run
+from ..outcome.run import Run, no_points
 
 __all__ = ["write_npz"]
 
@@ -33,14 +33,11 @@ def write_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     by_pair = [poses.get((pair.a, pair.b)) for pair in run.pairs]
     places = {camera.name: place for place, camera in enumerate(run.cameras)}
     points = [pair.frontier_points for pair in run.pairs]
+    none = no_points()  # of a run without pairs
     unknown = np.full((3, 3), np.nan)
 
     def matrices(values: list[Any]) -> AnyArray:
         return np.array([unknown if value is None else value for value in values]).reshape(-1, 3, 3)
-
-    def joined(parts: list[AnyArray], *shape: int) -> AnyArray:
-        # Also where there is no pair.
-        return np.concatenate(parts) if parts else np.empty((0, *shape))
 
     errors = [np.nan if pair.expected_error is None else pair.expected_error for pair in run.pairs]
     write_archive(
@@ -60,11 +57,11 @@ def write_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
             "R": matrices([None if pose is None else pose.R for pose in by_pair]),
             "t": np.array([unknown[0] if pose is None else pose.t for pose in by_pair]).reshape(-1, 3),
             "point_pair": np.repeat(np.arange(len(points)), np.array([len(group) for group in points], int)),
-            "frame_a": joined([group.frame for group in points]),
-            "frame_b": joined([pair.frames_b for pair in run.pairs]),
-            "points_a": joined([group.a for group in points], 2),
-            "points_b": joined([group.b for group in points], 2),
-            "residual": joined([group.residual for group in points]),
+            "frame_a": np.concatenate([none.frame, *(group.frame for group in points)]),
+            "frame_b": np.concatenate([none.frame, *(pair.frames_b for pair in run.pairs)]),
+            "points_a": np.concatenate([none.a, *(group.a for group in points)]),
+            "points_b": np.concatenate([none.b, *(group.b for group in points)]),
+            "residual": np.concatenate([none.residual, *(group.residual for group in points)]),
         },
     )
     return [Path(path)]

@@ -14,7 +14,11 @@ __all__ = ["LONGEST_HEADER", "read_npy_header"]
 LONGEST_HEADER = 10_000
 """Bytes; a longer one costs time and memory, and no array needs it."""
 
-LENGTHS = {(1, 0): "<H", (2, 0): "<I"}
+READERS = {
+    (1, 0): ("<H", np.lib.format.read_array_header_1_0),
+    (2, 0): ("<I", np.lib.format.read_array_header_2_0),
+}
+"""Of each version, the format of the header's length, and what reads both."""
 NOT_PLAIN = (SyntaxError, ValueError, TypeError, MemoryError, RecursionError)
 
 
@@ -27,14 +31,14 @@ def read_npy_header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[
         It is no header, longer than :data:`LONGEST_HEADER`, or none without Python 2, of which NumPy would
         only warn.
     """
-    formats = np.lib.format
-    version = formats.read_magic(stream)
-    if version not in LENGTHS:
+    version = np.lib.format.read_magic(stream)
+    if version not in READERS:
         raise ValueError(f"version {version} of the format, which no plain array needs")
-    prefix = stream.read(struct.calcsize(LENGTHS[version]))
-    if len(prefix) < struct.calcsize(LENGTHS[version]):
+    length_format, read = READERS[version]
+    prefix = stream.read(struct.calcsize(length_format))
+    if len(prefix) < struct.calcsize(length_format):
         raise ValueError("it ends in its header")
-    (length,) = struct.unpack(LENGTHS[version], prefix)
+    (length,) = struct.unpack(length_format, prefix)
     if length > LONGEST_HEADER:
         raise ValueError(f"a header of {length} bytes, where {LONGEST_HEADER} are the most")
     header = stream.read(length)
@@ -42,6 +46,4 @@ def read_npy_header(stream: IO[bytes]) -> tuple[tuple[int, ...], bool, np.dtype[
         ast.literal_eval(header.decode("latin1"))
     except NOT_PLAIN as error:
         raise ValueError("its header is damaged, or of Python 2: load it and save it again") from error
-    whole = io.BytesIO(prefix + header)
-    read = formats.read_array_header_1_0 if version == (1, 0) else formats.read_array_header_2_0
-    return read(whole, max_header_size=LONGEST_HEADER)
+    return read(io.BytesIO(prefix + header), max_header_size=LONGEST_HEADER)

@@ -63,7 +63,7 @@ class Store:
                 return None
             kept = Recording.from_arrays(arrays, str(path))
         except EpibarError as error:
-            self._damaged(error)
+            self._damaged(path, error)
             return None
         kept.pictures = self._pictures(name, key)
         return kept
@@ -74,11 +74,12 @@ class Store:
             arrays = self._read(path, key, PICTURES)
             return None if arrays is None else Pictures.from_arrays(arrays, str(path))
         except EpibarError as error:
-            self._damaged(error, "silhouettes are shown instead")
+            self._damaged(path, error, "silhouettes are shown instead")
             return None
 
-    def _damaged(self, error: EpibarError | str, then: str = "it is made again") -> None:
-        self.damaged.append(f"{error}; {then}")
+    def _damaged(self, path: Path, error: Exception, then: str = "it is made again") -> None:
+        told = str(error) if isinstance(error, EpibarError) else f"{path}: damaged"
+        self.damaged.append(f"{told}; {then}")
 
     def pair(self, stem: str, key: str | None) -> tuple[Calibration, float] | None:
         """Return the kept calibration of a pair and the seconds it took, if there is one with this key."""
@@ -89,7 +90,7 @@ class Store:
                 return None
             return Calibration.from_arrays(arrays, str(path)), float(arrays[SECONDS])
         except (KeyError, TypeError, ValueError) as error:
-            self._damaged(error if isinstance(error, EpibarError) else f"{path}: damaged")
+            self._damaged(path, error)
             return None
 
     def keep_recording(self, name: str, key: str | None, kept: Recording, seconds: float) -> None:
@@ -117,7 +118,7 @@ class Store:
                 return found
             raise ValueError
         except (KeyError, TypeError, ValueError, EpibarError) as error:
-            self._damaged(error if isinstance(error, EpibarError) else f"{path}: damaged")
+            self._damaged(path, error)
             return None
 
     def keep_clocks(self, key: str | None, kept: ClockOffsets) -> None:

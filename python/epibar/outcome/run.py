@@ -23,7 +23,7 @@ from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 from .stored import Stored, entries
 
-__all__ = ["Camera", "Pair", "Run"]
+__all__ = ["Camera", "Pair", "Run", "no_points"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +112,7 @@ class Run:
         files, pairs, seen = [path], [], set()
         for entry in entries(path, result, "pairs"):
             points_file = entry.file("frontier_points")
-            points = _no_points() if points_file is None else read_frontier_points(points_file)
+            points = no_points() if points_file is None else read_frontier_points(points_file)
             files += [] if points_file is None else [points_file]
             pair = _pair(entry, points)
             both = frozenset((pair.a, pair.b))
@@ -274,7 +274,8 @@ class Run:
         return found, reasons
 
 
-def _no_points() -> FrontierPoints:
+def no_points() -> FrontierPoints:
+    """Those of a pair that has none."""
     return FrontierPoints(np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
 
 

@@ -199,14 +199,6 @@ class ChapterFrames(ColourFrames):
             raise self._range.beyond(self.shown, number)
         self.frame_count = used
 
-    def read(self, index: int) -> Image:
-        """One frame by its number, as :meth:`ColourFrames.read`."""
-        with closing(self._iterate_chapters()) as moments:
-            for number, _, frame in moments:
-                if number == index:
-                    return frame
-        raise EpibarError(f"{self.shown}: frame {index} asked for, but it has {self.frame_count} frames")
-
     def sample(self, count: int) -> Iterator[Image]:
         """About ``count`` frames, from each chapter as many as it has a share of the frames that are used."""
         used = []

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import AnyArray
+from ..arguments import Image, Index
 from ..errors import EpibarError, is_address
 from .frame_range import FrameRange
 from .images import IMAGE_SUFFIXES, as_bgr, natural_order, read_image
@@ -39,7 +39,7 @@ def _is_stream_or_pattern(source: str) -> bool:
     return is_address(source) or re.search(r"%0?\d*d", source) is not None
 
 
-class ColourFrames(FrameSource[AnyArray]):
+class ColourFrames(FrameSource[Image]):
     """Colour frames of a video, a folder of images, or anything ``cv2.VideoCapture`` opens.
 
     Iterating yields ``(index, time, frame)``: the frame number from 0, seconds since frame 0, and an
@@ -90,7 +90,7 @@ class ColourFrames(FrameSource[AnyArray]):
         super().__init__(path, fps, frames)
         self.live = False
         self._images: list[Path] | None = None
-        self._started: tuple[Any, AnyArray] | None = None
+        self._started: tuple[Any, Image] | None = None
         file = Path(self.path)
         if file.is_dir():
             self._open_folder(file)
@@ -170,17 +170,17 @@ class ColourFrames(FrameSource[AnyArray]):
         """Whether the source is one image or a folder of them."""
         return self._images is not None
 
-    def __iter__(self) -> Iterator[tuple[int, float, AnyArray]]:
+    def __iter__(self) -> Iterator[tuple[int, float, Image]]:
         moments = self._iterate_video() if self._images is None else self._iterate_folder(self._images)
         return self._range.in_time(moments)
 
-    def _iterate_folder(self, images: list[Path]) -> Generator[tuple[int, float, AnyArray], None, None]:
+    def _iterate_folder(self, images: list[Path]) -> Generator[tuple[int, float, Image], None, None]:
         for index, file in enumerate(images):
             image = read_image(file)
             self._check_size(image.shape, str(file))
             yield index, index / self.fps, image
 
-    def _at(self, number: int) -> tuple[Any, AnyArray | None]:
+    def _at(self, number: int) -> tuple[Any, Image | None]:
         """A capture that has read so far, and that frame of the file; None where it ends before."""
         if self._started is not None:
             (capture, frame), self._started = self._started, None
@@ -191,7 +191,7 @@ class ColourFrames(FrameSource[AnyArray]):
             return capture, capture.retrieve()[1]
         return capture, None if number else frame
 
-    def _iterate_video(self) -> Generator[tuple[int, float, AnyArray], None, None]:
+    def _iterate_video(self) -> Generator[tuple[int, float, Image], None, None]:
         cv2 = opencv()
         capture, frame = self._at(self.first)
         try:
@@ -220,7 +220,7 @@ class ColourFrames(FrameSource[AnyArray]):
         finally:
             capture.release()
 
-    def _reconnected(self) -> tuple[Any, AnyArray | None]:
+    def _reconnected(self) -> tuple[Any, Image | None]:
         """A new connection to a live stream and its first frame; None where there is none to be had."""
         capture = opencv().VideoCapture()
         for pause in RECONNECT_AFTER:
@@ -258,25 +258,7 @@ class ColourFrames(FrameSource[AnyArray]):
                 "dropped or the rate varies. The times in the file are used, and longer gaps left out"
             )
 
-    def read(self, index: int) -> AnyArray:
-        """One frame by its number, (H, W, 3) uint8 BGR, reached by decoding from the start.
-
-        Raises
-        ------
-        EpibarError
-            There is no such frame.
-        """
-        if self._images is not None:
-            if index < len(self._images):
-                return read_image(self._images[index])
-        else:
-            capture, frame = self._at(self.first + index)
-            capture.release()
-            if frame is not None:
-                return as_bgr(frame)
-        raise EpibarError(f"{self.shown}: frame {index} asked for, but it has {self.frame_count} frames")
-
-    def sample(self, count: int) -> Iterator[AnyArray]:
+    def sample(self, count: int) -> Iterator[Image]:
         """About ``count`` frames spread over the whole source, found by seeking, so good for statistics only.
 
         Where seeking does not work, or the length is unknown, all frames come.
@@ -309,7 +291,7 @@ class ColourFrames(FrameSource[AnyArray]):
         if not found:
             yield from (frame for _, _, frame in self)
 
-    def _picked(self, numbers: AnyArray) -> Generator[AnyArray, None, None]:
+    def _picked(self, numbers: Index) -> Generator[Image, None, None]:
         """Yield frames by their numbers in the file, which increase, as far as they can be had."""
         cv2 = opencv()
         capture, at = self._capture(), 0

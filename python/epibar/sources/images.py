@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arguments import AnyArray, Image
+from ..arguments import Image
 from ..errors import EpibarError
 from .opencv import opencv
 
@@ -22,16 +22,16 @@ def natural_order(path: Path) -> list[tuple[int, int, str]]:
     return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
 
 
-def as_bgr(image: Image) -> AnyArray:
+def as_bgr(image: Image) -> Image:
     """Convert a grey or BGRA image to BGR."""
     cv2 = opencv()
     if image.ndim == 2 or image.shape[2] == 1:
-        result: AnyArray = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
+        result: Image = cv2.cvtColor(image, cv2.COLOR_GRAY2BGR)
         return result
     return image if image.shape[2] == 3 else cv2.cvtColor(image, cv2.COLOR_BGRA2BGR)
 
 
-def read_image(path: Path) -> AnyArray:
+def read_image(path: Path) -> Image:
     """One image as BGR uint8; the bytes are read by Python because OpenCV cannot open every file name."""
     cv2 = opencv()
     try:
@@ -46,5 +46,5 @@ def read_image(path: Path) -> AnyArray:
             image = None
     if image is None:
         raise EpibarError(f"{path}: not an image that OpenCV can decode; remove it or save it again")
-    result: AnyArray = image
+    result: Image = image
     return result

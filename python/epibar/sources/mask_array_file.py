@@ -11,7 +11,7 @@ from typing import IO
 
 import numpy as np
 
-from ..arguments import AnyArray
+from ..arguments import Mask
 from ..errors import EpibarError
 from ..files.archive import DAMAGED, check_compression, read_array
 from ..files.checks import LONGEST_SIDE
@@ -101,7 +101,7 @@ class MaskArrayFile:
             raise EpibarError(f"{where} is in Fortran order; save np.ascontiguousarray(masks)")
         return shape
 
-    def __iter__(self) -> Iterator[AnyArray]:
+    def __iter__(self) -> Iterator[Mask]:
         frames, height, width = self.shape
         with self._stream() as stream:
             self._header(stream)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arguments import AnyArray
+from ..arguments import Mask
 from .chapters import colour_frames
 from .colour_frames import ColourFrames
 from .frame_range import FrameRange
@@ -24,7 +24,7 @@ MOST_BETWEEN = 0.4
 """Share of pixels that may be neither dark nor bright: outlines, after compression, and shadows are."""
 
 
-class MaskFrames(FrameSource[AnyArray]):
+class MaskFrames(FrameSource[Mask]):
     """Ready-made masks, with the same iteration as :class:`ColourFrames`.
 
     Iterating yields ``(index, time, mask)`` with an (H, W) uint8 mask, 1 where something moves.
@@ -74,12 +74,12 @@ class MaskFrames(FrameSource[AnyArray]):
         self._choose_fps(self._array.fps)
         self.frame_count = self._range.expected(self.frame_count, self.fps)
 
-    def __iter__(self) -> Iterator[tuple[int, float, AnyArray]]:
+    def __iter__(self) -> Iterator[tuple[int, float, Mask]]:
         if self._frames is not None:
             return self._iterate_frames(self._frames)
         return self._range.in_time(self._iterate_array(self._array))
 
-    def _iterate_array(self, array: MaskArrayFile) -> Generator[tuple[int, float, AnyArray], None, None]:
+    def _iterate_array(self, array: MaskArrayFile) -> Generator[tuple[int, float, Mask], None, None]:
         expected = self._range.count(self.shown, array.shape[0])
         found = 0
         for found, mask in enumerate(islice(array, self.first, self.first + expected), 1):
@@ -89,7 +89,7 @@ class MaskFrames(FrameSource[AnyArray]):
             self._warn(f"{self.shown}: truncated, read {found} of {expected} frames; those are used")
         self.frame_count = found
 
-    def _iterate_frames(self, frames: ColourFrames) -> Iterator[tuple[int, float, AnyArray]]:
+    def _iterate_frames(self, frames: ColourFrames) -> Iterator[tuple[int, float, Mask]]:
         brightest, moving = 0, False
         between: list[float] = []
         for index, time, frame in frames:
