@@ -15,6 +15,7 @@ use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::{Found, Ground, SearchOptions, search, settle};
 use crate::verify::split::{self, Split};
 use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
+use crate::verify::trials::falls_for;
 use crate::verify::{Case, Verdict, Verified, early, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
 
@@ -46,7 +47,10 @@ pub fn calibrate_watched(
         let found = calibrate_at(&clocks.aligned(), options, watch)?;
         let credible = found.fundamental.filter(|_| found.evidence.z >= MIN_Z_FOR_CLOCK);
         if let Some(timing) = clocks.learn(credible) {
-            return Ok(found.with_timing(timing));
+            // Only where their number decides is it asked more closely.
+            let decides = found.accepted() && falls_for(timing.trials, &found.evidence);
+            let trials = if decides { clocks.trials_by_parts(watch)? } else { timing.trials };
+            return Ok(found.with_timing(timing, trials));
         }
     }
 }

@@ -145,11 +145,11 @@ impl Calibration {
         self.verdict.accepted()
     }
 
-    /// By clocks that are known better now; where they are the best of many, the evidence has to make up for it.
-    pub(crate) fn with_timing(mut self, timing: Timing) -> Self {
+    /// By clocks that are known better now; where they are the best of so many `trials`, the evidence has to make up for it.
+    pub(crate) fn with_timing(mut self, timing: Timing, trials: usize) -> Self {
         self.timing = timing;
-        if timing.trials > 1 {
-            account_for_trials(timing.trials, &mut self.evidence, &mut self.verdict);
+        if trials > 1 {
+            account_for_trials(trials, &mut self.evidence, &mut self.verdict);
         }
         self
     }

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use common::cameras::error;
 use common::flying::Scene;
-use epibar::internals::{Clock, FramePair, common_frames, find_offset};
+use epibar::internals::{Clock, Clocks, FramePair, common_frames, find_offset};
 use epibar::{
     CalibrateOptions, Calibration, Kind, Recording, RecordingParts, TimeOffset, Unwatched, calibrate,
 };
@@ -159,6 +159,28 @@ fn unrelated_recordings_have_no_offset() {
     let found = run(a, &other, TimeOffset::Search { seconds: 1e9 });
     assert_eq!(found.verdict.kind, Kind::NoCommonScene, "{:?}", found.verdict);
     assert_eq!(found.timing.trials, 2 * FRAMES + 1);
+}
+
+#[test]
+fn an_offset_that_every_part_finds_is_no_best_of_many() {
+    let (scene, [a, b]) = shared();
+    let search = |seconds| TimeOffset::Search { seconds };
+    let trials = |a: &Recording, b: &Recording, given| {
+        let clocks = Clocks::new(a, b, given, true, &mut Unwatched).unwrap();
+        clocks.trials_by_parts(&mut Unwatched).unwrap()
+    };
+    assert_eq!(trials(&late(), b, search(5.0)), 7);
+    assert_eq!(trials(&late(), b, TimeOffset::Known(9.0)), 1);
+    for seed in [2, 3] {
+        let other = Scene::new(5, FRAMES, seed).record(1, LINES);
+        assert_eq!(trials(a, &other, search(5.0)), 251);
+    }
+    // So few frames that one of 201 offsets would be too little.
+    let (a, b) = (scene.record_frames(0, LINES, 9..122), scene.record_frames(1, LINES, 0..113));
+    let z = run(&a, &b, TimeOffset::Known(9.0)).evidence.z;
+    assert!(z * z - 2.0 * 201_f64.ln() < 25.0, "{z} says nothing here");
+    let found = run(&a, &b, search(4.0));
+    assert!(found.verdict.accepted() && found.timing.trials == 201, "{:?}", found.verdict);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::aligned::Aligned;
 use super::clock::Clock;
-use super::offset::{FoundOffset, find_offset};
+use super::offset::{FoundOffset, find_offset, find_offset_among};
 use super::offset_and_drift::{Measured, sharpen};
 use super::timing::{TimeOffset, Timing};
 use crate::error::Result;
@@ -19,6 +19,11 @@ const SAME_OFFSET: f64 = 0.05;
 const MAX_OFFSET_ERROR: f64 = 0.25;
 /// Frames for a first geometry.
 const SOME_FRAMES: usize = 300;
+/// Parts of a recording, each of which is left out in turn, with so much of it on either side.
+const PARTS: usize = 5;
+const SEAM: f64 = 0.2;
+/// What is found without them is the same within so many seconds: barcodes find an offset to a frame or two.
+const PARTS_AGREE: f64 = 0.1;
 /// Fewest common frames at which an offset is looked at.
 const MIN_FRAMES: usize = 16;
 
@@ -31,6 +36,7 @@ pub struct Clocks<'a> {
     b: &'a Recording,
     links: Links,
     up: [Up; 2],
+    given: TimeOffset,
     clock: Clock,
     found: Option<FoundOffset>,
     next: Next,
@@ -69,7 +75,7 @@ impl<'a> Clocks<'a> {
                 (Clock::at(found.map_or(0.0, |s| s.offset)), found, Next::First)
             }
         };
-        Ok(Self { a, b, links: Links::new(b), up: up_in([a, b], upright), clock, found, next })
+        Ok(Self { a, b, links: Links::new(b), up: up_in([a, b], upright), given: offset, clock, found, next })
     }
 
     /// Both recordings on the time line for which a geometry is wanted.
@@ -122,6 +128,29 @@ impl<'a> Clocks<'a> {
             timing.trials = found.trials;
         }
         Some(timing)
+    }
+
+    /// Among how many offsets the one that was searched is the best for frames that did not choose it: those that count
+    /// as the same, where barcodes find it without any one part of what both cameras filmed; otherwise all that were tried.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted).
+    pub fn trials_by_parts(&self, watch: &mut dyn Watch) -> Result<usize> {
+        let (TimeOffset::Search { seconds }, Some(found)) = (self.given, self.found) else { return Ok(1) };
+        let common = self.aligned_at(Clock::at(found.offset)).frame_pairs();
+        let (length, agree) =
+            (common.len() as f64 / PARTS as f64, (PARTS_AGREE / self.b.frame_interval()).ceil());
+        let of_a = |place: f64| common[(place as usize).min(common.len() - 1)].a;
+        for part in 0..PARTS {
+            let (first, last) =
+                (of_a((part as f64 - SEAM) * length), of_a((part as f64 + 1.0 + SEAM) * length));
+            let other = |frame: u32| frame < first || frame > last;
+            let without = find_offset_among(self.a, self.b, other, seconds, watch)?;
+            if without.is_none_or(|w| (w.offset - found.offset).abs() > agree) {
+                return Ok(found.trials);
+            }
+        }
+        Ok(2 * agree as usize + 1)
     }
 
     fn aligned_at(&self, clock: Clock) -> Aligned<'_> {

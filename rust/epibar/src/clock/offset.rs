@@ -57,6 +57,20 @@ pub fn find_offset(
     seconds: f64,
     watch: &mut dyn Watch,
 ) -> Result<Option<FoundOffset>> {
+    find_offset_among(a, b, |_| true, seconds, watch)
+}
+
+/// [`find_offset`] by some of A's frames alone.
+///
+/// # Errors
+/// As [`find_offset`].
+pub fn find_offset_among(
+    a: &Recording,
+    b: &Recording,
+    of_a: impl Fn(u32) -> bool,
+    seconds: f64,
+    watch: &mut dyn Watch,
+) -> Result<Option<FoundOffset>> {
     let rate = 1.0 / b.frame_interval();
     let reach = (seconds * rate).ceil() as i64;
     let searched = reach.min(overlapping(a, b, rate));
@@ -70,13 +84,14 @@ pub fn find_offset(
     }
     let coarse: Vec<i64> = (-(searched / step)..=searched / step).map(|k| k * step).collect();
     let mut going = |done: f64| report(watch, Stage::TimeOffset, done);
-    let few = Shifts::new(a, b, LINES[0]);
+    let taken: Vec<u32> = busiest(a).filter(|&frame| of_a(frame)).collect();
+    let few = Shifts::new(a, b, &taken, LINES[0]);
     let mut tried = Vec::with_capacity(coarse.len());
     for batch in coarse.chunks(32) {
         going(0.7 * tried.len() as f64 / coarse.len() as f64)?;
         tried.extend(few.scores(batch)?);
     }
-    let many = Shifts::new(a, b, LINES[1]);
+    let many = Shifts::new(a, b, &taken, LINES[1]);
     let mut weighed: Vec<(f64, i64)> = Vec::new();
     for batch in best(&tried, WEIGHED).chunks(8) {
         going(0.7 + 0.2 * weighed.len() as f64 / WEIGHED as f64)?;
@@ -117,7 +132,8 @@ pub fn find_offset(
 /// # Errors
 /// None that input can cause.
 pub fn score_at_offset(a: &Recording, b: &Recording, offset: f64) -> Result<f64> {
-    Shifts::new(a, b, LINES[1]).score_at(offset)
+    let taken: Vec<u32> = busiest(a).collect();
+    Shifts::new(a, b, &taken, LINES[1]).score_at(offset)
 }
 
 /// The largest shift either way at which the recordings overlap, frames of B.
@@ -139,17 +155,15 @@ struct Shifts<'a> {
     b: &'a Recording,
     lines_a: Barcodes,
     lines_b: Barcodes,
-    /// Frames of A that take part.
-    stretch: std::ops::Range<u32>,
+    /// Frames of A that take part, in their order.
+    taken: &'a [u32],
 }
 
 impl<'a> Shifts<'a> {
-    fn new(a: &'a Recording, b: &'a Recording, lines: usize) -> Self {
-        let stretch = busiest(a);
-        let frames: Vec<u32> = stretch.clone().collect();
-        let rows_a = a.barcodes.select_frames(&frames).informative(&Informative::default());
+    fn new(a: &'a Recording, b: &'a Recording, taken: &'a [u32], lines: usize) -> Self {
+        let rows_a = a.barcodes.select_frames(taken).informative(&Informative::default());
         let rows_b = b.barcodes.informative(&Informative::default());
-        Self { a, b, lines_a: thinned(a, rows_a, lines), lines_b: thinned(b, rows_b, lines), stretch }
+        Self { a, b, lines_a: thinned(a, rows_a, lines), lines_b: thinned(b, rows_b, lines), taken }
     }
 
     fn scores(&self, shifts: &[i64]) -> Result<Vec<(f64, i64)>> {
@@ -166,8 +180,8 @@ impl<'a> Shifts<'a> {
 
     fn score_at(&self, offset: f64) -> Result<f64> {
         let mut pairs = common_frames(self.a, self.b, offset);
-        pairs.retain(|p| self.stretch.contains(&p.a));
-        let least = (self.stretch.len().min(self.b.frames()) / 3).max(16);
+        pairs.retain(|p| self.taken.binary_search(&p.a).is_ok());
+        let least = (self.taken.len().min(self.b.frames()) / 3).max(16);
         if pairs.len() < least {
             return Ok(f64::NEG_INFINITY);
         }
