@@ -42,7 +42,7 @@ fn gathered<const N: usize>(
         let geometry = Pair::new(&cameras[pair.a], &cameras[pair.b]);
         for m in &pair.meetings {
             let Some((r, row)) = geometry.row(m) else { continue };
-            let weight = m.weight / (1.0 + (r / problem.scale).powi(2));
+            let weight = m.weight * problem.loss(Some(r), pair.coarseness).1;
             for (group, factor) in groups(number, m, r, &row) {
                 for k in 0..2 * PARAMETERS {
                     let camera = if k < PARAMETERS { pair.a } else { pair.b };
@@ -57,15 +57,23 @@ fn gathered<const N: usize>(
     sums
 }
 
-/// What a pixel would do by which all outlines of one camera, of one direction and in one part of the image, are wrong.
-fn shared_errors(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)]) -> DMatrix<f64> {
+/// What it does that all outlines of one camera, of one direction and in one part of the image, are wrong by so many pixels.
+fn shared_errors(
+    problem: &Problem,
+    cameras: &[Camera],
+    active: &[(usize, usize)],
+    outline_errors: &[f64],
+) -> DMatrix<f64> {
     let place = |camera: usize, pixel: [f64; 2], [x, y]: [f64; 2]| {
         let direction = if y.abs() > x.abs() { usize::from(y < 0.0) } else { 2 + usize::from(x < 0.0) };
         (camera * 4 + direction) * CELLS * CELLS + cell(&cameras[camera], pixel)
     };
     gathered(problem, cameras, active, cameras.len() * 4 * CELLS * CELLS, |number, m, _, row| {
         let PairMeetings { a, b, .. } = problem.pairs[number];
-        [(place(a, m.a, m.outward_a), row[INSET]), (place(b, m.b, m.outward_b), row[PARAMETERS + INSET])]
+        [
+            (place(a, m.a, m.outward_a), outline_errors[a] * row[INSET]),
+            (place(b, m.b, m.outward_b), outline_errors[b] * row[PARAMETERS + INSET]),
+        ]
     })
 }
 
@@ -112,8 +120,9 @@ impl Covariance {
     }
 }
 
-/// Covariance of the active parameters; `None` where the normal matrix is not usable.
-pub fn covariance(problem: &Problem, cameras: &[Camera], outline_error: f64) -> Option<Covariance> {
+/// Covariance of the active parameters, with outlines of each camera that may all be wrong alike by so many pixels; `None` where the
+/// normal matrix is not usable.
+pub fn covariance(problem: &Problem, cameras: &[Camera], outline_errors: &[f64]) -> Option<Covariance> {
     let active = problem.active();
     let linear = problem.linear(cameras, &active);
     let n = active.len();
@@ -130,8 +139,8 @@ pub fn covariance(problem: &Problem, cameras: &[Camera], outline_error: f64) -> 
     let mut meat = found.tr_mul(&found) * correction;
     let places = places(problem, cameras, &active);
     meat += places.tr_mul(&places);
-    let shared = shared_errors(problem, cameras, &active);
-    meat += shared.tr_mul(&shared) * outline_error.powi(2);
+    let shared = shared_errors(problem, cameras, &active, outline_errors);
+    meat += shared.tr_mul(&shared);
     for (i, (camera, k)) in active.iter().enumerate() {
         let beliefs = &problem.beliefs[*camera];
         let deviation = match *k {

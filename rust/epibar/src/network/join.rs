@@ -9,6 +9,7 @@ use super::covariance::{Covariance, Expected, covariance, expected};
 use super::graph::PairFound;
 use super::input::CameraInput;
 use super::joint::{Problem, standing};
+use super::outlines::outline_errors;
 use super::principal;
 use super::result::{CameraStatus, Network};
 use super::settle::Again;
@@ -160,8 +161,8 @@ impl Case<'_> {
             prior_weight: settled.prior_weight,
             moving: finished.network.placed.clone(),
         };
-        let outline_error = outline_error(settled.scale, strained);
-        let found = covariance(&problem, &finished.network.cameras, outline_error);
+        let outlines = outline_errors(settled, strained);
+        let found = covariance(&problem, &finished.network.cameras, &outlines);
         let (expected, offsets) = match found {
             Some(Covariance { active, matrix: covariance }) => {
                 let offset = |c: usize| {
@@ -174,17 +175,6 @@ impl Case<'_> {
             None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
         };
         Finished { solved: finished, support, expected, offsets, floor }
-    }
-}
-
-/// By how many pixels the outlines of one camera may be wrong alike: what scatters more than pixels do by themselves is
-/// wrong outlines, and part of it is common to all.
-pub(super) fn outline_error(scatter: f64, strained: bool) -> f64 {
-    let own = limits::OUTLINE_SHARE[1] * (scatter.powi(2) - limits::PIXELS.powi(2)).max(0.0).sqrt();
-    if strained {
-        limits::OUTLINE_STRAINED * scatter
-    } else {
-        limits::OUTLINE_ERROR.max(limits::OUTLINE_SHARE[0] * scatter).max(own)
     }
 }
 

@@ -71,6 +71,8 @@ pub struct PairMeetings {
     pub b: usize,
     /// What met.
     pub meetings: Vec<Meeting>,
+    /// By how many times they scatter more than those of the network; 1 where they do not.
+    pub coarseness: f64,
 }
 
 /// All that is minimised over the cameras.
@@ -138,17 +140,21 @@ impl Problem<'_> {
             .par_iter()
             .map(|pair| {
                 let geometry = Pair::new(&cameras[pair.a], &cameras[pair.b]);
-                pair.meetings.iter().map(|m| m.weight * self.loss(geometry.residual(m)).0).sum()
+                pair.meetings
+                    .iter()
+                    .map(|m| m.weight * self.loss(geometry.residual(m), pair.coarseness).0)
+                    .sum()
             })
             .collect();
         let prior: f64 = self.prior(cameras).iter().map(|p| 0.5 * p.weight * p.value * p.value).sum();
         of_pairs.iter().sum::<f64>() + prior
     }
 
-    /// Cauchy loss `½ s² ln(1 + r²/s²)` and its weight `1 / (1 + r²/s²)`.
-    fn loss(&self, residual: Option<f64>) -> (f64, f64) {
-        let q = 1.0 + (residual.unwrap_or(LOST * self.scale) / self.scale).powi(2);
-        (0.5 * self.scale * self.scale * q.ln(), 1.0 / q)
+    /// Cauchy loss `½ s² ln(1 + r²/(c s)²)` and its weight `1 / (c² + r²/s²)`, with `c` the coarseness of the pair.
+    pub(super) fn loss(&self, residual: Option<f64>, coarseness: f64) -> (f64, f64) {
+        let scale = coarseness * self.scale;
+        let q = 1.0 + (residual.unwrap_or(LOST * scale) / scale).powi(2);
+        (0.5 * self.scale * self.scale * q.ln(), 1.0 / (q * coarseness * coarseness))
     }
 
     /// Linearised about some cameras, over the active parameters.
@@ -190,10 +196,10 @@ impl Problem<'_> {
         let (mut cost, mut normal, mut gradient) = (0.0, Local::zeros(), Row::zeros());
         for meeting in &pair.meetings {
             let Some((residual, row)) = geometry.row(meeting) else {
-                cost += meeting.weight * self.loss(None).0;
+                cost += meeting.weight * self.loss(None, pair.coarseness).0;
                 continue;
             };
-            let (loss, weight) = self.loss(Some(residual));
+            let (loss, weight) = self.loss(Some(residual), pair.coarseness);
             cost += meeting.weight * loss;
             let weight = meeting.weight * weight;
             for (k, &i) in used.iter().enumerate() {

@@ -63,6 +63,7 @@ mod joint;
 mod median;
 mod moves;
 mod observed;
+mod outlines;
 mod pose;
 mod principal;
 mod prose;

@@ -257,7 +257,7 @@ impl Case<'_> {
             moving: self.alone(camera),
         };
         // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
-        covariance(&problem, &settled.cameras, 0.0)
+        covariance(&problem, &settled.cameras, &vec![0.0; settled.cameras.len()])
     }
 
     /// Excess over chance of the pairs of a camera that is at some place, part by part.

@@ -2,10 +2,10 @@
 
 use super::camera::{Camera, POSITION, ROTATION};
 use super::covariance::{Covariance, Expected, NINE_IN_TEN, covariance, length_quantile};
-use super::join::outline_error;
 use super::joint::{Beliefs, Problem};
 use super::moves::{FOCAL, Move, PARTS, deviates, focal_error, freed, pose_error};
 use super::observed::Observed;
+use super::outlines::outline_errors;
 use super::relocate::Placed;
 use super::result::Place;
 use super::settle::settle;
@@ -75,9 +75,12 @@ impl<'a> Resolved<'a> {
             prior_weight: settled.prior_weight,
             moving: moved.clone(),
         };
-        let outlines = outline_error(settled.scale, false);
-        let errors = |outlines: f64| covariance(&problem, &settled.cameras, outlines);
-        let errors = [errors(limits::OUTLINE_MOVED * outlines)?, errors(outlines)?];
+        let outlines = outline_errors(&settled, false);
+        let errors = |share: f64| {
+            let outlines: Vec<f64> = outlines.iter().map(|error| share * error).collect();
+            covariance(&problem, &settled.cameras, &outlines)
+        };
+        let errors = [errors(limits::OUTLINE_MOVED)?, errors(1.0)?];
         let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };
         let pairs = Support::on(&survey, &network).pairs;
         Some(Self { survey, beliefs, cameras: settled.cameras, errors, pairs })

@@ -97,6 +97,13 @@ impl<'c> Pair<'c> {
         self.parts(meeting).map(|p| p.residual)
     }
 
+    /// The residual, and the share of A's pixels in the square of the gradient, and so in what it scatters by: of two cameras whose
+    /// outlines are as good as each other's the one that sees less in a pixel has more of it.
+    pub fn shared(&self, meeting: &Meeting) -> Option<(f64, f64)> {
+        let share = |p: &Parts| p.gradient.fixed_rows::<2>(0).norm_squared() / p.norm.powi(2);
+        self.parts(meeting).map(|p| (p.residual, share(&p)))
+    }
+
     /// Residuals of those of some meetings that agree within so many pixels.
     fn near(&self, meetings: &[Meeting], within: f64) -> impl Iterator<Item = f64> {
         meetings.iter().filter_map(move |m| self.residual(m)).filter(move |r| r.abs() < within)

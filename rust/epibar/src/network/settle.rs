@@ -20,6 +20,9 @@ const NARROWER: f64 = 0.7;
 const DEVIATIONS: f64 = 4.0;
 /// Steps of the solver between two searches for tangents.
 const STEPS: usize = 8;
+/// A pair counts as so many times coarser than the network at the most: one that shows nothing in common scatters by three
+/// quarters of any radius.
+const COARSEST: f64 = 3.0;
 /// Rounds at the most.
 const ROUNDS: usize = 24;
 /// Nothing changes where no pixel moves by more than this, pixels, and the radius by less than to this share.
@@ -80,15 +83,22 @@ pub fn settle(
     let free = |c: usize| moving[c] && !beliefs[c].posed;
     let whole = pairs.iter().all(|&(a, b)| free(a) && free(b));
     let mut found = Vec::new();
+    let mut coarseness = vec![1.0; pairs.len()];
     let (mut scale, mut prior_weight) = (radius, 1.0);
     for _ in 0..ROUNDS {
-        found = survey.meetings(&at, pairs, radius, limits::LEAST_MEETINGS);
+        found = survey.meetings(&at, pairs, &coarseness, radius, limits::LEAST_MEETINGS);
         let scatter = scatter(&at, &found);
         if scatter.is_nan() {
             break;
         }
         let suits = (DEVIATIONS * scatter).clamp(NARROWEST, radius);
         scale = scatter.max(LEAST_SCATTER);
+        for p in &mut found {
+            p.coarseness = coarseness_of(&at, p, scale);
+        }
+        for (pair, coarseness) in pairs.iter().zip(&mut coarseness) {
+            *coarseness = found.iter().find(|p| (p.a, p.b) == *pair).map_or(1.0, |p| p.coarseness);
+        }
         prior_weight = weight_of_prior(&at, &found, scale);
         let problem = Problem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
         let solved = problem.solve(&at, STEPS).0;
@@ -103,6 +113,13 @@ pub fn settle(
     Settled { cameras: at, pairs: found, radius, scale, prior_weight }
 }
 
+/// By how many times what met in a pair scatters more than `scale`.
+fn coarseness_of(cameras: &[Camera], p: &PairMeetings, scale: f64) -> f64 {
+    let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+    let own = deviation(p.meetings.iter().filter_map(|m| pair.residual(m)));
+    own.map_or(1.0, |own| (own / scale).clamp(1.0, COARSEST))
+}
+
 /// What a standard deviation of a prior is worth, in the unit of the cost of the tangents: so much as [`DEPENDENT`] of
 /// them, by the variance of a robust estimate, `E ψ² / E w` with `ψ` the influence and `w` the weight of a residual.
 fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f64 {
@@ -111,7 +128,7 @@ fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f6
         let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
         for m in &p.meetings {
             let Some(r) = pair.residual(m) else { continue };
-            let w = 1.0 / (1.0 + (r / scale).powi(2));
+            let w = 1.0 / (1.0 + (r / (p.coarseness * scale)).powi(2)) / p.coarseness.powi(2);
             influence += (w * r).powi(2);
             weight += w;
             surprise += m.weight;
@@ -145,4 +162,38 @@ fn shift(before: &[Camera], after: &[Camera], pairs: &[PairMeetings]) -> f64 {
         }
     }
     (sum / f64::max(count, 1.0)).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::outlines::tests::seen;
+    use super::*;
+
+    #[test]
+    fn pairs_of_a_ragged_camera_are_coarse() {
+        let even = seen([0.4; 4]);
+        let ragged = seen([0.4, 0.4, 1.0, 0.4]);
+        for (network, of_camera) in [(&even, 1.0..1.3), (&ragged, 1.5..2.6)] {
+            for p in &network.pairs {
+                let found = coarseness_of(&network.cameras, p, 0.4);
+                let expected = if p.a == 2 || p.b == 2 { &of_camera } else { &(1.0..1.3) };
+                assert!(expected.contains(&found), "{} {}: {found}", p.a, p.b);
+            }
+        }
+        let hopeless = seen([30.0; 4]);
+        let of = |p| coarseness_of(&hopeless.cameras, p, 0.4);
+        assert!(hopeless.pairs.iter().all(|p| of(p) == COARSEST));
+    }
+
+    #[test]
+    fn a_coarse_pair_pulls_less() {
+        let problem = Problem { pairs: &[], beliefs: &[], scale: 0.5, prior_weight: 1.0, moving: vec![] };
+        let of = |residual, coarseness| problem.loss(Some(residual), coarseness);
+        for (residual, coarseness) in [(0.2, 1.0), (0.2, 1.7), (2.0, 3.0), (-1.0, 1.2)] {
+            let slope = (of(residual + 1e-6, coarseness).0 - of(residual - 1e-6, coarseness).0) / 2e-6;
+            assert!((of(residual, coarseness).1 * residual - slope).abs() < 1e-6, "{residual} {coarseness}");
+        }
+        // As a measurement of that variance: a small residual counts by its inverse.
+        assert!((of(1e-4, 1.0).1 / of(1e-4, 3.0).1 - 9.0).abs() < 1e-3);
+    }
 }

@@ -106,7 +106,7 @@ impl<'p> Starter<'p> {
     /// Pairs among the placed cameras, with their tangents.
     fn meetings(&self, placed: &[bool]) -> Vec<PairMeetings> {
         let among = self.pairs.iter().zip(&self.thinned).filter(|(p, _)| placed[p.a] && placed[p.b]);
-        among.map(|(p, m)| PairMeetings { a: p.a, b: p.b, meetings: m.clone() }).collect()
+        among.map(|(p, m)| PairMeetings { a: p.a, b: p.b, meetings: m.clone(), coarseness: 1.0 }).collect()
     }
 
     /// Cameras solved for over the pairs' own tangents.

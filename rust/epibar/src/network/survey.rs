@@ -98,21 +98,24 @@ impl<'a> Survey<'a> {
         Tangents::new(seen(a, rays_a), seen(b, rays_b), &self.frames[a])
     }
 
-    /// What meets within a radius, pixels of a 640×480 image, in some pairs; those without `least` meetings are left out.
+    /// What meets in some pairs within a radius, pixels of a 640×480 image, times the coarseness of each; those without `least`
+    /// meetings are left out.
     pub fn meetings(
         &self,
         cameras: &[Camera],
         pairs: &[(usize, usize)],
+        coarseness: &[f64],
         radius: f64,
         least: usize,
     ) -> Vec<PairMeetings> {
         let rays = self.all_rays(cameras);
         let found: Vec<PairMeetings> = pairs
             .par_iter()
-            .map(|&(a, b)| {
+            .zip(coarseness)
+            .map(|(&(a, b), &coarseness)| {
                 let tangents = self.tangents(cameras, &rays, a, b);
-                let met = tangents.meet(radius * self.scale(a, b), 0);
-                PairMeetings { a, b, meetings: tangents.measurements(&met) }
+                let met = tangents.meet(radius * coarseness * self.scale(a, b), 0);
+                PairMeetings { a, b, meetings: tangents.measurements(&met), coarseness }
             })
             .collect();
         found.into_iter().filter(|p| p.meetings.len() >= least).collect()

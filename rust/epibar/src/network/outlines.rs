@@ -1,0 +1,125 @@
+//! By how much the outlines of each camera are wrong.
+//!
+//! Masks of one camera may be clean and those of another ragged, or so small that a filter takes the heads off. Tangents
+//! that meet scatter by what the outlines of both cameras are wrong by, each as far as its pixels count.
+
+use super::median::deviation;
+use super::residual::Pair;
+use super::settle::Settled;
+use super::thresholds as limits;
+
+/// Robust standard deviation of residuals, pixels, of each camera: of those in which its own pixels have the larger share. NaN
+/// of a camera of which there are hardly any.
+fn scatter_of_cameras(settled: &Settled) -> Vec<f64> {
+    let mut residuals = vec![Vec::new(); settled.cameras.len()];
+    for p in &settled.pairs {
+        let pair = Pair::new(&settled.cameras[p.a], &settled.cameras[p.b]);
+        for m in &p.meetings {
+            if let Some((residual, share)) = pair.shared(m) {
+                residuals[if share > 0.5 { p.a } else { p.b }].push(residual);
+            }
+        }
+    }
+    let of_one = |r: Vec<f64>| match r.len() {
+        0..limits::LEAST_MEETINGS => f64::NAN,
+        _ => deviation(r.into_iter()).unwrap_or(f64::NAN),
+    };
+    residuals.into_iter().map(of_one).collect()
+}
+
+/// By how many pixels the outlines of each camera may all be wrong alike: by what all of the network say, and by more where
+/// its own say so.
+pub(super) fn outline_errors(settled: &Settled, strained: bool) -> Vec<f64> {
+    let own = scatter_of_cameras(settled).into_iter();
+    own.map(|own| outline_error(own.max(settled.scale), strained)).collect()
+}
+
+/// What scatters more than pixels do by themselves is wrong outlines, and part of it is common to all.
+fn outline_error(scatter: f64, strained: bool) -> f64 {
+    let own = limits::OUTLINE_SHARE[1] * (scatter.powi(2) - limits::PIXELS.powi(2)).max(0.0).sqrt();
+    if strained {
+        limits::OUTLINE_STRAINED * scatter
+    } else {
+        limits::OUTLINE_ERROR.max(limits::OUTLINE_SHARE[0] * scatter).max(own)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use nalgebra::{Matrix3, Rotation3, Vector3};
+
+    use super::super::camera::Camera;
+    use super::super::joint::PairMeetings;
+    use super::super::residual::Meeting;
+    use super::*;
+    use crate::image::ImageSize;
+    use crate::random::generator;
+    use rand::RngExt;
+
+    /// On a circle about the origin, looking at it.
+    fn around(angle: f64, focal: f64) -> Camera {
+        let position = Vector3::new(6.0 * angle.cos(), 6.0 * angle.sin(), 2.5);
+        let forward = -position.normalize();
+        let right = forward.cross(&Vector3::z()).normalize();
+        let rows =
+            Matrix3::from_rows(&[right.transpose(), forward.cross(&right).transpose(), forward.transpose()]);
+        Camera {
+            rotation: Rotation3::from_matrix_unchecked(rows),
+            position,
+            ..Camera::new(ImageSize::new(640, 480).unwrap(), focal)
+        }
+    }
+
+    /// Points seen by every two of four cameras, with outlines of each camera wrong by so many pixels.
+    pub fn seen(scatter: [f64; 4]) -> Settled {
+        let cameras: Vec<Camera> =
+            [(0.3, 500.0), (1.6, 480.0), (2.9, 300.0), (4.4, 520.0)].map(|(a, f)| around(a, f)).into();
+        let mut random = generator(7, 0);
+        let mut uniform = move || random.random::<f64>() - 0.5;
+        let mut pairs = Vec::new();
+        for (a, b) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+            let meetings = (0..400).filter_map(|_| {
+                let point = Vector3::from_fn(|_, _| 2.0 * uniform());
+                // A sum of uniform numbers is as good as normal: its variance is 1.
+                let mut wrong = |c: usize| {
+                    let [x, y] = cameras[c].project(&point)?;
+                    let mut by = || scatter[c] * (0..12).map(|_| uniform()).sum::<f64>();
+                    Some([x + by(), y + by()])
+                };
+                let (in_a, in_b) = (wrong(a)?, wrong(b)?);
+                Some(Meeting {
+                    a: in_a,
+                    b: in_b,
+                    outward_a: [0.0, -1.0],
+                    outward_b: [0.0, -1.0],
+                    velocity_b: [0.0; 2],
+                    time_a: 0.0,
+                    time_b: 0.0,
+                    weight: 1.0,
+                })
+            });
+            pairs.push(PairMeetings { a, b, meetings: meetings.collect(), coarseness: 1.0 });
+        }
+        Settled { cameras, pairs, radius: 4.0, scale: 0.5, prior_weight: 1.0 }
+    }
+
+    #[test]
+    fn ragged_outlines_are_of_their_camera() {
+        let found = scatter_of_cameras(&seen([0.3, 0.3, 1.2, 0.3]));
+        assert!((0.8..1.4).contains(&found[2]), "{found:?}");
+        assert!([0, 1, 3].iter().all(|c| found[*c] < 0.5), "{found:?}");
+        let errors = outline_errors(&seen([0.3, 0.3, 1.2, 0.3]), false);
+        assert!(errors[2] > 0.6, "{errors:?}");
+        // No camera is better than what all together say.
+        assert!([0, 1, 3].iter().all(|c| (errors[*c] - 0.25).abs() < 1e-9), "{errors:?}");
+    }
+
+    #[test]
+    fn a_camera_that_hardly_meets_anything_is_like_the_others() {
+        let mut few = seen([0.3; 4]);
+        few.pairs.retain(|p| p.b != 3);
+        assert!(scatter_of_cameras(&few)[3].is_nan());
+        assert!((outline_errors(&few, false)[3] - 0.25).abs() < 1e-9);
+        assert!((outline_errors(&few, true)[3] - 2.0).abs() < 1e-9);
+    }
+}
