@@ -1,22 +1,29 @@
-"""Cameras as a COLMAP model: a folder with a camera, a rig, a frame and an image for each, and no points.
+"""Cameras as a COLMAP model: a folder with a camera, a rig, a frame and an image for each, and points.
+
+A stationary camera is one image, which holds what it saw at all moments. A point is seen by two cameras:
+where both see a top or a bottom of a silhouette, or another frontier point. What stands in an image was
+measured there, so COLMAP's errors are those of the network. Points that COLMAP's own mapper would filter, by
+their error or their angle, are left out.
 
 Pitfall: COLMAP counts pixels from the corner of the image, so that the centre of the first pixel is (0.5,
-0.5). Principal points are moved accordingly.
+0.5). Principal points and what was measured are moved accordingly.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ..arguments import Array
 from ..errors import EpibarError, printable
 from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
+from .two_views import TwoViews
 from .world import World
 
 __all__ = ["write_colmap"]
@@ -24,6 +31,8 @@ __all__ = ["write_colmap"]
 HALF = 0.5
 MODELS = ((4, "OPENCV"), (8, "FULL_OPENCV"))
 """COLMAP's models that are OpenCV's with so many coefficients."""
+MOST_POINTS = 50_000
+"""In all. Each two cameras have the same share of them, spread over the time."""
 
 
 def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
@@ -43,6 +52,9 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
     model = pycolmap.Reconstruction()
     for number, camera in enumerate(cameras, 1):
         _add(pycolmap, model, number, camera)
+    if world.two_views:
+        numbers = {camera.name: number for number, camera in enumerate(cameras, 1)}
+        world = world.with_notes([_add_points(pycolmap, model, numbers, world.two_views)])
     make_folder(path)
     model.write_text(str(path))
     text = "\n".join(f"{key}: {_line(value)}" for key, value in world.lines().items())
@@ -63,6 +75,43 @@ def _add(pycolmap: Any, model: Any, number: int, camera: Intrinsics) -> None:
     model.add_image_with_trivial_frame(
         image, pycolmap.Rigid3d(pycolmap.Rotation3d(np.asarray(pose.R)), np.asarray(pose.t))
     )
+
+
+def _add_points(pycolmap: Any, model: Any, numbers: Mapping[str, int], shared: Sequence[TwoViews]) -> str:
+    """Add points with what was measured of them, and say how many."""
+    measured: dict[int, list[Any]] = {number: [] for number in numbers.values()}
+    tracks = []
+    share = max(1, MOST_POINTS // len(shared))
+    for both in (one.thinned(share) for one in shared):
+        a, b = numbers[both.a], numbers[both.b]
+        seen = both.pixels_a + HALF, both.pixels_b + HALF
+        for place, *pixels in zip(_triangulated(pycolmap, model, (a, b), seen), *seen, strict=True):
+            if place is None:
+                continue
+            track = pycolmap.Track()
+            for number, pixel in zip((a, b), pixels, strict=True):
+                track.add_element(number, len(measured[number]))
+                measured[number].append(pycolmap.Point2D(pixel))
+            tracks.append((place, track))
+    for number, pixels in measured.items():
+        model.image(number).points2D = pycolmap.Point2DList(pixels)
+    for place, track in tracks:
+        model.add_point3D(place, track)
+    limits = pycolmap.IncrementalMapperOptions()
+    every = pycolmap.ObservationManager(model)
+    every.filter_all_points3D(limits.filter_max_reproj_error, limits.filter_min_tri_angle)
+    model.update_point_3d_errors()
+    return f"{model.num_points3D()} points, each seen by two cameras"
+
+
+def _triangulated(pycolmap: Any, model: Any, numbers: Sequence[int], seen: Sequence[Array]) -> list[Any]:
+    """Place of each point, (3,), or None where its rays do not meet."""
+    poses = [model.image(number).cam_from_world().matrix() for number in numbers]
+    rays = [model.camera(number).cam_from_img(pixels) for number, pixels in zip(numbers, seen, strict=True)]
+    return [
+        pycolmap.triangulate_point(*poses, p, q) if np.isfinite([p, q]).all() else None
+        for p, q in zip(*rays, strict=True)
+    ]
 
 
 def _line(text: str) -> str:

@@ -43,6 +43,8 @@ class Format(NamedTuple):
         Whether ``epibar`` reads it too, as camera file.
     tracks : bool
         Whether walkers have a place in it.
+    points : bool
+        Whether points that two cameras share have a place in it.
     package : str
         Where the module is.
     """
@@ -57,6 +59,7 @@ class Format(NamedTuple):
     extra: str = ""
     reads: bool = False
     tracks: bool = False
+    points: bool = False
     package: str = __package__
 
     @property
@@ -136,12 +139,14 @@ FORMATS = {
         Format(
             "colmap",
             "COLMAP",
-            "a folder with a model in text files, without points, and README.txt",
+            "a folder with a model in text files, points of tops and bottoms of walkers, and README.txt",
             "network",
             OPENCV_AXES,
-            "distortion coefficients after the eighth",
+            "distortion coefficients after the eighth; who a walker is, and when",
             "colmap:write_colmap",
             extra="colmap",
+            tracks=True,
+            points=True,
         ),
         Format(
             "nerfstudio",

@@ -12,7 +12,6 @@ import numpy as np
 from ..arguments import Array
 from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics
-from ..sources.opencv import opencv
 
 __all__ = ["fewer_coefficients", "off_as_pinhole", "plain_names", "tell", "told"]
 
@@ -116,29 +115,18 @@ def _view(camera: Intrinsics) -> tuple[Array, Array]:
     centre = camera.matrix[:2, 2]
     rays = np.full_like(pixels, TINY)
     for share in np.append(np.repeat(np.linspace(0, 1, OUTWARDS + 1)[1:], 2), np.ones(4)):
-        off = _through(camera, rays) - (centre + share * (pixels - centre))
+        off = camera.through_lens(rays) - (centre + share * (pixels - centre))
         slopes = [
-            (_through(camera, rays + step) - _through(camera, rays - step)) for step in TINY * np.eye(2)
+            (camera.through_lens(rays + step) - camera.through_lens(rays - step)) for step in TINY * np.eye(2)
         ]
         jacobian = np.stack(slopes, axis=2) / (2 * TINY)
         good = np.linalg.det(jacobian) > 0
         rays[good] -= np.linalg.solve(jacobian[good], off[good, :, None])[..., 0]
-    seen = _through(camera, rays)
+    seen = camera.through_lens(rays)
     good = np.hypot(*(seen - pixels).T) < ROUND_TRIP
     if not good.any():
         raise EpibarError(f"{camera.name}: its distortion coefficients cannot be inverted inside its image")
     return rays[good], seen[good]
-
-
-def _through(camera: Intrinsics, rays: Array) -> Array:
-    """Pixels (n, 2) of rays (n, 2), through the lens."""
-    cv2 = opencv()
-    K, D = camera.matrix, camera.distortions
-    if camera.fisheye:
-        D = np.pad(D, (0, 4 - len(D)))
-        return np.asarray(cv2.fisheye.distortPoints(rays[:, None], K, D)[:, 0], np.float64)
-    flat = np.column_stack([rays, np.ones(len(rays))])
-    return np.asarray(cv2.projectPoints(flat, np.zeros(3), np.zeros(3), K, D)[0][:, 0], np.float64)
 
 
 def _pinhole(matrix: Array, rays: Array) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from .two_views import TwoViews
 from .ways import Way
 
 __all__ = ["METRE", "World"]
@@ -26,12 +27,15 @@ class World:
         What a file says of itself besides.
     ways : tuple of Way
         Of walkers, where the format has a place for them.
+    two_views : tuple of TwoViews
+        Points that cameras share, where the format has a place for them.
     """
 
     unit: str
     zero: str | None = None
     notes: tuple[str, ...] = ()
     ways: tuple[Way, ...] = ()
+    two_views: tuple[TwoViews, ...] = ()
 
     @property
     def in_metres(self) -> bool:

@@ -13,6 +13,7 @@ from .options import CommandParser, add_output_options
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from ..network import Network
     from ..network.walkers import WalkerTracks
     from ..outcome.run import Run
     from .console import Console
@@ -126,12 +127,35 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
         )
     network = Network.load(file)
     table = file.parent / TRACKS_FILE
-    shown = CAMERA_FORMATS[chosen].tracks and table.exists()
-    tracks = _walkers(table, network.unit, console) if shown else None
-    written = network.export(args.out, chosen, run.lenses(args.intrinsics), tracks)
+    format = CAMERA_FORMATS[chosen]  # noqa: A001
+    tracks, points = None, None
+    if format.points:
+        tracks = _followed(file.parent, network, console)
+        points = {(pair.a, pair.b): pair.frontier_points for pair in run.pairs if pair.accepted}
+    elif format.tracks and table.exists():
+        tracks = _walkers(table, network.unit, console)
+    written = network.export(args.out, chosen, run.lenses(args.intrinsics), tracks, points)
     if network.unit != "metre":
         console.note("lengths are not in metres: 'epibar scale' makes them so")
     return written
+
+
+def _followed(folder: Path, network: Network, console: Console) -> WalkerTracks | None:
+    """Follow walkers anew: a table has no place for what each camera saw. Where that fails it is said."""
+    from ..errors import EpibarError
+    from ..jobs.inputs import recording_file
+    from ..network.walkers import height_on_floor
+    from ..recording import Recording
+
+    if height_on_floor(network) is None:
+        return None
+    try:
+        names = [name for name, camera in network.cameras.items() if camera.accepted]
+        recordings = {name: Recording.load(recording_file(folder, name)) for name in names}
+        return network.tracks(recordings)
+    except EpibarError as error:
+        console.warning(f"without tops and bottoms of walkers: {error}")
+        return None
 
 
 def _walkers(table: Path, unit: str, console: Console) -> WalkerTracks | None:

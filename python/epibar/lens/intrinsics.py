@@ -115,6 +115,17 @@ class Intrinsics:
         rotation = np.asarray(cv2.Rodrigues(self.rotation)[0], dtype=np.float64)
         return Pose(self.matrix, rotation, self.translation, self.size)
 
+    def through_lens(self, rays: Array) -> Array:
+        """Pixels (n, 2) of rays (n, 2), which are where they meet the plane at depth 1, through the lens."""
+        cv2 = opencv()
+        if self.fisheye:
+            coefficients = np.pad(self.distortions, (0, 4 - len(self.distortions)))
+            seen = cv2.fisheye.distortPoints(rays[:, None], self.matrix, coefficients)
+        else:
+            flat = np.column_stack([rays, np.ones(len(rays))])
+            seen = cv2.projectPoints(flat, np.zeros(3), np.zeros(3), self.matrix, self.distortions)[0]
+        return np.asarray(seen[:, 0], np.float64)
+
     def undistort_image(self, image: Image) -> Image:
         """Return an (H, W, 3) uint8 image in undistorted pixels; black where the camera saw nothing."""
         return Undistorter(self, (image.shape[1], image.shape[0])).image(image)

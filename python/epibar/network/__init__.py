@@ -11,6 +11,7 @@ from .knowledge import KnownCamera
 from .offsets import ClockOffsets, find_offsets
 from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, Scale
 from .result import Network
+from .sightings import WalkerSightings
 from .start_times import StartTime
 from .walkers import WalkerTracks
 
@@ -27,6 +28,7 @@ __all__ = [
     "NewPlace",
     "Scale",
     "StartTime",
+    "WalkerSightings",
     "WalkerTracks",
     "calibrate_network",
     "find_offsets",

@@ -13,6 +13,7 @@ from ..camera_files.formats import FORMATS
 from ..camera_files.world import World
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
+from ..geometry.correspondences import FrontierPoints
 from ..lens.intrinsics import Intrinsics
 from .checking import NetworkCheck, Progress, check_network
 from .offsets import SEARCH_SECONDS, TimeOffset
@@ -21,6 +22,7 @@ from .recordings import Recordings
 from .saved import as_dict, network_from
 from .scaling import rescaled
 from .start_times import StartTime, start_times
+from .two_views import two_views
 from .updating import moved_parts
 from .walkers import WalkerTracks, walker_tracks
 
@@ -202,6 +204,7 @@ class Network(NetworkParts):
         format: str = "anipose",  # noqa: A002
         lenses: Mapping[str, Intrinsics] | None = None,
         tracks: WalkerTracks | None = None,
+        frontier_points: Mapping[tuple[str, str], FrontierPoints] | None = None,
     ) -> list[Path]:
         """Write the accepted cameras for another program; :attr:`left_out` are the others, which it names.
 
@@ -216,7 +219,10 @@ class Network(NetworkParts):
             Lenses that were taken out of recordings, to be written with the cameras of their names.
         tracks : WalkerTracks, optional
             Of this network's :meth:`tracks`, to be written with the cameras; "gltf" and "rerun" have a place
-            for walkers.
+            for walkers, "colmap" for their tops and bottoms, as points that two cameras see.
+        frontier_points : mapping of (str, str) to FrontierPoints, optional
+            Of pairs that were calibrated by themselves, in pixels of the recordings, for "colmap". Those of
+            pairs that are not accepted here, or whose cameras share walkers of ``tracks``, are left out.
 
         Returns
         -------
@@ -226,13 +232,15 @@ class Network(NetworkParts):
         Raises
         ------
         EpibarError
-            No camera is accepted, the format is unknown or has no place for a lens or for walkers, tracks are
-            in another unit, or a file cannot be written.
+            No camera is accepted, the format is unknown or has no place for a lens, for walkers or for
+            points, tracks are in another unit or lack what is to be written, or a file cannot be written.
         """
         if format not in FORMATS:
             raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
         if tracks is not None:
             self._refuse_misplaced(tracks, format)
+        if frontier_points is not None and not FORMATS[format].points:
+            raise EpibarError(f"format = {format!r} has no place for frontier points")
         accepted = [camera for camera in self.cameras.values() if camera.accepted]
         if not accepted:
             raise EpibarError(f"no camera is accepted, so there is nothing to export: {self.reason}")
@@ -249,6 +257,8 @@ class Network(NetworkParts):
                 chosen.unit,
             )
         world = replace(self._world(), ways=tuple(tracks.ways()) if tracks is not None else ())
+        if chosen.points:
+            world = replace(world, two_views=two_views(self, lenses, tracks, frontier_points))
         return chosen.write(cameras, Path(path), world)
 
     def _refuse_misplaced(self, tracks: WalkerTracks, format: str) -> None:  # noqa: A002

@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import _core
 from ..arguments import Array, Bits, Index, core_errors
+from ..camera_files.two_views import TwoViews
 from ..camera_files.ways import Way
 from ..errors import EpibarError
 from ..files.archive import write_archive
@@ -19,6 +20,7 @@ from ..files.csv_table import csv_text, write_csv_table
 from .checking import Progress, stored_camera
 from .parts import NetworkCamera, NetworkParts
 from .recordings import Recordings, named_recordings
+from .sightings import WalkerSightings
 
 __all__ = ["COLUMNS", "SEEN_BY", "WalkerTracks", "height_on_floor", "walker_tracks"]
 
@@ -63,6 +65,8 @@ class WalkerTracks:
         Pixels: root mean square of what top and bottom are off in these cameras.
     height : ndarray, shape (m,)
         How far the top is above the bottom.
+    sightings : WalkerSightings or None
+        Where in the images each two cameras saw it. None of tracks that were read from a table.
     """
 
     names: tuple[str, ...]
@@ -73,6 +77,7 @@ class WalkerTracks:
     top: Array
     cameras: Bits
     residual: Array
+    sightings: WalkerSightings | None = None
 
     @property
     def height(self) -> Array:
@@ -106,6 +111,19 @@ class WalkerTracks:
                 Way(name, self.time[part], self.foot[part], self.top[part])
                 for name, part in zip(names, parts, strict=True)
             ]
+        return found
+
+    def two_views(self) -> list[TwoViews]:
+        """Return the tops and bottoms that each two cameras saw, in the order of time."""
+        seen = self.sightings
+        if seen is None:
+            return []
+        found = []
+        for a, b in np.unique(seen.cameras, axis=0).tolist():
+            rows = np.flatnonzero((seen.cameras == (a, b)).all(axis=1))
+            rows = rows[np.argsort(self.time[seen.place[rows]], kind="stable")]
+            ends = np.stack([seen.top[rows], seen.foot[rows]], axis=1).reshape(-1, 2, 2)
+            found.append(TwoViews(self.names[a], self.names[b], ends[:, 0], ends[:, 1]))
         return found
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -185,7 +203,8 @@ def walker_tracks(
     report = None if progress is None else lambda _, share: progress("tracks", share)
     with core_errors():
         found = _core.walker_tracks([films[name]._core for name in names], cameras, height, report)
-    return WalkerTracks(tuple(names), network.unit, **found)
+    sightings = WalkerSightings(**found.pop("sightings"))
+    return WalkerTracks(tuple(names), network.unit, **found, sightings=sightings)
 
 
 def _with_clock(network: NetworkParts, camera: NetworkCamera, films: Mapping[str, Any]) -> dict[str, Any]:

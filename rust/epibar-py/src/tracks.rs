@@ -1,9 +1,9 @@
 //! Walkers as tracks over the cameras of a network.
 
 use epibar::nalgebra::Vector3;
-use epibar::network::TrackingCamera;
+use epibar::network::{TrackPoint, TrackSighting, TrackingCamera};
 use numpy::IntoPyArray;
-use numpy::ndarray::Array2;
+use numpy::ndarray::{Array2, Array3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -57,5 +57,24 @@ pub fn walker_tracks<'py>(
     let cameras = Array2::from_shape_fn((found.len(), inputs.len()), saw);
     dict.set_item("cameras", cameras.into_pyarray(py))?;
     dict.set_item("residual", found.iter().map(|p| p.residual).collect::<Vec<_>>().into_pyarray(py))?;
+    dict.set_item("sightings", sightings(py, &found)?)?;
+    Ok(dict)
+}
+
+/// Arrays by the names of `epibar.network.WalkerSightings`.
+fn sightings<'py>(py: Python<'py>, found: &[TrackPoint]) -> PyResult<Bound<'py, PyDict>> {
+    let all: Vec<(usize, &TrackSighting)> = found
+        .iter()
+        .enumerate()
+        .flat_map(|(row, point)| point.sightings.iter().map(move |s| (row, s)))
+        .collect();
+    let dict = PyDict::new(py);
+    dict.set_item("place", all.iter().map(|(row, _)| *row as i64).collect::<Vec<_>>().into_pyarray(py))?;
+    dict.set_item("cameras", rows(py, all.iter().map(|(_, s)| s.cameras.map(|k| k as i64)))?)?;
+    let pixels = |of: fn(&TrackSighting) -> [[f64; 2]; 2]| {
+        Array3::from_shape_fn((all.len(), 2, 2), |(i, k, axis)| of(all[i].1)[k][axis]).into_pyarray(py)
+    };
+    dict.set_item("top", pixels(|s| s.top))?;
+    dict.set_item("foot", pixels(|s| s.foot))?;
     Ok(dict)
 }

@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::cameras::Camera;
+use common::cameras::{Camera, fundamental};
 use common::flying::{fill, hull};
 use epibar::network::{TrackPoint, TrackingCamera, walker_tracks};
-use epibar::{Recorder, RecorderOptions, Recording, Unwatched};
+use epibar::{Recorder, RecorderOptions, Recording, Unwatched, symmetric_epipolar_distance};
 use nalgebra::{Matrix3, Vector3};
 
 const FRAMES: usize = 200;
@@ -109,6 +109,46 @@ fn walkers_are_followed_and_nobody_else() {
     assert!(feet[n / 2] < 0.06 && tops[n / 2] < 0.04, "{} {}", feet[n / 2], tops[n / 2]);
     let sorted = points.windows(2).all(|w| (w[0].track, w[0].time) < (w[1].track, w[1].time));
     assert!(sorted);
+}
+
+#[test]
+fn what_two_cameras_saw_is_one_place() {
+    let (cameras, late) = (cameras(), [0.0, 0.31, -0.2, 0.107]);
+    let recordings: Vec<Recording> =
+        cameras.iter().zip(late).map(|(c, late)| recorded(c, late, &[0, 1, 2, 3])).collect();
+    let points = tracked(&cameras, &recordings, &late, 1.0);
+    let (mut off_line, mut off_place) = (Vec::new(), Vec::new());
+    for point in &points {
+        assert!(!point.sightings.is_empty());
+        let mut pairs: Vec<[usize; 2]> = point.sightings.iter().map(|s| s.cameras).collect();
+        pairs.dedup();
+        assert_eq!(pairs.len(), point.sightings.len());
+        for seen in &point.sightings {
+            let [a, b] = seen.cameras;
+            assert!(a < b && point.cameras[a] && point.cameras[b]);
+            let f = fundamental(&cameras[a], &cameras[b]);
+            for ([p, q], place) in [(seen.top, point.top), (seen.foot, point.foot)] {
+                off_line.push(symmetric_epipolar_distance(&f, p, q));
+                let shown = cameras[a].project(&Vector3::from(place)).unwrap();
+                off_place.push((shown[0] - p[0]).hypot(shown[1] - p[1]));
+            }
+        }
+    }
+    off_line.sort_by(f64::total_cmp);
+    off_place.sort_by(f64::total_cmp);
+    let n = off_line.len();
+    assert!(
+        off_line[n / 2] < 0.5 && off_line[n * 95 / 100] < 2.0,
+        "{} {}",
+        off_line[n / 2],
+        off_line[n * 95 / 100]
+    );
+    assert!(
+        off_place[n / 2] < 1.5 && off_place[n * 95 / 100] < 8.0,
+        "{} {}",
+        off_place[n / 2],
+        off_place[n * 95 / 100]
+    );
 }
 
 #[test]

@@ -100,5 +100,5 @@ pub use result::{
     CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus, Place,
 };
 pub use support::Deviates;
-pub use tracks::{TrackPoint, TrackingCamera, walker_tracks};
+pub use tracks::{TrackPoint, TrackSighting, TrackingCamera, walker_tracks};
 pub use world::Ground;

@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::TrackSighting;
 use super::sightings::{DEVIATIONS, Eye, Sighting, stands};
 use super::triangulate::{Ray, covariance, point};
 
@@ -37,6 +38,8 @@ pub struct Group {
     pub residual: f64,
     /// Largest standard deviation of the top by the scatter of tangents, where cameras tell least.
     pub deviation: f64,
+    /// What each two cameras see of it.
+    pub seen: Vec<TrackSighting>,
 }
 
 impl Group {
@@ -186,7 +189,9 @@ fn whole(eyes: &[Eye], moment: usize, sightings: &[&Sighting], scale: Scale) -> 
         single.dedup_by_key(|ray| ray.camera);
         let covariance = covariance(&single, &top, scale.radius / DEVIATIONS)?;
         let deviation = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
-        return Some(Group { silhouettes, top, foot, residual, deviation });
+        let seen =
+            kept.iter().map(|s| TrackSighting { cameras: s.cameras, top: s.top, foot: s.foot }).collect();
+        return Some(Group { silhouettes, top, foot, residual, deviation, seen });
     }
 }
 

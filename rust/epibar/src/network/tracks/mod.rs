@@ -61,10 +61,28 @@ pub struct TrackPoint {
     pub cameras: Vec<bool>,
     /// Root mean square of what top and bottom are off in these cameras, pixels.
     pub residual: f64,
+    /// What each two of these cameras saw, at 1000 moments at most that are spread over the time; none at the others.
+    pub sightings: Vec<TrackSighting>,
+}
+
+/// The top and the bottom of a walker in two cameras: frontier points, of which either is one point of the surface.
+///
+/// Two other cameras see another point of the same head, so no top is that of three cameras.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TrackSighting {
+    /// The cameras, the first by number first.
+    pub cameras: [usize; 2],
+    /// Raw pixels of the top in either; where a moment falls between two frames, between what they show.
+    pub top: [[f64; 2]; 2],
+    /// The same of the bottom.
+    pub foot: [[f64; 2]; 2],
 }
 
 /// Frames of each camera by which insets are found.
 const FRAMES: usize = 250;
+/// Moments at most whose sightings are kept: of twenty cameras there are 190 of a walker.
+const WITH_SIGHTINGS: usize = 1000;
 /// Moments of which everything is held in memory at once.
 const AT_ONCE: usize = 1500;
 /// No clock is wrong by a tenth, ppm.
@@ -89,11 +107,17 @@ pub fn walker_tracks(
     let (placed, radius) = with_insets(cameras, &observed);
     let scale = Scale { height, radius };
     let times = moments(&placed.cameras, &observed);
+    let all = times.len();
     let parts = times.chunks(AT_ONCE).count() as f64;
     let mut walkers = Vec::with_capacity(times.len());
     for (part, times) in times.chunks(AT_ONCE).enumerate() {
         report(watch, Stage::Network, (part as f64 + 0.5) / (parts + 0.5))?;
-        walkers.extend(walkers_at(cameras, &placed, &observed, times, scale));
+        for mut groups in walkers_at(cameras, &placed, &observed, times, scale) {
+            if !is_chosen(walkers.len(), all) {
+                groups.iter_mut().for_each(|group| group.seen = Vec::new());
+            }
+            walkers.push(groups);
+        }
     }
     let tracks = Crowd { observed: &observed, times: &times, height }.tracks(walkers);
     let row = |number: usize, moment: usize, group: &Group| TrackPoint {
@@ -103,6 +127,7 @@ pub fn walker_tracks(
         top: group.top.into(),
         cameras: group.silhouettes.iter().map(Option::is_some).collect(),
         residual: group.residual,
+        sightings: group.seen.clone(),
     };
     Ok(tracks
         .iter()
@@ -110,6 +135,12 @@ pub fn walker_tracks(
         .flat_map(|(number, track)| track.points.iter().map(move |(moment, group)| (number, *moment, group)))
         .map(|(number, moment, group)| row(number, moment, group))
         .collect())
+}
+
+/// Whether a moment is one of [`WITH_SIGHTINGS`] that are spread evenly over `all`.
+fn is_chosen(moment: usize, all: usize) -> bool {
+    let before = |moment: usize| moment * WITH_SIGHTINGS.min(all) / all;
+    before(moment) < before(moment + 1)
 }
 
 impl TrackingCamera<'_> {
@@ -231,6 +262,16 @@ fn walkers_at(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn chosen_moments_are_spread_evenly() {
+        for all in [1, 7, WITH_SIGHTINGS, WITH_SIGHTINGS + 1, 90_000] {
+            let chosen: Vec<usize> = (0..all).filter(|&moment| is_chosen(moment, all)).collect();
+            assert_eq!(chosen.len(), all.min(WITH_SIGHTINGS));
+            let widest = chosen.windows(2).map(|w| w[1] - w[0]).max().unwrap_or(1);
+            assert!(widest <= all.div_ceil(WITH_SIGHTINGS), "{widest} of {all}");
+        }
+    }
 
     #[test]
     fn films_overlap_where_two_do() {
