@@ -248,16 +248,19 @@ def test_the_points_bring_a_turned_camera_back(folder):
         assert angle < calibrated().cameras[name].expected["rotation"], name
 
 
-def test_the_command_follows_walkers_anew(tmp_path, capsys):
-    net = calibrated()
+def stored(folder, net, pairs=()):
     cameras = [
         {"name": name, "index": k, "width": c.size[0], "height": c.size[1], "matrix": None}
         for k, (name, c) in enumerate(net.cameras.items())
     ]
-    content = {"format": 1, "intrinsics": None, "cameras": cameras, "pairs": [], "errors": []}
-    write_json(tmp_path / "calibration.json", {**content, "network": net.as_dict()})
-    net.save(tmp_path / "network.json")
-    words = ["export", str(tmp_path), "--format", "colmap", "--cameras", "--out"]
+    content = {"format": 1, "intrinsics": None, "cameras": cameras, "pairs": list(pairs), "errors": []}
+    write_json(folder / "calibration.json", {**content, "network": net.as_dict()})
+    net.save(folder / "network.json")
+    return ["export", str(folder), "--format", "colmap", "--cameras", "--out"]
+
+
+def test_the_command_follows_walkers_anew(tmp_path, capsys):
+    words = stored(tmp_path, calibrated())
     assert main([*words, str(tmp_path / "without")]) == 0
     assert "without tops and bottoms of walkers" in capsys.readouterr().err
     assert pycolmap.Reconstruction(tmp_path / "without").num_points3D() == 0
@@ -267,3 +270,10 @@ def test_the_command_follows_walkers_anew(tmp_path, capsys):
     assert main([*words, str(tmp_path / "model")]) == 0
     assert "without" not in capsys.readouterr().err
     assert pycolmap.Reconstruction(tmp_path / "model").num_points3D() > 500
+    nothing = {"accepted": False, "reason": "", "F": None, "expected_error": None, "time_offset": 0.0}
+    moved = [{"a": "cam1", "b": b, "kind": "moved", **nothing} for b in ("cam2", "cam3")]
+    stands = {**moved[0], "a": "cam2", "b": "cam3", "kind": "degenerate"}
+    assert main([*stored(tmp_path, calibrated(), [*moved, stands]), str(tmp_path / "later")]) == 0
+    assert "without walkers in cam1, which moved" in capsys.readouterr().err
+    found = measured(pycolmap.Reconstruction(tmp_path / "later"))
+    assert {tuple(at) for _, at in found} == {("cam2", "cam3")}

@@ -201,7 +201,7 @@ def test_walkers_in_gltf_are_lines_and_an_animation(name, began, tmp_path):
 
 def test_walkers_without_a_place_are_refused(tmp_path):
     net = network(3)
-    with pytest.raises(EpibarError, match="'anipose' has no place for walkers; .*: colmap, gltf, rerun"):
+    with pytest.raises(EpibarError, match=r"'anipose' has no place for walkers; .*: colmap, gltf, rerun"):
         net.export(tmp_path / "c.toml", format="anipose", tracks=walkers())
     with pytest.raises(EpibarError, match=r"in baselines and the network in metres.*scaled"):
         net.export(tmp_path / "c.gltf", format="gltf", tracks=walkers().scaled(1.0, "baseline"))

@@ -127,12 +127,12 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
         )
     network = Network.load(file)
     table = file.parent / TRACKS_FILE
-    format = CAMERA_FORMATS[chosen]  # noqa: A001
+    wanted = CAMERA_FORMATS[chosen]
     tracks, points = None, None
-    if format.points:
-        tracks = _followed(file.parent, network, console)
+    if wanted.points:
+        tracks = _followed(file.parent, run, network, console)
         points = {(pair.a, pair.b): pair.frontier_points for pair in run.pairs if pair.accepted}
-    elif format.tracks and table.exists():
+    elif wanted.tracks and table.exists():
         tracks = _walkers(table, network.unit, console)
     written = network.export(args.out, chosen, run.lenses(args.intrinsics), tracks, points)
     if network.unit != "metre":
@@ -140,19 +140,26 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
     return written
 
 
-def _followed(folder: Path, network: Network, console: Console) -> WalkerTracks | None:
+def _followed(folder: Path, run: Run, network: Network, console: Console) -> WalkerTracks | None:
     """Follow walkers anew: a table has no place for what each camera saw. Where that fails it is said."""
     from ..errors import EpibarError
     from ..jobs.inputs import recording_file
+    from ..jobs.update_files import MOVED_KIND
     from ..network.walkers import height_on_floor
     from ..recording import Recording
 
     if height_on_floor(network) is None:
         return None
+    names = []
+    for name in (name for name, camera in network.cameras.items() if camera.accepted):
+        kinds = {pair.kind for pair in run.pairs if name in (pair.a, pair.b)}
+        if kinds == {MOVED_KIND}:
+            console.warning(f"without walkers in {name}, which moved after it was recorded")
+        else:
+            names.append(name)
     try:
-        names = [name for name, camera in network.cameras.items() if camera.accepted]
         recordings = {name: Recording.load(recording_file(folder, name)) for name in names}
-        return network.tracks(recordings)
+        return network.tracks(recordings, lambda stage, share: console.progress(stage, share, 1))
     except EpibarError as error:
         console.warning(f"without tops and bottoms of walkers: {error}")
         return None
