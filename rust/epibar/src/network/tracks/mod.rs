@@ -114,7 +114,9 @@ pub fn walker_tracks(
         report(watch, Stage::Network, (part as f64 + 0.5) / (parts + 0.5))?;
         for mut groups in walkers_at(cameras, &placed, &observed, times, scale) {
             if !is_chosen(walkers.len(), all) {
-                groups.iter_mut().for_each(|group| group.seen = Vec::new());
+                for group in &mut groups {
+                    group.seen = Vec::new();
+                }
             }
             walkers.push(groups);
         }
