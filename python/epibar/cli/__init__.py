@@ -8,13 +8,22 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from ..errors import EpibarError, printable, without_secrets
 from .exit_codes import BUG, DONE, INTERRUPTED, UNUSABLE
 from .interrupt import prompt_interrupt
 from .parser import build_parser
 
-__all__ = ["main"]
+__all__ = ["main", "run_process"]
+
+
+def run_process() -> NoReturn:
+    """Run the command of this process and end it, without waiting for threads whose result nobody takes."""
+    code = main()
+    if code == INTERRUPTED:  # every line that was printed is flushed
+        os._exit(code)
+    sys.exit(code)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -247,10 +247,13 @@ def _own_threads() -> Iterator[tuple[Executor, Callable[[Progress], Progress]]]:
 
         return report
 
-    with ThreadPoolExecutor(_thread_count(), thread_name_prefix="epibar-job") as executor:
-        try:
-            yield executor, reporting
-        except BaseException:
-            stop.set()
-            executor.shutdown(wait=False, cancel_futures=True)
-            raise
+    executor = ThreadPoolExecutor(_thread_count(), thread_name_prefix="epibar-job")
+    try:
+        yield executor, reporting
+    except BaseException:
+        stop.set()
+        executor.shutdown(
+            wait=False, cancel_futures=True
+        )  # they write nothing, and nobody takes what they return
+        raise
+    executor.shutdown()

@@ -148,8 +148,8 @@ class Results:
         pose = pose_entry(calibration, self.recordings[a].matrix, self.recordings[b].matrix)
         return {**pair_entry(a.name, b.name, calibration), "pose": pose}
 
-    def write_network(self, key: str | None) -> list[str]:
-        """Write the network's own files, or remove those of an earlier one; returns warnings."""
+    def write_network(self, key: str | None, tables: bool = True) -> list[str]:
+        """Write the network's own files, with its tables or without, or remove old ones; returns warnings."""
         job, network = self._job, self.network
         lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
         recordings = {camera.name: recording for camera, recording in self.recordings.items()}
@@ -157,10 +157,10 @@ class Results:
         if not kept:
             forget_tables(self._folder)
         self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
-        if network is not None:
+        if network is not None and tables:
             sources = {camera.name: camera.shown for camera in job.cameras}
-            tables, missing = write_tables(self._folder, network, recordings, sources)
-            self.network_files += tables
+            written, missing = write_tables(self._folder, network, recordings, sources)
+            self.network_files += written
             warnings += missing
         return warnings
 

@@ -21,13 +21,41 @@ from ..network.result import Network
 from ..network.saved import as_dict, network_from
 from ..recording import Recording
 from ..sources.picture_taking import MOST
-from .inputs import CameraInput, PairOptions, RecordOptions
+from .inputs import CameraInput, Job, Pair, PairOptions, RecordOptions
+from .stages import CLOCKS
 
-__all__ = ["are_clocks", "checked_calibration", "checked_clocks", "checked_network", "checked_recording"]
+__all__ = [
+    "are_clocks",
+    "checked",
+    "checked_calibration",
+    "checked_clocks",
+    "checked_network",
+    "checked_recording",
+]
 
 MOST_PICTURES = 2 * MOST
 MARGIN = 2
 """Pixels that a point may lie outside of its image."""
+
+
+def checked(
+    value: Any, of: CameraInput | Pair | str, job: Job, recordings: Mapping[CameraInput, Recording]
+) -> Any:
+    """Return what a task returned, if it can be what was asked for.
+
+    Raises
+    ------
+    EpibarError
+        It cannot.
+    """
+    if isinstance(of, CameraInput):
+        return checked_recording(value, of, job.record)
+    if isinstance(of, tuple):
+        return checked_calibration(value, recordings[of[0]], recordings[of[1]], job.pair)
+    if of == CLOCKS:
+        return checked_clocks(value, len(recordings))
+    in_order = {one.name: recordings[one] for one in job.cameras if one in recordings}
+    return checked_network(value, in_order)
 
 
 def _taken_apart(value: Any, kind: type, what: str) -> tuple[Any, float]:

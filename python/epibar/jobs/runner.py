@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
+from contextlib import suppress
 from typing import Any
 
 from ..calibration import Calibration
@@ -31,8 +32,8 @@ from .network_stage import (
     why_no_network,
 )
 from .results import Results
-from .returned import checked_calibration, checked_clocks, checked_network, checked_recording
-from .stages import CLOCKS, MATCHING, NETWORK, RECORDING, STAGES, Task
+from .returned import checked
+from .stages import CLOCKS, MATCHING, NETWORK, RECORDING, STAGES, Stopped, Task
 from .store import Store
 from .tasks import calibrate_pair, record_camera
 from .watch import Watch
@@ -43,10 +44,6 @@ TICK = 0.25
 """Seconds between two looks at how far the tasks are."""
 
 Progress = Callable[[str, float], None]
-
-
-class _Stopped(EpibarError):
-    """No task runs any more."""
 
 
 class Runner:
@@ -119,19 +116,31 @@ class Runner:
             while self._running or self._next_stage():
                 done, _ = wait(self._running, timeout=TICK, return_when=FIRST_COMPLETED)
                 for future in done:
-                    self._take(self._running.pop(future), future)
+                    self._take(self._running[future], future)
+                    del self._running[future]  # only now: an interruption in between loses nothing
                 self._hand_over()
                 self._tell()
                 self.results.write_now_and_then()
         except BaseException:
-            for future in self._running:
-                future.cancel()
+            self._keep_finished()
             if self._reused:  # what an earlier run wrote is not replaced by less
                 self.results.write()
             raise
         self.results.write()
         if self._bug is not None:
             raise self._bug
+
+    def _keep_finished(self) -> None:
+        """Keep what tasks have returned and nobody took yet; recordings first, which took longest."""
+        recordings_first = sorted(self._running.items(), key=lambda item: STAGES.index(item[1].stage))
+        for future, task in recordings_first:
+            started = not future.cancel()
+            if started and future.done() and (task.stage == NETWORK or not task.kept):
+                with suppress(Exception):  # what ended the run is told
+                    found = self._kept_return(task, future)
+                    if task.stage == NETWORK:
+                        self.results.network = found
+                        self.results.write_network(self._network_key, tables=False)
 
     def _reuse(self) -> None:
         """Take what an earlier run kept; queue the other cameras."""
@@ -208,8 +217,7 @@ class Runner:
                 return True
             wanted = self._job.pair.time_offset == "auto" or no_network is None
             if wanted and len(films) > 1:
-                key = self._clocks_key(cameras)
-                kept = None if self._job.fresh else self._store.clocks(key, len(cameras))
+                kept = None if self._job.fresh else self._store.clocks(self._clocks_key(), len(cameras))
                 if kept is None:
                     self._total[CLOCKS] = 1
                     self._submit(Task(CLOCKS), find_clocks, self._job.pair.search_seconds, *films)
@@ -223,8 +231,9 @@ class Runner:
             self._joined(None, no_network or self._no_clocks)
         return bool(self._running)
 
-    def _clocks_key(self, cameras: Sequence[CameraInput]) -> str | None:
-        return clocks_key([self._keys[camera] for camera in cameras], self._job.pair.search_seconds)
+    def _clocks_key(self) -> str | None:
+        keys = [self._keys[camera] for camera in self._recorded_cameras]
+        return clocks_key(keys, self._job.pair.search_seconds)
 
     def _clocks_found(self, offsets: ClockOffsets) -> None:
         """Take the offsets of all clocks, and start the pairs that waited for them."""
@@ -288,49 +297,50 @@ class Runner:
         try:
             self._running[self._executor.submit(function, *arguments)] = task
         except RuntimeError as error:  # it is broken, or was shut down
-            raise self._stopped(error) from error
+            raise Stopped(error, self._job.out) from error
 
     def _take(self, task: Task, future: Future[Any]) -> None:
         """Take what a task returned or raised."""
         self._done[task.stage] += 1
         try:
-            returned = future.result()
-            if isinstance(task.of, CameraInput):
-                value, seconds = checked_recording(returned, task.of, self._job.record)
-                if not task.of.is_saved(self._job.record):
-                    self._keep(self._store.keep_recording, task.of.name, self._keys[task.of], value, seconds)
-                self._recorded(task.of, value, seconds)
-            elif isinstance(task.of, tuple):
-                a, b = (self.results.recordings[camera] for camera in task.of)
-                self._calibrated(task.of, *checked_calibration(returned, a, b, self._job.pair), kept=False)
-            else:
-                self._take_stage(task.of, returned)
-        except _Stopped:
+            self._go_on(task.of, self._kept_return(task, future))
+        except Stopped:
             raise
         except EpibarError as error:
             self._failed(task.of, str(error))
         except (CancelledError, BrokenExecutor) as error:
-            raise self._stopped(error) from error
+            raise Stopped(error, self._job.out) from error
         except Exception as error:  # a bug: raised at the end, when the rest is done
             self._bug = self._bug or error
             self._failed(task.of, f"{type(error).__name__}: {without_secrets(str(error))}")
 
-    def _take_stage(self, stage: str, returned: Any) -> None:
-        """Take what the only task of a stage returned."""
-        cameras = self._recorded_cameras
-        if stage == CLOCKS:
-            offsets = checked_clocks(returned, len(cameras))
-            self._keep(self._store.keep_clocks, self._clocks_key(cameras), offsets)
-            self._clocks_found(offsets)
-        else:
-            recordings = {camera.name: self.results.recordings[camera] for camera in cameras}
-            self._joined(checked_network(returned, recordings), None)
+    def _kept_return(self, task: Task, future: Future[Any]) -> Any:
+        """Check what a task returned, and keep it for the next run."""
+        of = task.of
+        found = checked(future.result(), of, self._job, self.results.recordings)
+        if isinstance(of, CameraInput):
+            if not of.is_saved(self._job.record):
+                self._keep(self._store.keep_recording, of.name, self._keys[of], *found)
+        elif isinstance(of, tuple):
+            # In this order a picture of an older calibration never stands beside a newer one.
+            self.results.forget(self._stem(of))
+            self._keep(self._store.keep_pair, self._stem(of), self._pair_key(of), *found)
+        elif of == CLOCKS:
+            self._keep(self._store.keep_clocks, self._clocks_key(), found)
+        task.kept = True
+        return found
 
-    def _stopped(self, error: Exception) -> _Stopped:
-        return _Stopped(
-            f"what runs the tasks has stopped ({str(error) or type(error).__name__}); what was finished is "
-            f"kept in {self._job.out}, and the same run started again goes on from there"
-        )
+    def _go_on(self, of: CameraInput | Pair | str, found: Any) -> None:
+        """Use what a task returned."""
+        if isinstance(of, CameraInput):
+            self._recorded(of, *found)
+        elif isinstance(of, tuple):
+            calibration, seconds = found
+            self._calibrated(of, calibration, seconds, kept=False)
+        elif of == CLOCKS:
+            self._clocks_found(found)
+        else:
+            self._joined(found, None)
 
     def _recorded(self, camera: CameraInput, recording: Recording, seconds: float | None) -> None:
         """Take a recording, made just now or kept, and go on to the pairs that waited for it."""
@@ -354,12 +364,7 @@ class Runner:
             self._submit(Task(pair), calibrate_pair, a, b, self._options(pair))
 
     def _calibrated(self, pair: Pair, calibration: Calibration, seconds: float, kept: bool) -> None:
-        stem = self._stem(pair)
-        if not kept:
-            # In this order a picture of an older calibration never stands beside a newer one.
-            self.results.forget(stem)
-            self._keep(self._store.keep_pair, stem, self._pair_key(pair), calibration, seconds)
-        self.results.add(pair, stem, calibration, seconds)
+        self.results.add(pair, self._stem(pair), calibration, seconds)
         self._watch.calibrated(pair[0].name, pair[1].name, calibration, None if kept else seconds)
 
     def _keep(self, write: Callable[..., None], *arguments: Any) -> None:
