@@ -13,7 +13,7 @@
 //! * `settle`, `relocate`, `solve`: tangents found anew and the joint problem in turns; cameras tried elsewhere; from pairs to networks.
 //! * `support`: what speaks for each camera on moments kept aside.
 //! * `principal`: how far principal points are from the middle.
-//! * `covariance`: errors to expect.
+//! * `covariance`, `outlines`: errors to expect; by how much outlines of each camera are wrong.
 //! * `world`: floor, vertical and unit.
 //! * `verdict`, `thresholds`, `prose`: what is said of each camera; the numbers that decide; sentences.
 //! * `result`: what comes out.
