@@ -7,7 +7,6 @@ too; both with a robust loss.
 
 from __future__ import annotations
 
-import os
 import tempfile
 from argparse import ArgumentParser, Namespace
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -19,7 +18,7 @@ from typing import Any
 import numpy as np
 from fresh_seeds import networks_asked_for
 from networks import start_worker
-from options import natural, numbers
+from options import add_networks
 from tables import progress
 
 WAYS = {"poses": False, "poses and focal lengths": True}
@@ -196,9 +195,5 @@ if __name__ == "__main__":
     parser.add_argument(
         "--run", type=Path, metavar="DIR", help="what 'epibar demo' wrote, instead of networks"
     )
-    parser.add_argument("--families", default="network_plain,network", help="of made-up networks of walkers")
-    parser.add_argument("--networks", type=natural, default=3, help="of each family (default %(default)s)")
-    parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
-    parser.add_argument("--lines", type=natural, default=20_000, help="per camera (default %(default)s)")
-    parser.add_argument("--workers", type=natural, default=os.cpu_count() or 1)
+    add_networks(parser, "network_plain,network", 3)
     main(parser.parse_args())

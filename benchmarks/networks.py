@@ -17,14 +17,9 @@ from typing import Any
 
 import numpy as np
 from fresh_seeds import networks_asked_for
-from options import natural, numbers
+from options import add_networks
 from tables import progress
 
-FAMILIES = (
-    *("network", "network_plain", "network_off_centre", "network_large"),
-    *("network_stranger", "network_reversed", "network_shifted", "network_knocked", "network_split"),
-    "network_false_pair",
-)
 WRONG = (3.0, 1.0)
 """An accepted camera is wrong beyond so many times its stated rotation error, and so many degrees."""
 
@@ -154,10 +149,6 @@ def main(arguments: Namespace) -> None:
 
 if __name__ == "__main__":
     parser = ArgumentParser(description=__doc__)
-    parser.add_argument("--families", default="network", help="some of: " + ",".join(FAMILIES))
-    parser.add_argument("--networks", type=natural, default=10, help="of each family (default %(default)s)")
-    parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
-    parser.add_argument("--lines", type=natural, default=20_000, help="per camera (default %(default)s)")
-    parser.add_argument("--workers", type=natural, default=os.cpu_count() or 1)
+    add_networks(parser, "network", 10)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every outcome there too")
     main(parser.parse_args())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from argparse import ArgumentParser, ArgumentTypeError
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -13,6 +14,13 @@ METHODS: dict[str, tuple[Method, ...]] = {
     "lines": ("lines",),
     "both": ("lines", "frontier"),
 }
+
+NETWORKS = (
+    *("network", "network_plain", "network_off_centre", "network_large"),
+    *("network_stranger", "network_reversed", "network_shifted", "network_knocked", "network_split"),
+    "network_false_pair",
+)
+"""Families of made-up networks of unknown cameras."""
 
 
 def numbers(text: str) -> list[int]:
@@ -95,3 +103,14 @@ def add_first_pairs(parser: ArgumentParser) -> None:
 def add_method(parser: ArgumentParser) -> None:
     """Add ``--method``, which may be both."""
     parser.add_argument("--method", choices=METHODS, default="frontier", help="default: %(default)s")
+
+
+def add_networks(parser: ArgumentParser, families: str, networks: int) -> None:
+    """Add the options of programs that draw networks, as ``fresh_seeds.networks_asked_for`` reads them."""
+    parser.add_argument(
+        "--families", default=families, help="some of: " + ",".join(NETWORKS) + " (default %(default)s)"
+    )
+    parser.add_argument("--networks", type=natural, default=networks, help="of each (default %(default)s)")
+    parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
+    parser.add_argument("--lines", type=natural, default=20_000, help="per camera (default %(default)s)")
+    parser.add_argument("--workers", type=natural, default=os.cpu_count() or 1)

@@ -6,7 +6,6 @@ the middle of the body on the floor; a foot that steps is off it by up to 40 cm.
 
 from __future__ import annotations
 
-import os
 import time
 from argparse import ArgumentParser, Namespace
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 from fresh_seeds import networks_asked_for
 from networks import start_worker
-from options import natural, numbers
+from options import add_networks
 from tables import progress
 
 NEAR = 0.5
@@ -207,9 +206,5 @@ def main(arguments: Namespace) -> None:
 
 if __name__ == "__main__":
     parser = ArgumentParser(description=__doc__)
-    parser.add_argument("--families", default="network_plain,network", help="of made-up networks of walkers")
-    parser.add_argument("--networks", type=natural, default=3, help="of each family (default %(default)s)")
-    parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
-    parser.add_argument("--lines", type=natural, default=20_000, help="per camera (default %(default)s)")
-    parser.add_argument("--workers", type=natural, default=os.cpu_count() or 1)
+    add_networks(parser, "network_plain,network", 3)
     main(parser.parse_args())

@@ -151,7 +151,9 @@ def _followed(folder: Path, run: Run, network: Network, console: Console) -> Wal
     if height_on_floor(network) is None:
         return None
     names = []
-    for name in (name for name, camera in network.cameras.items() if camera.accepted):
+    for name, camera in network.cameras.items():
+        if not camera.accepted:
+            continue
         kinds = {pair.kind for pair in run.pairs if name in (pair.a, pair.b)}
         if kinds == {MOVED_KIND}:
             console.warning(f"without walkers in {name}, which moved after it was recorded")

@@ -252,8 +252,7 @@ def _own_threads() -> Iterator[tuple[Executor, Callable[[Progress], Progress]]]:
         yield executor, reporting
     except BaseException:
         stop.set()
-        executor.shutdown(
-            wait=False, cancel_futures=True
-        )  # they write nothing, and nobody takes what they return
+        # Threads that go on write nothing, and nobody takes what they return.
+        executor.shutdown(wait=False, cancel_futures=True)
         raise
     executor.shutdown()

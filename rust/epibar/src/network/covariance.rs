@@ -3,14 +3,15 @@
 //!
 //! With the normal matrix `H` at the solution and the gradients `g` of blocks of time the covariance of the unknowns is
 //! `H⁻¹ (Σ g gᵀ + P) H⁻¹`, the sandwich estimator clustered in time (White 1982; Liang and Zeger 1986), with weights and loss
-//! those of the fit; blocks in space, and errors that outlines of one part of an image share, are added to it; `P` is what the beliefs scatter by themselves. Where the whole stands in the world nothing says: that is
+//! those of the fit; blocks in space, and errors that outlines of one part of an image share, are added to it; `P` is what the
+//! beliefs scatter by themselves. Where the whole stands in the world nothing says: that is
 //! taken out by the similarity that fits best, so that a camera's error is what is left after the networks have been laid
 //! over one another.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION};
-use super::joint::{PairMeetings, Problem};
+use super::joint::{PairMeetings, Problem, weight};
 use super::residual::{Meeting, Pair, Row};
 
 /// Blocks of time whose tangents share errors, seconds.
@@ -42,7 +43,7 @@ fn gathered<const N: usize>(
         let geometry = Pair::new(&cameras[pair.a], &cameras[pair.b]);
         for m in &pair.meetings {
             let Some((r, row)) = geometry.row(m) else { continue };
-            let weight = m.weight * problem.loss(Some(r), pair.coarseness).1;
+            let weight = m.weight * weight(r, problem.scale, pair.coarseness);
             for (group, factor) in groups(number, m, r, &row) {
                 for k in 0..2 * PARAMETERS {
                     let camera = if k < PARAMETERS { pair.a } else { pair.b };

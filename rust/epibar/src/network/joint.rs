@@ -150,11 +150,12 @@ impl Problem<'_> {
         of_pairs.iter().sum::<f64>() + prior
     }
 
-    /// Cauchy loss `½ s² ln(1 + r²/(c s)²)` and its weight `1 / (c² + r²/s²)`, with `c` the coarseness of the pair.
+    /// Cauchy loss `½ s² ln(1 + r²/(c s)²)` and its [`weight`], with `c` the coarseness of the pair.
     pub(super) fn loss(&self, residual: Option<f64>, coarseness: f64) -> (f64, f64) {
         let scale = coarseness * self.scale;
-        let q = 1.0 + (residual.unwrap_or(LOST * scale) / scale).powi(2);
-        (0.5 * self.scale * self.scale * q.ln(), 1.0 / (q * coarseness * coarseness))
+        let residual = residual.unwrap_or(LOST * scale);
+        let q = 1.0 + (residual / scale).powi(2);
+        (0.5 * self.scale * self.scale * q.ln(), weight(residual, self.scale, coarseness))
     }
 
     /// Linearised about some cameras, over the active parameters.
@@ -289,6 +290,11 @@ impl Problem<'_> {
         }
         (at, now.cost)
     }
+}
+
+/// Weight of a residual under the Cauchy loss, `1 / (c² + r²/s²)`, with `c` the coarseness of its pair.
+pub(super) fn weight(residual: f64, scale: f64, coarseness: f64) -> f64 {
+    1.0 / (coarseness * coarseness + (residual / scale).powi(2))
 }
 
 /// A residual of what is known before: its value, what it counts, and its derivatives.

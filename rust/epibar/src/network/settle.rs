@@ -5,7 +5,7 @@
 //! itself, so that fixed points have the right derivative (envelope theorem).
 
 use super::camera::Camera;
-use super::joint::{Beliefs, PairMeetings, Problem, standing};
+use super::joint::{Beliefs, PairMeetings, Problem, standing, weight};
 use super::median::deviation;
 use super::residual::Pair;
 use super::survey::Survey;
@@ -96,8 +96,10 @@ pub fn settle(
         for p in &mut found {
             p.coarseness = coarseness_of(&at, p, scale);
         }
+        // Those of a pair that is missing begin anew; what is there stands in the order of `pairs`.
+        let mut there = found.iter().peekable();
         for (pair, coarseness) in pairs.iter().zip(&mut coarseness) {
-            *coarseness = found.iter().find(|p| (p.a, p.b) == *pair).map_or(1.0, |p| p.coarseness);
+            *coarseness = there.next_if(|p| (p.a, p.b) == *pair).map_or(1.0, |p| p.coarseness);
         }
         prior_weight = weight_of_prior(&at, &found, scale);
         let problem = Problem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
@@ -123,20 +125,19 @@ fn coarseness_of(cameras: &[Camera], p: &PairMeetings, scale: f64) -> f64 {
 /// What a standard deviation of a prior is worth, in the unit of the cost of the tangents: so much as [`DEPENDENT`] of
 /// them, by the variance of a robust estimate, `E ψ² / E w` with `ψ` the influence and `w` the weight of a residual.
 fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f64 {
-    let (mut influence, mut weight, mut surprise, mut count) = (0.0, 0.0, 0.0, 0.0);
+    let (mut influence, mut sum, mut surprise, mut count) = (0.0, 0.0, 0.0, 0.0);
     for p in pairs {
         let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
         for m in &p.meetings {
             let Some(r) = pair.residual(m) else { continue };
-            let w = 1.0 / (1.0 + (r / (p.coarseness * scale)).powi(2)) / p.coarseness.powi(2);
+            let w = weight(r, scale, p.coarseness);
             influence += (w * r).powi(2);
-            weight += w;
+            sum += w;
             surprise += m.weight;
             count += 1.0;
         }
     }
-    DEPENDENT * surprise / f64::max(count, 1.0)
-        * (influence / f64::max(weight, 1e-9)).max(LEAST_SCATTER.powi(2))
+    DEPENDENT * surprise / f64::max(count, 1.0) * (influence / f64::max(sum, 1e-9)).max(LEAST_SCATTER.powi(2))
 }
 
 /// Robust standard deviation of all residuals, pixels; NaN of none.

@@ -8,8 +8,9 @@ use super::verdict::{Kind, Verdict};
 /// An offset chosen among many fits by chance as well as the best of so many: the normal deviate is what is left
 /// of it when the chance is multiplied by their number, `exp(−z²/2) · trials`. An accepted geometry may fall by that.
 pub fn account_for_trials(trials: usize, evidence: &mut Evidence, verdict: &mut Verdict) {
+    let falls = falls_for(trials, evidence);
     evidence.z = left(evidence.z, trials);
-    if verdict.accepted() && !reaches(evidence.z, MIN_Z) {
+    if verdict.accepted() && falls {
         *verdict = Verdict::new(Kind::NoCommonScene, prose::faint_for_trials(evidence.z, trials));
     }
 }
