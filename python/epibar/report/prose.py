@@ -15,6 +15,7 @@ TITLES = {
     "no_common_scene": "No common scene",
     "undetermined": "Geometry undetermined",
     "ambiguous": "Ambiguous",
+    "moved": "A camera moved",
     "inaccurate": "Not accurate enough",
 }
 
@@ -40,6 +41,11 @@ ADVICE = {
         "Film other motion, in more of the room and in more directions: the rivals below explain this one as "
         "well.",
         "If all cameras are the right way up, do not use `--any-way-up`.",
+    ],
+    "moved": [
+        "Look at the videos: when was a camera touched? Calibrate the time before and the time after by "
+        "themselves (`--frames`).",
+        "If no camera moved, the views stop showing the same things at some moment: film what both see.",
     ],
     "inaccurate": [
         "Film longer, or give better masks: ragged outlines are the usual cause.",

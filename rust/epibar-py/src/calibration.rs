@@ -247,6 +247,8 @@ impl Calibration {
             ("tested_distance", e.tested_distance),
             ("plane_residual", e.plane_residual),
             ("may_turn", e.may_turn),
+            ("holds", e.holds),
+            ("repeats", e.repeats),
             ("essential_deviation", e.essential_deviation),
         ] {
             if !value.is_nan() {

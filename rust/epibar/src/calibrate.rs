@@ -211,6 +211,8 @@ impl Seen {
             busy_views: &self.busy,
             fitted_views: &self.fitted,
             split: &pair.split,
+            recordings: [pair.aligned.a(), pair.aligned.b()],
+            common: &pair.common,
             found,
             max_expected_error: pair.options.max_expected_error,
             frame_rate: pair.aligned.a().frame_rate(),

@@ -88,6 +88,8 @@ fn evidence(e: &Evidence) -> Value {
         ("tested_distance", e.tested_distance),
         ("plane_residual", e.plane_residual),
         ("may_turn", e.may_turn),
+        ("holds", e.holds),
+        ("repeats", e.repeats),
         ("essential_deviation", e.essential_deviation),
     ];
     let where_known = where_known.into_iter().filter(|(_, value)| !value.is_nan());
@@ -189,6 +191,8 @@ pub(super) fn read(text: &str) -> Result<Calibration> {
         tested_distance: where_known("tested_distance")?,
         plane_residual: where_known("plane_residual")?,
         may_turn: where_known("may_turn")?,
+        holds: where_known("holds")?,
+        repeats: where_known("repeats")?,
         essential_deviation: where_known("essential_deviation")?,
     };
     let rivals = header.get("rivals")?;

@@ -7,8 +7,9 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    CLEAN_RADIUS, FLAT, FLAT_BEYOND, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z,
-    MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, RIVAL_Z, SAME, reaches, within,
+    CLEAN_RADIUS, FLAT, FLAT_BEYOND, HOLDS, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED,
+    MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, REPEATS, RIVAL_Z, SAME,
+    reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -17,12 +18,14 @@ use crate::frontier::TangentMatch;
 type Test = fn(&Findings) -> Option<Verdict>;
 
 /// The tests by name, in their order.
-pub const TESTS: [(&str, Test); 11] = [
+pub const TESTS: [(&str, Test); 13] = [
     ("stands out against shifted clocks", stands_out),
     ("explains enough of the tangents", explains_enough),
     ("supported by tops and by bottoms", both_classes),
     ("whole silhouettes meet", whole_silhouettes),
     ("matched at enough places", enough_places),
+    ("does not repeat itself", does_not_repeat),
+    ("holds throughout", holds_throughout),
     ("has more depth than outlines are off", depth_beyond_outlines),
     ("may not turn about a plane", may_not_turn),
     ("known beyond the motion", known_beyond_motion),
@@ -67,6 +70,16 @@ fn whole_silhouettes(f: &Findings) -> Option<Verdict> {
 fn enough_places(f: &Findings) -> Option<Verdict> {
     let places = places(f.matches, PLACE * f.scale);
     unless(places >= MIN_PLACES, Kind::Undetermined, || prose::few_places(places))
+}
+
+fn does_not_repeat(f: &Findings) -> Option<Verdict> {
+    let repeats = f.evidence.repeats;
+    unless(!repeats.is_nan() && repeats < REPEATS, Kind::Ambiguous, || prose::repeats(repeats))
+}
+
+fn holds_throughout(f: &Findings) -> Option<Verdict> {
+    let holds = f.evidence.holds;
+    unless(reaches(holds, HOLDS), Kind::Moved, || prose::moved(holds))
 }
 
 fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
@@ -145,6 +158,8 @@ mod tests {
         tested_distance: 0.1,
         plane_residual: 4.0,
         may_turn: 0.0,
+        holds: 0.9,
+        repeats: 0.1,
         on_all_frames: false,
         essential_deviation: f64::NAN,
     };
@@ -170,6 +185,9 @@ mod tests {
         let walk: Vec<_> = (0..90).map(|k| matched(k, [f64::from(k) * 9.0, 7.0], [9.0, 9.0])).collect();
         let kind = |findings: &Findings| decide(findings).kind;
         assert_eq!(kind(&findings(&GOOD, &walk)), Kind::Accepted);
+        let reason = |evidence| decide(&findings(evidence, &walk)).reason;
+        assert!(!reason(&GOOD).contains("half of an image"));
+        assert!(reason(&Evidence { may_turn: 5.2, ..GOOD }).contains("in half of an image, beyond it, 5 px"));
         for (evidence, expected) in [
             (Evidence { z: 4.9, explained: 0.1, ..GOOD }, Kind::NoCommonScene),
             (Evidence { explained: 0.1, z_tops: 0.0, ..GOOD }, Kind::NoCommonScene),
@@ -178,6 +196,8 @@ mod tests {
             (Evidence { explained_tops: 0.01, ..GOOD }, Kind::Undetermined),
             (Evidence { z_whole: 0.4, ..GOOD }, Kind::Undetermined),
             (Evidence { may_turn: 8.1, ..GOOD }, Kind::Undetermined),
+            (Evidence { repeats: 0.5, ..GOOD }, Kind::Ambiguous),
+            (Evidence { holds: 0.1, ..GOOD }, Kind::Moved),
             (Evidence { tested_distance: 3.1, ..GOOD }, Kind::Ambiguous),
             (Evidence { plane_residual: 0.5, ..GOOD }, Kind::Accepted),
         ] {
@@ -225,6 +245,8 @@ mod tests {
             Evidence { explained_bottoms: unknown, ..GOOD },
             Evidence { tested_distance: unknown, ..GOOD },
             Evidence { may_turn: unknown, ..GOOD },
+            Evidence { holds: unknown, ..GOOD },
+            Evidence { repeats: unknown, ..GOOD },
         ] {
             assert!(refused(&findings(&evidence, &walk)), "{evidence:?}");
         }

@@ -37,6 +37,12 @@ pub struct Evidence {
     /// image of the symmetric epipolar distance, pixels. 0 where it may not, or they keep to no plane; NaN where that was not
     /// asked.
     pub may_turn: f64,
+    /// The evidence of a tangent before some moment as a share of that after it, or the other way about, the least that any moment
+    /// gives; NaN where that was not asked.
+    pub holds: f64,
+    /// How much both cameras' barcodes resemble those of a later moment at which others are in the places, a correlation; NaN
+    /// where that was not asked.
+    pub repeats: f64,
     /// `(s₁ − s₂) / (s₁ + s₂)` of the singular values of `K_bᵀ F K_a`, 0 for an essential matrix; NaN where the camera
     /// matrices are not known.
     pub essential_deviation: f64,
@@ -59,6 +65,8 @@ impl Default for Evidence {
             tested_distance: f64::NAN,
             plane_residual: f64::NAN,
             may_turn: f64::NAN,
+            holds: f64::NAN,
+            repeats: f64::NAN,
             essential_deviation: f64::NAN,
         }
     }

@@ -1,7 +1,8 @@
 //! Is it true, and how far off may it be?
 //!
 //! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
-//! gives; [`planarity`] asks whether one plane explains everything and [`turning`] what is known off it, [`mod@rivals`] whether another
+//! gives; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
+//! agree, [`planarity`] whether one plane explains everything and [`turning`] what is known off it, [`mod@rivals`] whether another
 //! geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
 //! [`trials`] takes account of a searched offset.
@@ -15,10 +16,12 @@ mod findings;
 mod over_image;
 pub mod planarity;
 mod prose;
+mod repetition;
 pub mod rivals;
 pub mod shift_curve;
 pub mod split;
 pub mod thresholds;
+mod throughout;
 pub mod trials;
 pub mod turning;
 pub mod verdict;
@@ -33,6 +36,7 @@ use crate::frontier::matches::robust_deviation;
 use crate::frontier::volume::{Correspondence, disagreement, moving_correspondences};
 use crate::frontier::{TangentMatch, Views, compare};
 use crate::geometry::{Fundamental, SevenParameters};
+use crate::recording::{FramePair, Recording};
 use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
 use crate::search::Found;
@@ -40,12 +44,14 @@ use covariance::{covariance, expected_error, with_prior};
 use decide::decide;
 use findings::Findings;
 use planarity::plane_residual;
+use repetition::repeats;
 use rivals::{Winner, rivals};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
     CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z, NEIGHBOUR,
     NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, reaches, within,
 };
+use throughout::holds;
 use turning::may_turn;
 
 /// Correspondences of the volume where things moved.
@@ -63,6 +69,10 @@ pub struct Case<'a> {
     pub fitted_views: &'a Views,
     /// Which frames are which.
     pub split: &'a Split,
+    /// What the views are of.
+    pub recordings: [&'a Recording; 2],
+    /// The frames of either that are common.
+    pub common: &'a [FramePair],
     /// The winner, what is tested, and the rivals.
     pub found: &'a Found,
     /// A larger expected error is refused, pixels.
@@ -112,6 +122,8 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
     // Where nothing stands out that is the verdict.
     if reaches(evidence.z, MIN_Z) {
         evidence.may_turn = may_turn(views, &winner, &matches, evidence.plane_residual);
+        evidence.holds = holds(case.busy_views, fundamental, best_radius);
+        evidence.repeats = repeats(case.recordings, case.common);
     }
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));

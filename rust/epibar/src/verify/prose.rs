@@ -1,5 +1,7 @@
 //! The sentences of verdicts.
 
+use std::fmt::Write;
+
 use super::findings::Findings;
 use super::rivals::Rival;
 use super::thresholds::{MIN_Z, SOME_Z};
@@ -15,7 +17,7 @@ fn not_rounded_up(z: f64) -> f64 {
 }
 
 pub(super) fn accepted(f: &Findings) -> String {
-    format!(
+    let mut accepted = format!(
         "{} matched outline points, {:.0} % of all, agree to {:.1} px; on frames kept aside the \
          geometry stands {:.0} standard deviations above chance, and the expected error is {:.2} px.",
         f.matches.len(),
@@ -23,7 +25,15 @@ pub(super) fn accepted(f: &Findings) -> String {
         f.radius,
         f.evidence.z,
         f.expected_error,
-    )
+    );
+    let beyond = f.evidence.may_turn.max(f.beyond_motion);
+    if beyond > f.max_expected_error {
+        let _ = write!(
+            accepted,
+            " That holds where things moved; in half of an image, beyond it, {beyond:.0} px are possible."
+        );
+    }
+    accepted
 }
 
 pub(super) fn faint(z: f64) -> String {
@@ -73,6 +83,28 @@ pub(super) fn few_places(places: usize) -> String {
     format!(
         "The motion leaves the geometry undetermined: whatever moves does so at the same {places} places, and many \
          geometries fit so few."
+    )
+}
+
+pub(super) fn repeats(repeats: f64) -> String {
+    if repeats.is_nan() {
+        return unmeasured();
+    }
+    format!(
+        "What moves repeats itself with others in the places ({:.0} % alike), as a column in step or a carousel does; the geometry \
+         that takes each for its neighbour explains as much.",
+        100.0 * repeats
+    )
+}
+
+pub(super) fn moved(holds: f64) -> String {
+    if holds.is_nan() {
+        return unmeasured();
+    }
+    format!(
+        "The geometry holds in one part of the recording only: in the other the outlines agree {:.0} % as well, as if a camera had \
+         been moved in between. Calibrate the parts by themselves.",
+        100.0 * holds
     )
 }
 

@@ -60,20 +60,22 @@ pub fn stay(a: &Recording, b: &Recording, common: &[FramePair]) -> usize {
     stay_in(a, &frames_a).max(stay_in(b, &frames_b))
 }
 
-fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
+/// Barcodes of some lines on which things move, over some frames.
+pub(super) fn moving_lines(recording: &Recording, frames: &[u32]) -> Barcodes {
     let barcodes = &recording.barcodes;
-    let thinned: Vec<u32> = {
-        let rows = barcodes.informative(&Informative::default());
-        let step = rows.len().div_ceil(LINES).max(1);
-        rows.into_iter().step_by(step).collect()
-    };
-    let barcodes = barcodes.select_rows(&thinned).select_frames(frames);
+    let rows = barcodes.informative(&Informative::default());
+    let step = rows.len().div_ceil(LINES).max(1);
+    barcodes.select_rows(&rows.into_iter().step_by(step).collect::<Vec<_>>()).select_frames(frames)
+}
+
+fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
+    let barcodes = moving_lines(recording, frames);
     let most = frames.len() / 2;
     (1..most).find(|&lag| autocorrelation(&barcodes, lag) < LEFT).unwrap_or(most)
 }
 
 /// Correlation of all barcodes with themselves `lag` frames later, about the mean of each; 0 where nothing changes.
-fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
+pub(super) fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
     let n = (barcodes.frames - lag) as f64;
     let (mut covariance, mut variance) = (0.0, 0.0);
     for i in 0..barcodes.count {

@@ -73,6 +73,16 @@ pub const SAME: f64 = 0.5;
 /// was seen with this share of it.
 pub const MIRROR_SHARE: f64 = 0.65;
 
+/// What repeats itself with others in the places resembles its past at least so much in both cameras: columns and carousels by 0.47 to
+/// 0.98, all else by at most 0.28.
+pub const REPEATS: f64 = 0.4;
+/// A geometry that holds throughout has at least this share of its evidence, by what could meet, on either side of any moment.
+pub const HOLDS: f64 = 0.15;
+/// Nothing is said of that where the evidence on the better side is less than this many tangents.
+pub const HOLDS_CLEAR: f64 = 60.0;
+/// Nor where on one side less than this share is seen of what is seen on the other.
+pub const HOLDS_SHOWS: f64 = 0.2;
+
 /// Shifts of the clocks that say what is chance.
 pub const SHIFTS: usize = 60;
 /// Fewest shifts from which a deviation is taken.

@@ -14,6 +14,8 @@ pub enum Kind {
     Undetermined,
     /// A different geometry scores about as high.
     Ambiguous,
+    /// It holds in one part of the recording only: a camera moved.
+    Moved,
     /// The expected error is above the limit.
     Inaccurate,
 }
@@ -21,12 +23,13 @@ pub enum Kind {
 impl Kind {
     /// Every kind.
     #[cfg(feature = "files")]
-    pub(crate) const ALL: [Self; 6] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::Accepted,
         Self::TooLittleMotion,
         Self::NoCommonScene,
         Self::Undetermined,
         Self::Ambiguous,
+        Self::Moved,
         Self::Inaccurate,
     ];
 
@@ -38,6 +41,7 @@ impl Kind {
             Self::NoCommonScene => "no_common_scene",
             Self::Undetermined => "undetermined",
             Self::Ambiguous => "ambiguous",
+            Self::Moved => "moved",
             Self::Inaccurate => "inaccurate",
         }
     }

@@ -1,0 +1,122 @@
+//! Does what moves look the same again a while later, with others in its place?
+//!
+//! A column of equal people in step, or a carousel of equal seats: moved on by one place it looks the same, so the geometry that
+//! takes each for its neighbour explains everything as well as the true one, in all frames, and no evidence tells the two apart.
+//! Barcodes then correlate with their own past. So they do where the same things come back to their own places, as a pendulum
+//! does; that repeats in time alone, and the geometry is none the worse. The two are told apart by following silhouettes.
+
+use super::split::{autocorrelation, moving_lines};
+use crate::recording::tracker::{Links, Outline};
+use crate::recording::{Barcodes, FramePair, Recording};
+
+/// Common frames of which it is asked.
+const FRAMES: usize = 3000;
+/// Largest time after which it is asked, of that stretch.
+const LATEST: f64 = 0.6;
+/// Barcodes that correlate with their own past by less have left it.
+const LEFT: f64 = 0.2;
+/// The first time after which both cameras' barcodes are as alike as this share of the most alike ones.
+const FIRST: f64 = 0.8;
+/// Moments from which silhouettes are followed.
+const MOMENTS: usize = 200;
+/// Boxes about two silhouettes at one place overlap by this share of their union.
+const SAME_PLACE: f64 = 0.3;
+/// Fewest silhouettes that were followed for as long as it takes.
+const FOLLOWED: usize = 10;
+
+/// How much both cameras' barcodes resemble those of a later moment at which others are in the places: a correlation; 0 where the
+/// same things are.
+pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
+    let first = common.len().saturating_sub(FRAMES) / 2;
+    let common = &common[first..(first + FRAMES).min(common.len())];
+    let frames =
+        [common.iter().map(|p| p.a).collect::<Vec<u32>>(), common.iter().map(|p| p.b).collect::<Vec<u32>>()];
+    let lines: [Barcodes; 2] = [0, 1].map(|k| moving_lines(recordings[k], &frames[k]));
+    let alike = |lag: usize| lines.iter().map(|l| autocorrelation(l, lag)).fold(f64::INFINITY, f64::min);
+    let alike: Vec<f64> = (0..(LATEST * common.len() as f64) as usize).map(alike).collect();
+    let Some(left) = alike.iter().position(|&a| a < LEFT) else { return 0.0 };
+    let most = alike[left..].iter().copied().fold(0.0, f64::max);
+    if most < LEFT {
+        return most;
+    }
+    let Some(lag) = (left..alike.len()).find(|&lag| alike[lag] >= FIRST * most) else { return most };
+    // Up to the top of it.
+    let lag = (lag..alike.len() - 1).find(|&lag| alike[lag + 1] <= alike[lag]).unwrap_or(lag);
+    let mut sums = Followed::default();
+    for (recording, frames) in recordings.into_iter().zip(&frames) {
+        sums.follow(recording, frames, lag);
+    }
+    if sums.come_back >= FOLLOWED.max(sums.elsewhere) { 0.0 } else { most }
+}
+
+/// Silhouettes that were followed.
+#[derive(Debug, Default)]
+struct Followed {
+    /// That came back to where they had been.
+    come_back: usize,
+    /// That are elsewhere.
+    elsewhere: usize,
+}
+
+impl Followed {
+    fn follow(&mut self, recording: &Recording, frames: &[u32], lag: usize) {
+        let (links, silhouettes) = (Links::new(recording), &recording.silhouettes);
+        let starts = frames.len() - lag;
+        for start in (0..starts).step_by(starts.div_ceil(MOMENTS)) {
+            for hull in silhouettes.hulls(frames[start] as usize) {
+                let mut now = Some(hull);
+                for _ in frames[start]..frames[start + lag] {
+                    now = now.and_then(|h| links.next(h));
+                }
+                let Some(now) = now else { continue };
+                let outline =
+                    |hull: usize| Outline::of(silhouettes.hull(hull).iter().map(|p| p.map(f64::from)));
+                if outline(hull).overlap(&outline(now)) >= SAME_PLACE {
+                    self.come_back += 1;
+                } else {
+                    self.elsewhere += 1;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::ImageSize;
+    use crate::recording::{Recorder, RecorderOptions};
+
+    /// Squares of 10 pixels, at so many places in each frame.
+    fn recorded(frames: usize, places: impl Fn(usize) -> Vec<[usize; 2]>) -> Recording {
+        let size = ImageSize::new(160, 80).unwrap();
+        let mut recorder = Recorder::new(size, RecorderOptions::new().lines(800)).unwrap();
+        for frame in 0..frames {
+            let mut mask = vec![0; size.pixels()];
+            for [x, y] in places(frame) {
+                (y..y + 10).for_each(|y| mask[y * 160 + x..y * 160 + x + 10].fill(1));
+            }
+            recorder.push(&mask, frame as f64 / 25.0).unwrap();
+        }
+        recorder.finish().unwrap()
+    }
+
+    fn of(places: impl Fn(usize) -> Vec<[usize; 2]>) -> f64 {
+        let recording = recorded(240, places);
+        let common: Vec<FramePair> = (0..240).map(|i| FramePair { a: i, b: i }).collect();
+        repeats([&recording, &recording], &common)
+    }
+
+    #[test]
+    fn others_in_the_places_are_told_from_the_same_ones() {
+        // A column, each where the one before it was ten frames ago.
+        let column = of(|t| (0..4).map(|k| [(2 * t) % 20 + 20 + 20 * k, 30]).collect());
+        assert!(column > 0.9, "{column}");
+        // One that goes to and fro.
+        let there_and_back = |t: usize| if t % 60 < 30 { 3 * (t % 60) } else { 3 * (60 - t % 60) };
+        assert_eq!(of(|t| vec![[20 + there_and_back(t), 30]]), 0.0);
+        // One that goes where it has not been.
+        let wanders = of(|t| vec![[(t * t / 30) % 140, (t * 7 / 5) % 60]]);
+        assert!(wanders < 0.4, "{wanders}");
+    }
+}
