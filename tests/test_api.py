@@ -113,6 +113,17 @@ def test_same_seed_same_result(recordings, calibration):
     assert again.counts == calibration.counts
 
 
+def test_a_camera_that_is_moved_while_it_films_is_told(scene, recordings):
+    masks = scene.masks(1)
+    masks[280:] = np.roll(masks[280:], 15, axis=1)  # tilted
+    moved = epibar.Recording.from_masks(masks, lines=LINES, seed=1, name="cam2")
+    for pair in ((recordings[0], moved), (moved, recordings[0])):
+        cal = epibar.calibrate(*pair)
+        assert cal.kind == "moved", cal.reason
+        assert cal.evidence["z"] > 5
+        assert "as if a camera had been moved" in cal.reason
+
+
 def test_swapped_cameras_give_the_transposed_matrix(scene, recordings):
     swapped = epibar.calibrate(recordings[1], recordings[0])
     a, b = scene.volume_correspondences(0, 1)

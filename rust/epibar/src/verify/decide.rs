@@ -197,7 +197,7 @@ mod tests {
             (Evidence { z_whole: 0.4, ..GOOD }, Kind::Undetermined),
             (Evidence { may_turn: 8.1, ..GOOD }, Kind::Undetermined),
             (Evidence { repeats: 0.5, ..GOOD }, Kind::Ambiguous),
-            (Evidence { holds: 0.1, ..GOOD }, Kind::Moved),
+            (Evidence { holds: 0.29, ..GOOD }, Kind::Moved),
             (Evidence { tested_distance: 3.1, ..GOOD }, Kind::Ambiguous),
             (Evidence { plane_residual: 0.5, ..GOOD }, Kind::Accepted),
         ] {
