@@ -1,4 +1,4 @@
-"""One camera of a pair is panned or tilted while it films: is it noticed, and how far off is what is accepted?
+"""A camera of a pair is panned or tilted while it films: is it noticed, and how far off is what is accepted?
 
 The masks of camera B are moved on by some pixels from some frame on, which is what a small turn does to them.
 With 0 pixels nothing has moved, and each refusal as ``moved`` is a false one.

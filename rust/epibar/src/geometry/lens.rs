@@ -30,6 +30,22 @@ pub struct Stretch {
     pub s_qk: [f64; 3],
 }
 
+/// The way back of a distance.
+struct Back {
+    /// The distorted distance.
+    rho: f64,
+    /// The undistorted one.
+    r: f64,
+    /// Curvature of the polynomial there.
+    curvature: f64,
+    /// `∂r/∂ρ`.
+    first: f64,
+    /// `r / ρ`.
+    s: f64,
+    /// `∂s/∂ρ`.
+    s1: f64,
+}
+
 /// Newton steps towards a radius; the polynomials of lenses need five.
 const STEPS: usize = 30;
 /// A step after which none is needed.
@@ -101,6 +117,26 @@ impl Lens {
         Some([x * s, y * s])
     }
 
+    /// The way back of a distorted distance that is not about the axis, given by its square.
+    fn back(&self, q: f64) -> Option<Back> {
+        let rho = q.sqrt();
+        let r = if self.is_none() { rho } else { self.radius(rho)? };
+        let [_, slope, curvature] = self.polynomial(r);
+        let first = 1.0 / slope;
+        let s = r / rho;
+        Some(Back { rho, r, curvature, first, s, s1: (first - s) / rho })
+    }
+
+    /// The `s` and `∂s/∂q` of [`Lens::stretch`], alone.
+    pub fn stretch_only(&self, q: f64) -> Option<[f64; 2]> {
+        if q < AXIS {
+            let [k1, k2, _] = self.k;
+            let second = 3.0 * k1 * k1 - k2;
+            return Some([1.0 - k1 * q + second * q * q, -k1 + 2.0 * second * q]);
+        }
+        self.back(q).map(|back| [back.s, back.s1 / (2.0 * back.rho)])
+    }
+
     /// How far a place, given by the square of its distance from the axis, is stretched on the way back.
     pub fn stretch(&self, q: f64) -> Option<Stretch> {
         let [k1, k2, _] = self.k;
@@ -114,13 +150,8 @@ impl Lens {
                 s_qk: [-1.0 + 12.0 * k1 * q, -2.0 * q, 0.0],
             });
         }
-        let rho = q.sqrt();
-        let r = if self.is_none() { rho } else { self.radius(rho)? };
-        let [_, slope, curvature] = self.polynomial(r);
-        let first = 1.0 / slope;
+        let Back { rho, r, curvature, first, s, s1 } = self.back(q)?;
         let second = -curvature * first * first * first;
-        let s = r / rho;
-        let s1 = (first - s) / rho;
         let s2 = (second - 2.0 * s1) / rho;
         let mut found = Stretch {
             s,
@@ -182,6 +213,7 @@ mod tests {
                     let off = (difference - derivative).abs();
                     assert!(off < 1e-5 * (1.0 + derivative.abs()), "{k:?} {q}: {difference} {derivative}");
                 };
+                assert_eq!(Lens { k }.stretch_only(q), Some([found.s, found.s_q]));
                 near((at(k, q + h).s - at(k, q - h).s) / (2.0 * h), found.s_q);
                 near((at(k, q + h).s_q - at(k, q - h).s_q) / (2.0 * h), found.s_qq);
                 for i in 0..3 {

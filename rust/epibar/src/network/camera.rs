@@ -4,8 +4,9 @@
 //! `u = f_x x + c_x`, `v = f_y y + c_y`. Its clock runs `rate` seconds for each of the network's, and shows `offset` at the
 //! network's nought.
 
-use nalgebra::{Matrix2, Matrix3, Rotation3, SVector, Vector2, Vector3};
+use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
+use super::optics::Optics;
 use crate::geometry::lens::Lens;
 use crate::image::ImageSize;
 
@@ -91,17 +92,15 @@ impl Camera {
         -(self.rotation * self.position)
     }
 
-    /// Where a pixel is on the plane `z = 1` before the lens is taken out.
-    fn distorted(&self, [u, v]: [f64; 2]) -> Vector2<f64> {
-        let ([fx, fy], [cx, cy]) = (self.focal(), self.principal);
-        Vector2::new((u - cx) / fx, (v - cy) / fy)
+    /// What its pixels show, made ready for many of them.
+    pub fn optics(&self) -> Optics {
+        Optics { focal: self.focal(), principal: self.principal, lens: self.lens }
     }
 
     /// The direction `(x, y)` of the ray `(x, y, 1)` that is seen at a pixel, in the camera's frame; `None` where the lens
     /// shows nothing.
     pub fn direction(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
-        let p = self.distorted(pixel);
-        self.lens.undistort([p.x, p.y])
+        self.optics().direction(pixel)
     }
 
     /// The ray of a pixel in the world, not of unit length.
@@ -123,37 +122,6 @@ impl Camera {
         // Beyond where the polynomial turns back other directions have the same pixel.
         let back = self.direction(pixel)?;
         ((back[0] - direction[0]).hypot(back[1] - direction[1]) < 1e-6).then_some(pixel)
-    }
-
-    /// The direction of a pixel with its derivatives.
-    pub fn sight(&self, pixel: [f64; 2]) -> Option<Sight> {
-        let (d, [fx, fy]) = (self.distorted(pixel), self.focal());
-        let stretch = self.lens.stretch(d.norm_squared())?;
-        let outer = d * d.transpose();
-        let bend = Matrix2::identity() * stretch.s + outer * (2.0 * stretch.s_q);
-        let scale = Matrix2::new(1.0 / fx, 0.0, 0.0, 1.0 / fy);
-        let jacobian = bend * scale;
-        let mut along = [Vector2::zeros(); INTRINSIC];
-        let mut jacobian_along = [Matrix2::zeros(); INTRINSIC];
-        // Through the place on the plane z = 1: log f, log aspect, principal point.
-        let moved = [-d, Vector2::new(0.0, -d.y), Vector2::new(-1.0 / fx, 0.0), Vector2::new(0.0, -1.0 / fy)];
-        for (i, step) in moved.into_iter().enumerate() {
-            let inner = d.dot(&step);
-            let crossed = step * d.transpose();
-            let bend_along = Matrix2::identity() * (2.0 * stretch.s_q * inner)
-                + outer * (4.0 * stretch.s_qq * inner)
-                + (crossed + crossed.transpose()) * (2.0 * stretch.s_q);
-            along[i] = bend * step;
-            jacobian_along[i] = bend_along * scale;
-        }
-        jacobian_along[0] -= jacobian;
-        jacobian_along[1] -= bend * Matrix2::new(0.0, 0.0, 0.0, 1.0 / fy);
-        for i in 0..3 {
-            along[4 + i] = d * stretch.s_k[i];
-            let bend_along = Matrix2::identity() * stretch.s_k[i] + outer * (2.0 * stretch.s_qk[i]);
-            jacobian_along[4 + i] = bend_along * scale;
-        }
-        Some(Sight { direction: d * stretch.s, jacobian, along, jacobian_along })
     }
 
     /// The camera after a step in its parameters.
@@ -185,19 +153,6 @@ impl Camera {
     }
 }
 
-/// Where a pixel looks, and how that changes with the pixel and with the camera.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sight {
-    /// `(x, y)` of the ray `(x, y, 1)` in the camera's frame.
-    pub direction: Vector2<f64>,
-    /// Derivative of the direction to the pixel.
-    pub jacobian: Matrix2<f64>,
-    /// Derivative of the direction to each intrinsic parameter.
-    pub along: [Vector2<f64>; INTRINSIC],
-    /// Derivative of the jacobian to each intrinsic parameter.
-    pub jacobian_along: [Matrix2<f64>; INTRINSIC],
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
@@ -214,41 +169,6 @@ pub(super) mod tests {
             drift: 20.0 * seed,
             inset: 0.2 + 0.1 * seed,
             ..Camera::new(ImageSize::new(640, 480).unwrap(), 500.0)
-        }
-    }
-
-    #[test]
-    fn derivatives_equal_differences() {
-        let camera = odd(1.0);
-        for pixel in [[30.0, 40.0], [331.0, 229.0], [600.0, 300.0]] {
-            let sight = camera.sight(pixel).unwrap();
-            let of = |camera: &Camera, pixel| camera.sight(pixel).unwrap();
-            for k in 0..2 {
-                let at = |h: f64| {
-                    let mut p = pixel;
-                    p[k] += h;
-                    of(&camera, p).direction
-                };
-                let difference = (at(1e-3) - at(-1e-3)) / 2e-3;
-                assert!((difference - sight.jacobian.column(k)).norm() < 1e-9);
-            }
-            for k in 0..INTRINSIC {
-                let h = if (2..4).contains(&k) { 1e-3 } else { 1e-6 };
-                let at = |h: f64| {
-                    let mut step = Step::zeros();
-                    step[k] = h;
-                    of(&camera.stepped(&step), pixel)
-                };
-                let (plus, minus) = (at(h), at(-h));
-                let along = (plus.direction - minus.direction) / (2.0 * h);
-                assert!((along - sight.along[k]).norm() < 1e-7 * (1.0 + along.norm()), "{k}");
-                let along = (plus.jacobian - minus.jacobian) / (2.0 * h);
-                assert!(
-                    (along - sight.jacobian_along[k]).norm() < 1e-7,
-                    "{k} {along} {}",
-                    sight.jacobian_along[k]
-                );
-            }
         }
     }
 

@@ -103,12 +103,12 @@ fn extremes(rays: &[Vector3<f64>], u: &Vector3<f64>, v: &Vector3<f64>) -> Option
 }
 
 fn end_at(seen: &Seen, point: usize, u: &Vector3<f64>, v: &Vector3<f64>, sense: f64) -> End {
-    let Some(sight) = seen.camera.sight(seen.observed.point(point as u32)) else { return NO_END };
+    let Some(look) = seen.camera.optics().look(seen.observed.point(point as u32)) else { return NO_END };
     let ray = &seen.rays[point];
     let (p, q) = (ray.dot(u), ray.dot(v));
     let gradient = (v * p - u * q) / (p * p + q * q).max(1e-300);
     let across = seen.camera.rotation * gradient;
-    let by_pixel = sight.jacobian.tr_mul(&across.xy());
+    let by_pixel = look.jacobian.tr_mul(&across.xy());
     let per_pixel = by_pixel.norm();
     // At the lower end the object lies towards greater angles.
     let outward = by_pixel * (-sense / per_pixel.max(1e-300));

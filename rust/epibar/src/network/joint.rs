@@ -195,6 +195,9 @@ impl Problem<'_> {
         let used: Vec<usize> =
             (0..2 * PARAMETERS).filter(|&i| places(pair, column)[i] != usize::MAX).collect();
         let (mut cost, mut normal, mut gradient) = (0.0, Local::zeros(), Row::zeros());
+        // Of those that are used, one after the other.
+        let mut sums = [[0.0; 2 * PARAMETERS]; 2 * PARAMETERS];
+        let (mut own, mut weighed) = ([0.0; 2 * PARAMETERS], [0.0; 2 * PARAMETERS]);
         for meeting in &pair.meetings {
             let Some((residual, row)) = geometry.row(meeting) else {
                 cost += meeting.weight * self.loss(None, pair.coarseness).0;
@@ -204,11 +207,19 @@ impl Problem<'_> {
             cost += meeting.weight * loss;
             let weight = meeting.weight * weight;
             for (k, &i) in used.iter().enumerate() {
-                let weighed = weight * row[i];
-                gradient[i] += weighed * residual;
-                for &j in &used[..=k] {
-                    normal[(i, j)] += weighed * row[j];
+                own[k] = row[i];
+                weighed[k] = weight * row[i];
+                gradient[i] += weighed[k] * residual;
+            }
+            for (k, by) in own[..used.len()].iter().enumerate() {
+                for (sum, weighed) in sums[k][k..used.len()].iter_mut().zip(&weighed[k..]) {
+                    *sum += weighed * by;
                 }
+            }
+        }
+        for (k, &j) in used.iter().enumerate() {
+            for (l, &i) in used.iter().enumerate().skip(k) {
+                normal[(i, j)] = sums[k][l];
             }
         }
         (cost, normal, gradient)

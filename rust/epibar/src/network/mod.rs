@@ -7,7 +7,8 @@
 //! * `clocks`: offsets of all clocks from barcodes.
 //! * `graph`: which pairs are searched, and what they bring.
 //! * `case`, `observed`: what is given, in one place; outlines of silhouettes in raw pixels.
-//! * `camera`, `residual`, `joint`: what is solved for; how far two tangents are from meeting; the joint problem over cameras only.
+//! * `camera`, `optics`, `residual`, `joint`: what is solved for; where its pixels look; how far two tangents are from meeting; the
+//!   joint problem over cameras only.
 //! * `pose`, `start`: relative poses, triplets and growth.
 //! * `ends`, `tangents`, `walkers`, `survey`: epipolar tangents under known cameras, and what stands on the floor, found at some moments.
 //! * `settle`, `relocate`, `solve`: tangents found anew and the joint problem in turns; cameras tried elsewhere; from pairs to networks.
@@ -63,6 +64,7 @@ mod joint;
 mod median;
 mod moves;
 mod observed;
+mod optics;
 mod outlines;
 mod pose;
 mod principal;

@@ -117,8 +117,9 @@ impl Observed {
     /// What was seen, made ready for cameras of one lens, of which rays then take next to nothing.
     #[must_use]
     pub fn through(self, camera: &Camera) -> Self {
+        let optics = camera.optics();
         let direction = |p: &[f64; 2]| {
-            camera.direction(*p).map_or(Vector3::repeat(f64::NAN), |[x, y]| Vector3::new(x, y, 1.0))
+            optics.direction(*p).map_or(Vector3::repeat(f64::NAN), |[x, y]| Vector3::new(x, y, 1.0))
         };
         let directions = self.points.par_iter().map(direction).collect();
         Self { through: Some((*camera, directions)), ..self }

@@ -31,11 +31,12 @@ pub fn relative_pose(
     }
     let quarter = Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
     let step = meetings.len().div_ceil(RAYS).max(1);
+    let (optics_a, optics_b) = (a.optics(), b.optics());
     let rays: Vec<_> = meetings
         .iter()
         .step_by(step)
         .filter_map(|m| {
-            let ([xa, ya], [xb, yb]) = (a.direction(m.a)?, b.direction(m.b)?);
+            let ([xa, ya], [xb, yb]) = (optics_a.direction(m.a)?, optics_b.direction(m.b)?);
             Some((Vector3::new(xa, ya, 1.0), Vector3::new(xb, yb, 1.0)))
         })
         .collect();

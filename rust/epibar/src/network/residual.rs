@@ -7,7 +7,8 @@
 
 use nalgebra::{Matrix3, SVector, Vector2, Vector3, Vector4};
 
-use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION, Sight};
+use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION};
+use super::optics::{Look, Optics, Sight};
 
 /// A tangent of A that meets one of B.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,12 +39,19 @@ pub type Row = SVector<f64, { 2 * PARAMETERS }>;
 pub struct Pair<'c> {
     a: &'c Camera,
     b: &'c Camera,
+    optics_a: Optics,
+    optics_b: Optics,
     q: Matrix3<f64>,
 }
 
+/// The pixels of a meeting with the clocks and the insets as they are, and the network's time.
+struct Pixels {
+    a: [f64; 2],
+    b: [f64; 2],
+    time: f64,
+}
+
 struct Parts {
-    sight_a: Sight,
-    sight_b: Sight,
     ray_a: Vector3<f64>,
     ray_b: Vector3<f64>,
     /// `Qᵀ x_b` and `Q x_a`.
@@ -52,8 +60,6 @@ struct Parts {
     gradient: Vector4<f64>,
     norm: f64,
     residual: f64,
-    /// The network's time.
-    time: f64,
 }
 
 fn head(v: &Vector3<f64>) -> Vector2<f64> {
@@ -73,23 +79,33 @@ impl<'c> Pair<'c> {
     pub fn new(a: &'c Camera, b: &'c Camera) -> Self {
         let baseline = a.position - b.position;
         let baseline = baseline / baseline.norm().max(1e-12);
-        Self { a, b, q: b.rotation.matrix() * baseline.cross_matrix() * a.rotation.matrix().transpose() }
+        let q = b.rotation.matrix() * baseline.cross_matrix() * a.rotation.matrix().transpose();
+        Self { a, b, optics_a: a.optics(), optics_b: b.optics(), q }
     }
 
-    fn parts(&self, m: &Meeting) -> Option<Parts> {
+    fn pixels(&self, m: &Meeting) -> Pixels {
         let time = self.a.time_of(m.time_a);
         let late = self.b.clock_at(time) - m.time_b;
-        let pixel_a = [0, 1].map(|k| m.a[k] + self.a.inset * m.outward_a[k]);
-        let pixel_b = [0, 1].map(|k| m.b[k] + late * m.velocity_b[k] + self.b.inset * m.outward_b[k]);
-        let (sight_a, sight_b) = (self.a.sight(pixel_a)?, self.b.sight(pixel_b)?);
-        let ray_a = sight_a.direction.push(1.0);
-        let ray_b = sight_b.direction.push(1.0);
+        Pixels {
+            a: [0, 1].map(|k| m.a[k] + self.a.inset * m.outward_a[k]),
+            b: [0, 1].map(|k| m.b[k] + late * m.velocity_b[k] + self.b.inset * m.outward_b[k]),
+            time,
+        }
+    }
+
+    fn parts(&self, meeting: &Meeting) -> Option<Parts> {
+        let pixels = self.pixels(meeting);
+        Some(self.parts_of(&self.optics_a.look(pixels.a)?, &self.optics_b.look(pixels.b)?))
+    }
+
+    fn parts_of(&self, look_a: &Look, look_b: &Look) -> Parts {
+        let (ray_a, ray_b) = (look_a.direction.push(1.0), look_b.direction.push(1.0));
         let (normal_b, normal_a) = (self.q * ray_a, self.q.tr_mul(&ray_b));
         let gradient =
-            both(sight_a.jacobian.tr_mul(&head(&normal_a)), sight_b.jacobian.tr_mul(&head(&normal_b)));
+            both(look_a.jacobian.tr_mul(&head(&normal_a)), look_b.jacobian.tr_mul(&head(&normal_b)));
         let norm = gradient.norm().max(1e-150);
         let residual = ray_b.dot(&normal_b) / norm;
-        Some(Parts { sight_a, sight_b, ray_a, ray_b, normal_a, normal_b, gradient, norm, residual, time })
+        Parts { ray_a, ray_b, normal_a, normal_b, gradient, norm, residual }
     }
 
     /// Pixels; `None` where a lens shows nothing.
@@ -121,17 +137,19 @@ impl<'c> Pair<'c> {
 
     /// The residual with its derivatives.
     pub fn row(&self, meeting: &Meeting) -> Option<(f64, Row)> {
-        let p = self.parts(meeting)?;
-        let (q, jacobian_a, jacobian_b) = (&self.q, p.sight_a.jacobian, p.sight_b.jacobian);
+        let pixels = self.pixels(meeting);
+        let (sight_a, sight_b) = (self.optics_a.sight(pixels.a)?, self.optics_b.sight(pixels.b)?);
+        let p = self.parts_of(&sight_a.look, &sight_b.look);
+        let (q, jacobian_a, jacobian_b) = (&self.q, sight_a.look.jacobian, sight_b.look.jacobian);
         let mut row = Row::zeros();
         let mut put = |k: usize, de: f64, dg: Vector4<f64>| {
             row[k] = (de - p.residual * p.gradient.dot(&dg) / p.norm) / p.norm;
         };
         for k in 0..INTRINSIC {
-            let (dx, dj) = (p.sight_a.along[k], p.sight_a.jacobian_along[k]);
+            let (dx, dj) = (sight_a.along[k], sight_a.jacobian_along[k]);
             let of_b = jacobian_b.tr_mul(&head(&(q * flat(&dx))));
             put(k, head(&p.normal_a).dot(&dx), both(dj.tr_mul(&head(&p.normal_a)), of_b));
-            let (dx, dj) = (p.sight_b.along[k], p.sight_b.jacobian_along[k]);
+            let (dx, dj) = (sight_b.along[k], sight_b.jacobian_along[k]);
             let of_a = jacobian_a.tr_mul(&head(&q.tr_mul(&flat(&dx))));
             put(PARAMETERS + k, head(&p.normal_b).dot(&dx), both(of_a, dj.tr_mul(&head(&p.normal_b))));
         }
@@ -177,12 +195,12 @@ impl<'c> Pair<'c> {
         let moved_a = |step: Vector2<f64>| {
             let dx = jacobian_a * step;
             let of_b = jacobian_b.tr_mul(&head(&(q * flat(&dx))));
-            (head(&p.normal_a).dot(&dx), both(bent(&p.sight_a, &step).tr_mul(&head(&p.normal_a)), of_b))
+            (head(&p.normal_a).dot(&dx), both(bent(&sight_a, &step).tr_mul(&head(&p.normal_a)), of_b))
         };
         let moved_b = |step: Vector2<f64>| {
             let dx = jacobian_b * step;
             let of_a = jacobian_a.tr_mul(&head(&q.tr_mul(&flat(&dx))));
-            (head(&p.normal_b).dot(&dx), both(of_a, bent(&p.sight_b, &step).tr_mul(&head(&p.normal_b))))
+            (head(&p.normal_b).dot(&dx), both(of_a, bent(&sight_b, &step).tr_mul(&head(&p.normal_b))))
         };
         let (de, dg) = moved_a(Vector2::from(meeting.outward_a));
         put(INSET, de, dg);
@@ -194,9 +212,9 @@ impl<'c> Pair<'c> {
             let (rate_a, rate_b) = (1.0 + 1e-6 * self.a.drift, 1.0 + 1e-6 * self.b.drift);
             for (k, along) in [
                 (CLOCK, -rate_b / rate_a),
-                (CLOCK + 1, -1e-6 * rate_b / rate_a * p.time),
+                (CLOCK + 1, -1e-6 * rate_b / rate_a * pixels.time),
                 (PARAMETERS + CLOCK, 1.0),
-                (PARAMETERS + CLOCK + 1, 1e-6 * p.time),
+                (PARAMETERS + CLOCK + 1, 1e-6 * pixels.time),
             ] {
                 put(k, de * along, dg * along);
             }

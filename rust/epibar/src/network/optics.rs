@@ -1,0 +1,144 @@
+//! Where the pixels of a camera look, in its own frame, and how that changes with the pixel and with the camera.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::camera::INTRINSIC;
+use crate::geometry::lens::Lens;
+
+/// What the pixels of a camera show, wherever it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optics {
+    /// `f_x` and `f_y`, pixels.
+    pub focal: [f64; 2],
+    /// Principal point, pixels.
+    pub principal: [f64; 2],
+    /// The lens.
+    pub lens: Lens,
+}
+
+/// Where a pixel looks, and how that changes with the pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// `(x, y)` of the ray `(x, y, 1)` in the camera's frame.
+    pub direction: Vector2<f64>,
+    /// Derivative of the direction to the pixel.
+    pub jacobian: Matrix2<f64>,
+}
+
+/// Where a pixel looks, and how that changes with the camera too.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// Where, and how that changes with the pixel.
+    pub look: Look,
+    /// Derivative of the direction to each intrinsic parameter.
+    pub along: [Vector2<f64>; INTRINSIC],
+    /// Derivative of the jacobian to each intrinsic parameter.
+    pub jacobian_along: [Matrix2<f64>; INTRINSIC],
+}
+
+impl Optics {
+    /// Where a pixel is on the plane `z = 1` before the lens is taken out.
+    fn distorted(&self, [u, v]: [f64; 2]) -> Vector2<f64> {
+        let ([fx, fy], [cx, cy]) = (self.focal, self.principal);
+        Vector2::new((u - cx) / fx, (v - cy) / fy)
+    }
+
+    /// The direction `(x, y)` of the ray `(x, y, 1)` that is seen at a pixel; `None` where the lens shows nothing.
+    pub fn direction(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
+        let d = self.distorted(pixel);
+        self.lens.undistort([d.x, d.y])
+    }
+
+    /// The direction of a pixel with its derivative to it; `None` where the lens shows nothing.
+    pub fn look(&self, pixel: [f64; 2]) -> Option<Look> {
+        let d = self.distorted(pixel);
+        let [s, s_q] = self.lens.stretch_only(d.norm_squared())?;
+        Some(self.look_by(&d, s, &bend(&d, s, s_q)))
+    }
+
+    fn look_by(&self, d: &Vector2<f64>, s: f64, bend: &Matrix2<f64>) -> Look {
+        Look { direction: d * s, jacobian: bend * self.scale() }
+    }
+
+    fn scale(&self) -> Matrix2<f64> {
+        Matrix2::new(1.0 / self.focal[0], 0.0, 0.0, 1.0 / self.focal[1])
+    }
+
+    /// The direction of a pixel with all its derivatives; `None` where the lens shows nothing.
+    pub fn sight(&self, pixel: [f64; 2]) -> Option<Sight> {
+        let (d, [fx, fy]) = (self.distorted(pixel), self.focal);
+        let stretch = self.lens.stretch(d.norm_squared())?;
+        let outer = d * d.transpose();
+        let bend = bend(&d, stretch.s, stretch.s_q);
+        let scale = self.scale();
+        let look = self.look_by(&d, stretch.s, &bend);
+        let mut along = [Vector2::zeros(); INTRINSIC];
+        let mut jacobian_along = [Matrix2::zeros(); INTRINSIC];
+        // Through the place on the plane z = 1: log f, log aspect, principal point.
+        let moved = [-d, Vector2::new(0.0, -d.y), Vector2::new(-1.0 / fx, 0.0), Vector2::new(0.0, -1.0 / fy)];
+        for (i, step) in moved.into_iter().enumerate() {
+            let inner = d.dot(&step);
+            let crossed = step * d.transpose();
+            let bend_along = Matrix2::identity() * (2.0 * stretch.s_q * inner)
+                + outer * (4.0 * stretch.s_qq * inner)
+                + (crossed + crossed.transpose()) * (2.0 * stretch.s_q);
+            along[i] = bend * step;
+            jacobian_along[i] = bend_along * scale;
+        }
+        jacobian_along[0] -= look.jacobian;
+        jacobian_along[1] -= bend * Matrix2::new(0.0, 0.0, 0.0, 1.0 / fy);
+        for i in 0..3 {
+            along[4 + i] = d * stretch.s_k[i];
+            let bend_along = Matrix2::identity() * stretch.s_k[i] + outer * (2.0 * stretch.s_qk[i]);
+            jacobian_along[4 + i] = bend_along * scale;
+        }
+        Some(Sight { look, along, jacobian_along })
+    }
+}
+
+/// Derivative of the direction to the place on the plane `z = 1`.
+fn bend(d: &Vector2<f64>, s: f64, s_q: f64) -> Matrix2<f64> {
+    Matrix2::identity() * s + d * d.transpose() * (2.0 * s_q)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::camera::{Camera, Step, tests::odd};
+    use super::*;
+
+    #[test]
+    fn derivatives_equal_differences() {
+        let camera = odd(1.0);
+        for pixel in [[30.0, 40.0], [331.0, 229.0], [600.0, 300.0]] {
+            let sight = camera.optics().sight(pixel).unwrap();
+            assert_eq!(camera.optics().look(pixel), Some(sight.look));
+            let of = |camera: &Camera, pixel| camera.optics().sight(pixel).unwrap();
+            for k in 0..2 {
+                let at = |h: f64| {
+                    let mut p = pixel;
+                    p[k] += h;
+                    of(&camera, p).look.direction
+                };
+                let difference = (at(1e-3) - at(-1e-3)) / 2e-3;
+                assert!((difference - sight.look.jacobian.column(k)).norm() < 1e-9);
+            }
+            for k in 0..INTRINSIC {
+                let h = if (2..4).contains(&k) { 1e-3 } else { 1e-6 };
+                let at = |h: f64| {
+                    let mut step = Step::zeros();
+                    step[k] = h;
+                    of(&camera.stepped(&step), pixel)
+                };
+                let (plus, minus) = (at(h), at(-h));
+                let along = (plus.look.direction - minus.look.direction) / (2.0 * h);
+                assert!((along - sight.along[k]).norm() < 1e-7 * (1.0 + along.norm()), "{k}");
+                let along = (plus.look.jacobian - minus.look.jacobian) / (2.0 * h);
+                assert!(
+                    (along - sight.jacobian_along[k]).norm() < 1e-7,
+                    "{k} {along} {}",
+                    sight.jacobian_along[k]
+                );
+            }
+        }
+    }
+}
