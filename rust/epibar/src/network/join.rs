@@ -15,14 +15,14 @@ use super::result::{CameraStatus, Network};
 use super::settle::Again;
 use super::solve::{Solved, Solver, settled};
 use super::support::Support;
-use super::survey::Survey;
+use super::survey::{Survey, shared};
 use super::thresholds as limits;
 use super::verdict::{is_rival, worst};
 use super::world;
 use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
 
-/// Frames of each camera that are looked at in the end.
+/// Frames of each camera that are looked at in the end; of many cameras fewer.
 const FRAMES: usize = 900;
 /// Least radius within which figures of the floor meet, pixels of a 640×480 image.
 const FIGURES_WITHIN: f64 = 2.0;
@@ -146,7 +146,7 @@ impl Case<'_> {
 
     /// The network over all frames, and errors to expect.
     fn finished(&self, Freed { solved, support, level, strained }: Freed) -> Finished {
-        let many = Survey::new(&self.observed, FRAMES);
+        let many = Survey::new(&self.observed, shared(FRAMES, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
         let finished = settled(&many, solved.network, &solved.beliefs, &support.confirmed(), radius);

@@ -6,10 +6,10 @@ use super::observed::Observed;
 use super::relocate::{Placed, relocate};
 use super::settle::{Settled, settle};
 use super::start::{PairHypotheses, Started, Starter};
-use super::survey::Survey;
+use super::survey::{Survey, shared};
 use super::thresholds as limits;
 
-/// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands.
+/// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands; of many cameras fewer.
 const FRAMES: [usize; 2] = [80, 240];
 /// Rounds of trying cameras elsewhere.
 const ROUNDS: usize = 3;
@@ -44,7 +44,8 @@ pub struct Solver<'a> {
 impl<'a> Solver<'a> {
     /// With the silhouettes of all cameras, and what pairs brought.
     pub fn new(observed: &'a [Observed], pairs: &'a [PairHypotheses]) -> Self {
-        Self { few: Survey::new(observed, FRAMES[0]), some: Survey::new(observed, FRAMES[1]), pairs }
+        let [few, some] = FRAMES.map(|frames| Survey::new(observed, shared(frames, observed.len())));
+        Self { few, some, pairs }
     }
 
     /// Networks from pairs, most evidence first: the best one, and its rivals.

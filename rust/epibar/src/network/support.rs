@@ -12,12 +12,12 @@ use super::observed::Observed;
 use super::relocate::Placed;
 use super::settle::Again;
 use super::solve::{Solved, settled};
-use super::survey::Survey;
+use super::survey::{Survey, shared};
 use super::tangents::Score;
 use super::thresholds as limits;
 use crate::verify::shift_curve::normal_deviate;
 
-/// Frames of each camera that are looked at.
+/// Frames of each camera that are looked at; those that the network is fitted to are fewer of many cameras.
 const FRAMES: usize = 300;
 
 /// Normal deviates of what was seen on moments kept aside.
@@ -80,7 +80,8 @@ impl Support {
     /// Of a network that was solved on all moments.
     pub fn of(observed: &[Observed], solved: &Solved) -> Self {
         let aside = Aside::of(observed, &solved.network.cameras);
-        let fitted = Survey::among(observed, FRAMES, |camera, seconds| !aside.has(camera, seconds));
+        let frames = shared(FRAMES, observed.len());
+        let fitted = Survey::among(observed, frames, |camera, seconds| !aside.has(camera, seconds));
         let radius = Some(Again::FEWER_MOMENTS.after(&solved.settled));
         let pairs = solved.network.pairs();
         let network = settled(&fitted, solved.network.clone(), &solved.beliefs, &pairs, radius).network;

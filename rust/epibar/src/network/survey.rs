@@ -11,6 +11,16 @@ use super::observed::Observed;
 use super::tangents::{Score, Tangents};
 use super::walkers::{PairFigures, figures};
 
+/// With more partners than the first a camera has fewer frames compared with each; from the second on a pair would tell nothing.
+const PARTNERS: [usize; 2] = [9, 36];
+
+/// So many frames of each of some cameras that what is measured of a camera over all its partners does not grow with their number:
+/// time grows with the cameras and not with their pairs.
+pub fn shared(frames: usize, cameras: usize) -> usize {
+    let [few, many] = PARTNERS;
+    frames * few / cameras.saturating_sub(1).clamp(few, many)
+}
+
 /// What all cameras saw at some of their frames.
 #[derive(Debug, Clone)]
 pub struct Survey<'a> {
@@ -193,5 +203,22 @@ impl<'a> Survey<'a> {
     pub fn scale(&self, a: usize, b: usize) -> f64 {
         let diagonal = |i: usize| self.observed[i].size.diagonal();
         (0.5 * (diagonal(a) + diagonal(b)) / 800.0).max(0.25)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_measured_of_a_camera_does_not_grow_with_its_partners() {
+        for cameras in [0, 1, 3, 10] {
+            assert_eq!(shared(240, cameras), 240);
+        }
+        for cameras in [11, 20, 37] {
+            let of_camera = shared(240, cameras) * (cameras - 1);
+            assert!((2100..=2160).contains(&of_camera), "{cameras}: {of_camera}");
+        }
+        assert_eq!(shared(240, 100), 60);
     }
 }
