@@ -8,7 +8,7 @@ use crate::clock::{Aligned, Clocks, Timing};
 use crate::error::Result;
 use crate::frontier::{Views, busy_frames};
 use crate::hypotheses::{Draws, LineModel};
-use crate::lines;
+use crate::lines::{self, Filmed};
 use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
@@ -149,8 +149,11 @@ impl<'a> Pair<'a> {
     /// The method of the paper.
     fn by_lines(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
         let fitted = self.candidates_of(&self.split.fitted)?;
+        let recordings = [self.aligned.a(), self.aligned.b()];
+        let all = Filmed { recordings, frames: &self.common, candidates };
+        let fitted = Filmed { recordings, frames: &self.split.fitted, candidates: &fitted };
         let CalibrateOptions { draws, seed, .. } = *self.options;
-        lines::search(candidates, &fitted, &seen.all, draws, seed, watch)
+        lines::search(&all, &fitted, &seen.all, draws, seed, watch)
     }
 
     fn calibration(

@@ -10,7 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::bits_of_bytes::{ones_of, word_of};
-use crate::image::Line;
+use crate::image::{Homogeneous, Line};
 use crate::recording::{Barcodes, Silhouettes};
 
 /// A hull this near a line is met by the pixels of the line (half a pixel along the minor axis at most).
@@ -26,7 +26,7 @@ const WORD: usize = 64;
 
 /// Hulls, frame after frame.
 #[derive(Default)]
-struct Hulls {
+pub(super) struct Hulls {
     frame: Vec<u32>,
     /// Mean of the vertices.
     x: Vec<f64>,
@@ -41,7 +41,7 @@ struct Hulls {
 
 impl Hulls {
     /// The hulls of some frames of a recording.
-    fn new(silhouettes: &Silhouettes, frames: &[u32]) -> Self {
+    pub(super) fn new(silhouettes: &Silhouettes, frames: &[u32]) -> Self {
         let mut hulls = Self { start: vec![0], ..Self::default() };
         for (frame, &recorded) in frames.iter().enumerate() {
             for hull in silhouettes.hulls(recorded as usize).map(|h| silhouettes.hull(h)) {
@@ -64,6 +64,22 @@ impl Hulls {
         self.vertices_x.extend(hull.iter().map(|p| f64::from(p[0])));
         self.vertices_y.extend(hull.iter().map(|p| f64::from(p[1])));
         self.start.push(self.vertices_x.len() as u32);
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.frame.len()
+    }
+
+    /// The mean of three vertices of one, which lies inside: those that are picked of so many.
+    pub(super) fn inside(&self, hull: usize, mut pick: impl FnMut(usize) -> usize) -> Homogeneous {
+        let (first, end) = (self.start[hull] as usize, self.start[hull + 1] as usize);
+        let mut sum = Homogeneous::zeros();
+        for _ in 0..3 {
+            let vertex = first + pick(end - first);
+            sum += Homogeneous::new(self.vertices_x[vertex], self.vertices_y[vertex], 1.0);
+        }
+        sum / 3.0
     }
 
     fn vertices(&self, hull: usize) -> impl Iterator<Item = (f64, f64)> {
@@ -166,7 +182,8 @@ pub(super) fn hull_barcodes(silhouettes: &Silhouettes, frames: &[u32], lines: &[
     barcodes_of(&Hulls::new(silhouettes, frames), frames.len(), lines, directions)
 }
 
-fn barcodes_of(hulls: &Hulls, frames: usize, lines: &[Line], directions: usize) -> Barcodes {
+/// The barcodes of lines over hulls of so many frames, with a table for each of some directions.
+pub(super) fn barcodes_of(hulls: &Hulls, frames: usize, lines: &[Line], directions: usize) -> Barcodes {
     let mut barcodes = Barcodes::zeros(lines.len(), frames);
     if frames == 0 {
         return barcodes;
@@ -192,7 +209,6 @@ mod tests {
     use rand::RngExt;
 
     use super::*;
-    use crate::image::Homogeneous;
     use crate::random::generator;
 
     #[test]

@@ -3,7 +3,7 @@
 //! [`mod@correlation`] says how alike two barcodes are, [`mutual`] finds the pairs that are among the best of each other,
 //! with the loops of [`kernel`], and [`candidates`] keeps those that may be epipolar. [`densify`] draws more lines where
 //! lines inform, whose barcodes come from hulls ([`hull_barcodes`]); [`mod@motion_lines`] finds straight paths with heavy
-//! traffic, whose images correlate without being epipolar.
+//! traffic, whose images correlate without being epipolar; [`pencils`] says how alike all lines through two epipoles are.
 
 pub mod candidates;
 pub mod correlation;
@@ -12,8 +12,10 @@ mod hull_barcodes;
 mod kernel;
 pub mod motion_lines;
 pub mod mutual;
+pub mod pencils;
 
 pub use candidates::{Candidate, CandidateOptions, Candidates, find_candidates};
 pub use correlation::{Match, correlation};
 pub use motion_lines::{MotionLineOptions, motion_lines};
 pub use mutual::mutual_matches;
+pub use pencils::Pencils;

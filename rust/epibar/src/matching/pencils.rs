@@ -1,0 +1,124 @@
+//! How alike the barcodes of corresponding lines of two pencils are, of all lines and not of those that were drawn.
+//!
+//! People of one height who walk on a floor meet a line through the middles of their bodies at nearly the same moments in any view: the
+//! lines of that plane are candidates wherever they lie, far more than the epipolar ones, and any point of them may gather more than the
+//! epipole. But then only those lines of its pencil that happened to be drawn are alike. All lines of the right pencils are.
+
+use rand::RngExt;
+
+use super::correlation::correlation;
+use super::hull_barcodes::{Hulls, barcodes_of};
+use crate::geometry::Fundamental;
+use crate::image::{Homogeneous, ImageSize, Line};
+use crate::random::generator;
+use crate::recording::{Barcodes, FramePair, Recording};
+
+/// Directions of lines that share a table of how far hulls reach.
+const DIRECTIONS: usize = 16;
+
+/// Silhouettes of two cameras at some common frames, and places where something moved.
+pub struct Pencils {
+    hulls: [Hulls; 2],
+    frames: usize,
+    places: [Vec<Homogeneous>; 2],
+    sizes: [ImageSize; 2],
+}
+
+impl Pencils {
+    /// Of some frames, and so many places of each camera, drawn by a seed, in its silhouettes.
+    pub fn new(recordings: [&Recording; 2], frames: &[FramePair], places: usize, seed: u64) -> Self {
+        const SALT: u64 = 0x0070_656E_6369_6C73;
+        let of = |k: usize, pair: &FramePair| if k == 0 { pair.a } else { pair.b };
+        let hulls = [0, 1].map(|k| {
+            let frames: Vec<u32> = frames.iter().map(|pair| of(k, pair)).collect();
+            Hulls::new(&recordings[k].silhouettes, &frames)
+        });
+        let places = [0, 1].map(|k| {
+            let mut random = generator(seed.wrapping_add(SALT), k as u64);
+            let count = hulls[k].count();
+            let drawn = if count == 0 { 0 } else { places };
+            let mut place = || {
+                let hull = random.random_range(0..count);
+                hulls[k].inside(hull, |vertices| random.random_range(0..vertices))
+            };
+            (0..drawn).map(|_| place()).collect()
+        });
+        Self { hulls, frames: frames.len(), places, sizes: recordings.map(|r| r.size) }
+    }
+
+    /// Mean correlation of the barcodes of the epipolar lines through all places, in both directions; that of a line which
+    /// misses the other image, or that says nothing in either, is 0.
+    pub fn alike(&self, f: &Fundamental) -> f64 {
+        let epipoles = [f.epipole_a(), f.epipole_b()];
+        let mut lines: [Vec<Line>; 2] = [vec![], vec![]];
+        for (from, epipole) in epipoles.into_iter().enumerate() {
+            for place in &self.places[from] {
+                let there = if from == 0 { f.line_in_b(place) } else { f.line_in_a(place) };
+                let here = Line::from_homogeneous(&epipole.cross(place));
+                let (Some(here), Some(there)) = (here, Line::from_homogeneous(&there)) else { continue };
+                if there.clip(self.sizes[1 - from]).is_some() {
+                    lines[from].push(here);
+                    lines[1 - from].push(there);
+                }
+            }
+        }
+        let [a, b] = [0, 1].map(|k| barcodes_of(&self.hulls[k], self.frames, &lines[k], DIRECTIONS));
+        let sum: f64 = (0..lines[0].len()).map(|row| correlation_of(&a, &b, row)).sum();
+        sum / (self.places[0].len() + self.places[1].len()).max(1) as f64
+    }
+}
+
+fn correlation_of(a: &Barcodes, b: &Barcodes, row: usize) -> f64 {
+    let common: u32 = a.row(row).iter().zip(b.row(row)).map(|(p, q)| (p & q).count_ones()).sum();
+    correlation(a.frames as u32, a.ones(row), b.ones(row), common)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+
+    use super::*;
+    use crate::recording::{Recorder, RecorderOptions};
+
+    /// Squares that jump about, seen by two cameras side by side: their rows are the epipolar lines.
+    fn recorded(camera: usize) -> Recording {
+        let size = ImageSize::new(120, 80).unwrap();
+        let mut recorder = Recorder::new(size, RecorderOptions::new().lines(100)).unwrap();
+        let mut random = generator(3, 0);
+        for frame in 0..200 {
+            let mut mask = vec![0; size.pixels()];
+            for _ in 0..2 {
+                let [x, y, near] = [80, 60, 20].map(|most| random.random_range(0..most));
+                let x = if camera == 0 { x } else { x + near };
+                (y..y + 9).for_each(|y| mask[y * 120 + x..y * 120 + x + 9].fill(1));
+            }
+            recorder.push(&mask, f64::from(frame)).unwrap();
+        }
+        recorder.finish().unwrap()
+    }
+
+    #[test]
+    fn the_lines_of_the_right_pencils_are_alike() {
+        let recordings = [recorded(0), recorded(1)];
+        let frames: Vec<FramePair> = (0..200).map(|i| FramePair { a: i, b: i }).collect();
+        let pencils = Pencils::new([&recordings[0], &recordings[1]], &frames, 60, 5);
+        let size = recordings[0].size;
+        let of = |rows: &Matrix3<f64>| pencils.alike(&Fundamental::from_matrix(rows, size, size).unwrap());
+        let right = of(&Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0));
+        let a_row_off = of(&Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 12.0));
+        let columns = of(&Matrix3::new(0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0));
+        assert!(right > 0.97, "{right}");
+        assert!(a_row_off < 0.4 && columns < 0.4, "{a_row_off} {columns}");
+        assert_eq!(
+            Pencils::new([&recordings[0], &recordings[1]], &[], 60, 5).alike(
+                &Fundamental::from_matrix(
+                    &Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0),
+                    size,
+                    size
+                )
+                .unwrap()
+            ),
+            0.0
+        );
+    }
+}
