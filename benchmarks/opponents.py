@@ -1,0 +1,248 @@
+"""Networks by COLMAP and Theia beside ours, from the same pairs: who places cameras how well?
+
+Each program is given the frontier points of all pairs that have a geometry, accepted or not. Neither COLMAP
+nor Theia knows silhouettes; ours is given the recordings too, and finds tangents anew under the network. The
+seeds of a reported table come from a commit's hash, as those of ``fresh.py``.
+"""
+
+from __future__ import annotations
+
+import time
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import TimeoutError as Late
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import asdict, dataclass, replace
+from importlib.util import find_spec
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from fresh_seeds import commit_seed, networks_asked_for
+from networks import start_worker
+from networks_recordings import KNOWLEDGE as RECORDINGS
+from networks_recordings import knowledge
+from opponents_pairs import Rig, filmed, made_up
+from opponents_views import KNOWLEDGE, Errors, Views, errors_of, views_of
+from options import add_networks, natural
+from tables import progress, table, write_json
+
+from epibar.network import KnownCamera, Network, join_pairs
+from epibar.synthetic import Camera
+
+PROGRAMS = {"pycolmap": "pip install pycolmap", "pytheia": "pip install pytheia"}
+"""What must be installed for the rows of the others."""
+PATIENCE = 600.0
+"""Seconds that a program may take for a network."""
+FEWEST = 3
+"""Cameras that are placed for figures: two have no position to be wrong in."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One program with one kind of knowledge on one network; ``word`` says why there are no figures."""
+
+    network: str
+    program: str
+    knowledge: str
+    cameras: int
+    placed: int
+    accepted: int | None
+    seconds: float
+    errors: Errors | None
+    word: str = ""
+
+    def cells(self) -> list[str]:
+        """The outcome as a row of the table."""
+        count = f"{self.placed} of {self.cameras}"
+        if self.accepted is not None and self.accepted < self.placed:
+            count += f", {self.accepted} accepted"
+        start = [self.network, self.program, self.knowledge, count]
+        if self.errors is None:
+            return [*start, self.word, "", "", f"{self.seconds:.1f}"]
+        e, fixed = self.errors, self.knowledge == "intrinsics"
+        return [
+            *start,
+            "known" if fixed else middle_and_worst(100 * e.focal),
+            middle_and_worst(e.rotation),
+            middle_and_worst(100 * e.position),
+            f"{self.seconds:.1f}",
+        ]
+
+
+def middle_and_worst(values: Any) -> str:
+    """Median and largest, for a table."""
+    return f"{np.median(values):.2f}, {np.max(values):.2f}"
+
+
+HEAD = (
+    *("network", "program", "known", "cameras placed", "focal length %, median, worst"),
+    *("rotation °, of two cameras to each other", "position, % of the rig", "s"),
+)
+
+
+def known_to_us(true: Mapping[str, Camera], words: str) -> dict[str, KnownCamera]:
+    """What ours is told, as the others are by `Views`."""
+    if words == "nothing":
+        return {}
+    lens = {name: knowledge(camera, "lens") for name, camera in true.items()}
+    if words == "lens":
+        return lens
+    return {name: replace(one, matrix=true[name].K) for name, one in lens.items()}
+
+
+def standing(network: Network) -> dict[str, Camera]:
+    """All cameras that stand, accepted or not."""
+    return {
+        name: Camera(one.matrix, one.rotation, one.translation, one.size, name)
+        for name, one in network.cameras.items()
+        if one.matrix is not None and one.rotation is not None and one.translation is not None
+    }
+
+
+def ours(rig: Rig, words: str) -> Outcome:
+    """Join the pairs to one network."""
+    started = time.perf_counter()
+    network = join_pairs(rig.recordings, rig.pairs, rig.offsets, known=known_to_us(rig.true, words))
+    seconds = time.perf_counter() - started
+    accepted = sum(camera.accepted for camera in network.cameras.values())
+    return judged(rig, "epibar", words, standing(network), seconds, accepted)
+
+
+def by_colmap(views: Views, way: str) -> dict[str, Camera]:
+    """Cameras that COLMAP places; in a process of its own."""
+    from opponents_colmap import mapped
+
+    return mapped(views, way)
+
+
+def by_theia(views: Views, way: str) -> dict[str, Camera]:
+    """Cameras that Theia places, with COLMAP's focal lengths where none are known; in its own process."""
+    from opponents_colmap import view_graph
+    from opponents_theia import placed
+
+    return placed(view_graph(views), way, views.matrices is not None)
+
+
+WAYS: dict[str, tuple[Callable[[Views, str], dict[str, Camera]], str, tuple[str, ...]]] = {
+    "COLMAP, global": (by_colmap, "global", ("pycolmap",)),
+    "COLMAP, incremental": (by_colmap, "incremental", ("pycolmap",)),
+    "Theia, averaging": (by_theia, "averaging", ("pycolmap", "pytheia")),
+    "Theia, global": (by_theia, "global", ("pycolmap", "pytheia")),
+}
+
+
+def missing(programs: Mapping[str, str] = PROGRAMS) -> set[str]:
+    """Programs that are not installed; says how to install them."""
+    absent = {name for name in programs if find_spec(name) is None}
+    for name in sorted(absent):
+        progress(f"{name} is not installed, so its rows are left out: {programs[name]}")
+    return absent
+
+
+def theirs(rig: Rig, words: str, points: int, absent: set[str]) -> Iterator[Outcome]:
+    """Let every other program place the cameras, each in a process that may fail."""
+    views = views_of(rig.true, rig.pairs, words, points)
+    for name, (place, way, needs) in WAYS.items():
+        if absent & set(needs):
+            continue
+        started, found, word = time.perf_counter(), {}, ""
+        worker = ProcessPoolExecutor(1, get_context("spawn"), start_worker)
+        try:
+            found = worker.submit(place, views, way).result(PATIENCE)
+        except BrokenProcessPool:
+            word = "crashed"
+        except Late:
+            word = "slow"
+            for process in list(worker._processes.values()):
+                process.kill()
+        except RuntimeError as error:
+            word = str(error).split()[0]
+            progress(f"{rig.name}, {name}, {words}: {error}")
+        worker.shutdown(cancel_futures=True)
+        yield judged(rig, name, words, found, time.perf_counter() - started, None, word)
+
+
+def judged(
+    rig: Rig,
+    program: str,
+    words: str,
+    found: dict[str, Camera],
+    seconds: float,
+    accepted: int | None,
+    word: str = "",
+) -> Outcome:
+    """Hold what a program found against the truth."""
+    enough = len(found) >= FEWEST
+    errors = errors_of(rig.true, found) if enough else None
+    why = word or ("" if enough else "fewer")
+    done = Outcome(rig.name, program, words, len(rig.true), len(found), accepted, seconds, errors, why)
+    progress(" | ".join(done.cells()))
+    return done
+
+
+def rigs_of(arguments: Namespace) -> Iterator[Rig]:
+    """Made-up networks, or the real recordings of a folder."""
+    if arguments.data:
+        for name in RECORDINGS:
+            folder = arguments.data / name
+            if folder.is_dir():
+                yield filmed(folder, arguments.lines, arguments.cache)
+            else:
+                progress(f"{folder}: not there, left out")
+        return
+    for family, seed in asked_for(arguments)[1]:
+        yield made_up(family, seed, arguments.lines, arguments.cache)
+
+
+def asked_for(arguments: Namespace) -> tuple[str | None, list[tuple[str, int]]]:
+    """Networks by the seeds of HEAD, of another commit whose pairs are kept, or by hand."""
+    if not arguments.commit:
+        return networks_asked_for(arguments, OWN)
+    return arguments.commit, [
+        (family, commit_seed(arguments.commit, OWN + family, index))
+        for family in arguments.families.split(",")
+        for index in range(arguments.networks)
+    ]
+
+
+OWN = "opponents "
+"""Makes the seeds this program's own."""
+
+
+def main(arguments: Namespace) -> None:
+    """Run all programs on all networks, one after the other, and print the table."""
+    absent = missing()
+    outcomes: list[Outcome] = []
+    for rig in rigs_of(arguments):
+        for words in KNOWLEDGE:
+            outcomes.append(ours(rig, words))
+            outcomes += theirs(rig, words, arguments.points, absent)
+            write_json(arguments.json, arguments, [asdict(one) for one in outcomes], {})
+    if not arguments.data:
+        origin = asked_for(arguments)[0]
+        print(f"seeds of commit {origin}" if origin else "seeds by hand: no table to report")
+    print(table(HEAD, [one.cells() for one in outcomes]))
+
+
+if __name__ == "__main__":
+    parser = ArgumentParser(description=__doc__)
+    add_networks(parser, "network_plain,network", 2)
+    parser.add_argument("--data", type=Path, metavar="DIR", help="real recordings, instead of networks")
+    parser.add_argument(
+        "--points", type=natural, default=1000, help="of each pair, for the others (default %(default)s)"
+    )
+    parser.add_argument(
+        "--commit", metavar="HASH", help="seeds of this commit, in full, instead of those of HEAD"
+    )
+    parser.add_argument(
+        "--cache",
+        type=Path,
+        metavar="DIR",
+        default=Path("/tmp/epibar-opponents"),
+        help="keep recordings and pairs there, and take them from it (default %(default)s)",
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write every outcome there too")
+    main(parser.parse_args())
