@@ -80,7 +80,8 @@ def made_up(family: str, seed: int, lines: int, cache: Path) -> Rig:
     }
     offsets = _clocks(folder / "clocks.json", list(recordings.values()))
     pairs = _pairs(folder, recordings, offsets, seed % 2**32)
-    return Rig(f"{family} {seed:x}"[:24], {c.name: c for c in situation.cameras}, recordings, offsets, pairs)
+    short = f"{seed:x}"[:6] if seed >> 32 else str(seed)
+    return Rig(f"{family} {short}", {c.name: c for c in situation.cameras}, recordings, offsets, pairs)
 
 
 def filmed(data: Path, lines: int, cache: Path) -> Rig:
