@@ -83,14 +83,19 @@ HEAD = (
 )
 
 
+MIDDLE = ", axis assumed in the middle"
+"""Ours solves for principal points unless it is told; COLMAP and Theia leave them in the middle."""
+
+
 def known_to_us(true: Mapping[str, Camera], words: str) -> dict[str, KnownCamera]:
     """What ours is told, as the others are by `Views`."""
-    if words == "nothing":
-        return {}
-    lens = {name: knowledge(camera, "lens") for name, camera in true.items()}
-    if words == "lens":
-        return lens
-    return {name: replace(one, matrix=true[name].K) for name, one in lens.items()}
+    if words == "intrinsics":
+        return {n: replace(knowledge(one, "lens"), matrix=one.K) for n, one in true.items()}
+    known = {name: knowledge(one, words) for name, one in true.items()}
+    if words.endswith(MIDDLE):
+        middles = {name: (np.array(one.size) - 1) / 2 for name, one in true.items()}
+        return {name: replace(one, principal_point=middles[name]) for name, one in known.items()}
+    return known
 
 
 def standing(network: Network) -> dict[str, Camera]:
@@ -158,8 +163,9 @@ def theirs(rig: Rig, words: str, points: int, absent: set[str]) -> Iterator[Outc
             word = "slow"
             for process in list(worker._processes.values()):
                 process.kill()
-        except RuntimeError as error:
-            word = str(error).split()[0]
+        except Exception as error:
+            said = isinstance(error, RuntimeError) and len(str(error).split()) == 1
+            word = str(error) if said else type(error).__name__
             progress(f"{rig.name}, {name}, {words}: {error}")
         worker.shutdown(cancel_futures=True)
         yield judged(rig, name, words, found, time.perf_counter() - started, None, word)
@@ -219,6 +225,8 @@ def main(arguments: Namespace) -> None:
     for rig in rigs_of(arguments):
         for words in KNOWLEDGE:
             outcomes.append(ours(rig, words))
+            if words != "intrinsics":
+                outcomes.append(ours(rig, words + MIDDLE))
             outcomes += theirs(rig, words, arguments.points, absent)
             write_json(arguments.json, arguments, [asdict(one) for one in outcomes], {})
     if not arguments.data:

@@ -133,6 +133,8 @@ def _averaged(views: Views) -> dict[str, Camera]:
     one_dimensional.translation_projection_tolerance = PROJECTION
     sfm.FilterViewPairsFromRelativeTranslation(one_dimensional, turns, made.graph)
     sfm.RemoveDisconnectedViewPairs(made.graph)
+    if made.graph.NumEdges() == 0:
+        raise RuntimeError("contradicting")
     placing = sfm.LeastUnsquaredDeviationPositionEstimator(
         sfm.LeastUnsquaredDeviationPositionEstimatorOptions()
     )
