@@ -1,7 +1,7 @@
 """Networks by COLMAP and Theia beside ours, from the same pairs: who places cameras how well?
 
-Each program is given the frontier points of all pairs that have a geometry, accepted or not. Neither COLMAP
-nor Theia knows silhouettes; ours is given the recordings too, and finds tangents anew under the network. The
+Each program is given frontier points of all pairs that have a geometry, accepted or not. Neither COLMAP nor
+Theia knows silhouettes; ours is given the recordings too, and finds tangents anew under the network. The
 seeds of a reported table come from a commit's hash, as those of ``fresh.py``.
 """
 
@@ -21,7 +21,6 @@ from typing import Any
 
 import numpy as np
 from fresh_seeds import commit_seed, networks_asked_for
-from networks import start_worker
 from networks_recordings import KNOWLEDGE as RECORDINGS
 from networks_recordings import knowledge
 from opponents_pairs import Rig, filmed, made_up
@@ -147,14 +146,15 @@ def missing(programs: Mapping[str, str] = PROGRAMS) -> set[str]:
     return absent
 
 
-def theirs(rig: Rig, words: str, points: int, absent: set[str]) -> Iterator[Outcome]:
+def theirs(rig: Rig, words: str, arguments: Namespace, absent: set[str]) -> Iterator[Outcome]:
     """Let every other program place the cameras, each in a process that may fail."""
-    views = views_of(rig.true, rig.pairs, words, points)
+    pairs = {key: pair for key, pair in rig.pairs.items() if pair.accepted or not arguments.accepted}
+    views = views_of(rig.true, pairs, words, arguments.points)
     for name, (place, way, needs) in WAYS.items():
         if absent & set(needs):
             continue
         started, found, word = time.perf_counter(), {}, ""
-        worker = ProcessPoolExecutor(1, get_context("spawn"), start_worker)
+        worker = ProcessPoolExecutor(1, get_context("spawn"))
         try:
             found = worker.submit(place, views, way).result(PATIENCE)
         except BrokenProcessPool:
@@ -227,7 +227,7 @@ def main(arguments: Namespace) -> None:
             outcomes.append(ours(rig, words))
             if words != "intrinsics":
                 outcomes.append(ours(rig, words + MIDDLE))
-            outcomes += theirs(rig, words, arguments.points, absent)
+            outcomes += theirs(rig, words, arguments, absent)
             write_json(arguments.json, arguments, [asdict(one) for one in outcomes], {})
     if not arguments.data:
         origin = asked_for(arguments)[0]
@@ -242,6 +242,7 @@ if __name__ == "__main__":
     parser.add_argument(
         "--points", type=natural, default=1000, help="of each pair, for the others (default %(default)s)"
     )
+    parser.add_argument("--accepted", action="store_true", help="the others are given accepted pairs alone")
     parser.add_argument(
         "--commit", metavar="HASH", help="seeds of this commit, in full, instead of those of HEAD"
     )

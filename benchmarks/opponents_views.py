@@ -73,7 +73,7 @@ def straight(camera: Camera, pixels: Array) -> Array:
 def views_of(
     true: Mapping[str, Camera], pairs: Mapping[tuple[str, str], Calibration], knowledge: str, points: int
 ) -> Views:
-    """Take so many frontier points, evenly over time, of each pair that has a geometry, accepted or not."""
+    """Take so many frontier points, evenly over time, of each pair that has a geometry."""
     found = {}
     for (one, other), pair in pairs.items():
         if pair.F is None:
