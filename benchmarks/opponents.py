@@ -41,34 +41,29 @@ FEWEST = 3
 
 @dataclass(frozen=True)
 class Outcome:
-    """One program with one kind of knowledge on one network; ``word`` says why there are no figures."""
+    """One program with one kind of knowledge on one network.
+
+    ``word`` says why there are no figures, or how many cameras ours refuses, which the figures have too.
+    """
 
     network: str
     program: str
     knowledge: str
     cameras: int
     placed: int
-    accepted: int | None
     seconds: float
     errors: Errors | None
     word: str = ""
 
-    def cells(self) -> list[str]:
-        """The outcome as a row of the table."""
-        count = f"{self.placed} of {self.cameras}"
-        if self.accepted is not None and self.accepted < self.placed:
-            count += f", {self.accepted} accepted"
-        start = [self.network, self.program, self.knowledge, count]
+    def cell(self) -> str:
+        """Focal length %, rotation °, position % of the rig: median, worst; how many placed, if not all."""
+        some = "" if self.placed == self.cameras else f" ({self.placed} of {self.cameras})"
         if self.errors is None:
-            return [*start, self.word, "", "", f"{self.seconds:.1f}"]
-        e, fixed = self.errors, self.knowledge == "intrinsics"
-        return [
-            *start,
-            "known" if fixed else middle_and_worst(100 * e.focal),
-            middle_and_worst(e.rotation),
-            middle_and_worst(100 * e.position),
-            f"{self.seconds:.1f}",
-        ]
+            return self.word + some
+        some += f", {self.word}" if self.word else ""
+        e = self.errors
+        focal = [] if self.knowledge == "intrinsics" else [100 * e.focal]
+        return "; ".join(map(middle_and_worst, [*focal, e.rotation, 100 * e.position])) + some
 
 
 def middle_and_worst(values: Any) -> str:
@@ -76,22 +71,28 @@ def middle_and_worst(values: Any) -> str:
     return f"{np.median(values):.2f}, {np.max(values):.2f}"
 
 
-HEAD = (
-    *("network", "program", "known", "cameras placed", "focal length %, median, worst"),
-    *("rotation °, of two cameras to each other", "position, % of the rig", "s"),
-)
+def beside(outcomes: list[Outcome]) -> str:
+    """A row for each network and what is known of it, a column for each program, and their seconds."""
+    programs = list(dict.fromkeys(one.program for one in outcomes))
+    found = {(one.network, one.cameras, one.knowledge, one.program): one for one in outcomes}
+    rows = []
+    for network, cameras, words in dict.fromkeys(key[:3] for key in found):
+        here = [found.get((network, cameras, words, program)) for program in programs]
+        seconds = ", ".join("-" if one is None else f"{one.seconds:.0f}" for one in here)
+        rows.append([network, cameras, words, *("" if one is None else one.cell() for one in here), seconds])
+    return table(("network", "cameras", "known", *programs, "s"), rows)
 
 
-MIDDLE = ", axis assumed in the middle"
+CENTRED = "epibar, axis centred"
 """Ours solves for principal points unless it is told; COLMAP and Theia leave them in the middle."""
 
 
-def known_to_us(true: Mapping[str, Camera], words: str) -> dict[str, KnownCamera]:
+def known_to_us(true: Mapping[str, Camera], words: str, centred: bool) -> dict[str, KnownCamera]:
     """What ours is told, as the others are by `Views`."""
     if words == "intrinsics":
         return {n: replace(knowledge(one, "lens"), matrix=one.K) for n, one in true.items()}
     known = {name: knowledge(one, words) for name, one in true.items()}
-    if words.endswith(MIDDLE):
+    if centred:
         middles = {name: (np.array(one.size) - 1) / 2 for name, one in true.items()}
         return {name: replace(one, principal_point=middles[name]) for name, one in known.items()}
     return known
@@ -106,13 +107,16 @@ def standing(network: Network) -> dict[str, Camera]:
     }
 
 
-def ours(rig: Rig, words: str) -> Outcome:
+def ours(rig: Rig, words: str, centred: bool = False) -> Outcome:
     """Join the pairs to one network."""
+    known = known_to_us(rig.true, words, centred)
     started = time.perf_counter()
-    network = join_pairs(rig.recordings, rig.pairs, rig.offsets, known=known_to_us(rig.true, words))
+    network = join_pairs(rig.recordings, rig.pairs, rig.offsets, known=known)
     seconds = time.perf_counter() - started
-    accepted = sum(camera.accepted for camera in network.cameras.values())
-    return judged(rig, "epibar", words, standing(network), seconds, accepted)
+    program = CENTRED if centred else "epibar"
+    done = judged(rig, program, words, standing(network), seconds)
+    refused = done.placed - sum(camera.accepted for camera in network.cameras.values())
+    return replace(done, word=f"{refused} refused" if refused else "")
 
 
 def by_colmap(views: Views, way: str) -> dict[str, Camera]:
@@ -168,7 +172,7 @@ def theirs(rig: Rig, words: str, arguments: Namespace, absent: set[str]) -> Iter
             word = str(error) if said else type(error).__name__
             progress(f"{rig.name}, {name}, {words}: {error}")
         worker.shutdown(cancel_futures=True)
-        yield judged(rig, name, words, found, time.perf_counter() - started, None, word)
+        yield judged(rig, name, words, found, time.perf_counter() - started, word)
 
 
 def judged(
@@ -177,15 +181,14 @@ def judged(
     words: str,
     found: dict[str, Camera],
     seconds: float,
-    accepted: int | None,
     word: str = "",
 ) -> Outcome:
     """Hold what a program found against the truth."""
     enough = len(found) >= FEWEST
     errors = errors_of(rig.true, found) if enough else None
     why = word or ("" if enough else "fewer")
-    done = Outcome(rig.name, program, words, len(rig.true), len(found), accepted, seconds, errors, why)
-    progress(" | ".join(done.cells()))
+    done = Outcome(rig.name, program, words, len(rig.true), len(found), seconds, errors, why)
+    progress(f"{rig.name}, {program}, {words}: {done.cell()}, {seconds:.0f} s")
     return done
 
 
@@ -226,13 +229,13 @@ def main(arguments: Namespace) -> None:
         for words in KNOWLEDGE:
             outcomes.append(ours(rig, words))
             if words != "intrinsics":
-                outcomes.append(ours(rig, words + MIDDLE))
+                outcomes.append(ours(rig, words, centred=True))
             outcomes += theirs(rig, words, arguments, absent)
             write_json(arguments.json, arguments, [asdict(one) for one in outcomes], {})
     if not arguments.data:
         origin = asked_for(arguments)[0]
         print(f"seeds of commit {origin}" if origin else "seeds by hand: no table to report")
-    print(table(HEAD, [one.cells() for one in outcomes]))
+    print(beside(outcomes))
 
 
 if __name__ == "__main__":
