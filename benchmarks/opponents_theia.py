@@ -1,8 +1,7 @@
 """Theia on the points of a network's pairs: relative poses, averaged; and its whole global reconstruction.
 
-Theia takes cameras whose focal lengths are known, or were found by another program. Each point belongs to one
-pair, so LiGT, which asks for points of three views, has nothing to solve for: positions are by least
-unsquared deviations.
+Theia takes cameras whose focal lengths are known, or were found by another program. Positions are by least
+unsquared deviations: LiGT, which asks for points of three views, fails on tracks of two.
 """
 
 from __future__ import annotations
