@@ -56,7 +56,11 @@ DATA = {
     # The views of these are inconsistent by 3-8 px.
     "walking": Data("room_of_people", _numbered("walking_cam{}.npz", "cam{}", range(1, 5)), True, 10.0),
     "jumping": Data("room_of_people", _numbered("jumping_cam{}.npz", "cam{}", range(1, 5)), True, 10.0),
+    "pets_cameras": Data("pets_cameras", _numbered("cam{}.npz", "cam{}", range(1, 9)), masks=True),
+    "wildtrack": Data("wildtrack", _numbered("cam{}.npz", "cam{}", range(1, 8)), masks=True),
 }
+NETWORKS = ("pets_cameras", "wildtrack")
+"""Those with many pairs, which are measured on request."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +165,8 @@ def parser_of(description: str) -> ArgumentParser:
     parser = ArgumentParser(description=description)
     parser.add_argument("data_dir", nargs="?", type=Path, default=ROOT.parent / "shared" / "data")
     add_common(parser, lines=20_000)
-    add_names(parser, "--only", DATA)
+    usual = [name for name in DATA if name not in NETWORKS]
+    add_names(parser, "--only", DATA, usual, "default: all but the last two; ")
     parser.add_argument("--foreground", choices=("auto", "mog2", "mixture", "knn", "median"), default="auto")
     parser.add_argument("--threshold", type=float, default=0.0, help="of the foreground (default: its own)")
     parser.add_argument("--cache", type=Path, metavar="DIR", help="keep the recordings there")

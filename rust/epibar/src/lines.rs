@@ -20,7 +20,7 @@ const FEW: (usize, usize) = (40, 300);
 const FITTED: usize = 60;
 /// Places and frames by which the winner is chosen of them.
 const MANY: (usize, usize) = (150, 1500);
-/// Which power of the number of inliers counts: many of them say the same. Chosen on pets_cameras, where 0.25 and 0.5 find nine of 28 pairs,
+/// Which power of the number of inliers counts: many of them say the same. Chosen on `pets_cameras`, where 0.25 and 0.5 find nine of 28 pairs,
 /// 0 eight, and inliers alone six.
 const OF_INLIERS: f64 = 0.25;
 /// Most solutions.

@@ -77,7 +77,7 @@ pub const MIRROR_SHARE: f64 = 0.65;
 /// 0.98, all else by at most 0.28.
 pub const REPEATS: f64 = 0.4;
 /// A geometry that holds throughout has at least this share of its evidence, by what could meet, on either side of any moment. Real
-/// right ones had 0.41 to 0.89 (pets_cameras, wildtrack, four_people); where a camera was turned so far that the other part was
+/// right ones had 0.41 to 0.89 (`pets_cameras`, wildtrack, `four_people`); where a camera was turned so far that the other part was
 /// 3 px off or more, 0 to 0.24 was left.
 pub const HOLDS: f64 = 0.3;
 /// Nothing is said of that where the evidence on the better side is less than this many tangents.
