@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
+pub use super::optics::INTRINSIC;
 use super::optics::Optics;
 use crate::geometry::lens::Lens;
 use crate::image::ImageSize;
@@ -13,8 +14,6 @@ use crate::image::ImageSize;
 /// What is solved for in a camera: log of the focal length, log of `f_y / f_x`, principal point (2), `k₁ k₂ k₃`, rotation
 /// (3, in the camera's frame), position (3), clock's offset (seconds) and drift (ppm), inset of its silhouettes (pixels).
 pub const PARAMETERS: usize = 16;
-/// Those of them that are of the camera by itself: `f, f_y / f_x, c_x, c_y, k₁, k₂, k₃`.
-pub const INTRINSIC: usize = 7;
 /// Where the rotation starts among the parameters.
 pub const ROTATION: usize = 7;
 /// Where the position starts.
@@ -169,6 +168,42 @@ pub(super) mod tests {
             drift: 20.0 * seed,
             inset: 0.2 + 0.1 * seed,
             ..Camera::new(ImageSize::new(640, 480).unwrap(), 500.0)
+        }
+    }
+
+    #[test]
+    fn derivatives_equal_differences() {
+        let camera = odd(1.0);
+        for pixel in [[30.0, 40.0], [331.0, 229.0], [600.0, 300.0]] {
+            let sight = camera.optics().sight(pixel).unwrap();
+            assert_eq!(camera.optics().look(pixel), Some(sight.look));
+            let of = |camera: &Camera, pixel| camera.optics().sight(pixel).unwrap();
+            for k in 0..2 {
+                let at = |h: f64| {
+                    let mut p = pixel;
+                    p[k] += h;
+                    of(&camera, p).look.direction
+                };
+                let difference = (at(1e-3) - at(-1e-3)) / 2e-3;
+                assert!((difference - sight.look.jacobian.column(k)).norm() < 1e-9);
+            }
+            for k in 0..INTRINSIC {
+                let h = if (2..4).contains(&k) { 1e-3 } else { 1e-6 };
+                let at = |h: f64| {
+                    let mut step = Step::zeros();
+                    step[k] = h;
+                    of(&camera.stepped(&step), pixel)
+                };
+                let (plus, minus) = (at(h), at(-h));
+                let along = (plus.look.direction - minus.look.direction) / (2.0 * h);
+                assert!((along - sight.along[k]).norm() < 1e-7 * (1.0 + along.norm()), "{k}");
+                let along = (plus.look.jacobian - minus.look.jacobian) / (2.0 * h);
+                assert!(
+                    (along - sight.jacobian_along[k]).norm() < 1e-7,
+                    "{k} {along} {}",
+                    sight.jacobian_along[k]
+                );
+            }
         }
     }
 

@@ -2,8 +2,10 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::camera::INTRINSIC;
 use crate::geometry::lens::Lens;
+
+/// Parameters of a camera by itself: `f, f_y / f_x, c_x, c_y, k₁, k₂, k₃`.
+pub const INTRINSIC: usize = 7;
 
 /// What the pixels of a camera show, wherever it stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,46 +101,4 @@ impl Optics {
 /// Derivative of the direction to the place on the plane `z = 1`.
 fn bend(d: &Vector2<f64>, s: f64, s_q: f64) -> Matrix2<f64> {
     Matrix2::identity() * s + d * d.transpose() * (2.0 * s_q)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::camera::{Camera, Step, tests::odd};
-    use super::*;
-
-    #[test]
-    fn derivatives_equal_differences() {
-        let camera = odd(1.0);
-        for pixel in [[30.0, 40.0], [331.0, 229.0], [600.0, 300.0]] {
-            let sight = camera.optics().sight(pixel).unwrap();
-            assert_eq!(camera.optics().look(pixel), Some(sight.look));
-            let of = |camera: &Camera, pixel| camera.optics().sight(pixel).unwrap();
-            for k in 0..2 {
-                let at = |h: f64| {
-                    let mut p = pixel;
-                    p[k] += h;
-                    of(&camera, p).look.direction
-                };
-                let difference = (at(1e-3) - at(-1e-3)) / 2e-3;
-                assert!((difference - sight.look.jacobian.column(k)).norm() < 1e-9);
-            }
-            for k in 0..INTRINSIC {
-                let h = if (2..4).contains(&k) { 1e-3 } else { 1e-6 };
-                let at = |h: f64| {
-                    let mut step = Step::zeros();
-                    step[k] = h;
-                    of(&camera.stepped(&step), pixel)
-                };
-                let (plus, minus) = (at(h), at(-h));
-                let along = (plus.look.direction - minus.look.direction) / (2.0 * h);
-                assert!((along - sight.along[k]).norm() < 1e-7 * (1.0 + along.norm()), "{k}");
-                let along = (plus.look.jacobian - minus.look.jacobian) / (2.0 * h);
-                assert!(
-                    (along - sight.jacobian_along[k]).norm() < 1e-7,
-                    "{k} {along} {}",
-                    sight.jacobian_along[k]
-                );
-            }
-        }
-    }
 }
