@@ -118,7 +118,7 @@ def _checked(args: Namespace, network: Network, update: Update | None, console: 
     check = network.check(
         recordings,
         _clocks(args, recordings),
-        lambda stage, share: console.progress(stage, share, 1),
+        lambda stage, share: console.step(stage, share),
         search_seconds=args.search_seconds,
     )
     updated = [name for name, one in check.cameras.items() if one.place is not None] if update else []
@@ -216,7 +216,7 @@ def _recorded(
 
 def _tell(console: Console, stage: str, _: str, share: float) -> None:
     """Show how far a stage is, whatever its own name for that is."""
-    console.progress(stage, share, 1)
+    console.step(stage, share)
 
 
 def _clocks(args: Namespace, recordings: Mapping[str, Recording]) -> TimeOffset:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import logging
 import platform
 import sys
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.metadata import PackageNotFoundError, version
-from typing import IO, Any
+from typing import IO
 
 from ..calibration import Calibration
 from ..errors import printable, without_secrets
+from ..jobs.pace import EARLIEST, JobProgress
+from ..jobs.showing import Bars, in_notebook
 from ..jobs.watch import Watch
 from ..network.check_prose import check_notes, check_table
 from ..network.checking import NetworkCheck
@@ -20,8 +23,8 @@ from ..network.result import Network
 
 __all__ = ["Console"]
 
-BAR = "{desc} {bar} {n:.1f} of {total}, {elapsed} done, about {remaining} left"
-WHOLE_BAR = "{desc} {bar} {percentage:.0f} %, {elapsed} done, about {remaining} left"
+SMALL = 0.02
+"""Share of a step before which nothing is said of the time left."""
 
 
 class Console(Watch):
@@ -41,7 +44,8 @@ class Console(Watch):
         self.quiet = quiet
         self.verbose = verbose and not quiet
         self._stdout_is_taken = json
-        self._bars: dict[str, Any] = {}
+        self._bars = Bars()
+        self._step, self._began = "", 0.0
         if self.verbose:
             self.note(_versions())
 
@@ -49,9 +53,7 @@ class Console(Watch):
         return self
 
     def __exit__(self, *_: object) -> None:
-        for bar in self._bars.values():
-            bar.close()
-        self._bars.clear()
+        self._bars.close()
 
     @contextmanager
     def warnings(self) -> Iterator[None]:
@@ -68,8 +70,8 @@ class Console(Watch):
 
     @property
     def interactive(self) -> bool:
-        """Somebody watches a terminal and has not asked for silence."""
-        return not self.quiet and sys.stderr.isatty()
+        """Somebody watches a terminal, or a notebook, and has not asked for silence."""
+        return not self.quiet and (sys.stderr.isatty() or in_notebook())
 
     def result(self, text: str = "") -> None:
         """Print what the user asked for, on stdout."""
@@ -132,38 +134,24 @@ class Console(Watch):
         """Print what went wrong, on stderr, always."""
         self._print(f"epibar: error: {text}", sys.stderr)
 
-    def progress(self, stage: str, done: float, total: int) -> None:
-        """Show how far a stage is and how long it may still take; the bar goes when it is done."""
-        if not self.interactive:
-            return
-        if stage not in self._bars:
-            from tqdm import tqdm
+    def pace(self, progress: JobProgress) -> None:
+        """Show how far all is: bars where somebody watches, else a line now and then."""
+        if self.interactive:
+            self._bars.show(progress)
+        else:
+            super().pace(progress)
 
-            self._bars[stage] = tqdm(
-                total=total,
-                desc=printable(stage),
-                initial=done,
-                file=sys.stderr,
-                leave=False,
-                dynamic_ncols=True,
-                bar_format=BAR if total > 1 else WHOLE_BAR,
-            )
-        bar = self._bars[stage]
-        bar.n = min(max(done, bar.n), total)
-        bar.refresh()
-        if done >= total:
-            bar.close()
+    def step(self, what: str, done: float, total: int = 1) -> None:
+        """Show how far something is that is no job, of which one part takes as long as another."""
+        if what != self._step:
+            self._step, self._began = what, time.monotonic()
+        share, passed = min(done / total, 1.0), time.monotonic() - self._began
+        known = share > SMALL and passed > EARLIEST
+        self.pace(JobProgress(share, passed * (1.0 - share) / share if known else None, what))
 
     def _print(self, text: str, stream: IO[str]) -> None:
         """Print a line above the bars."""
-        text = printable(without_secrets(text))
-        if not self._bars:
-            print(text, file=stream, flush=True)
-            return
-        from tqdm import tqdm
-
-        tqdm.write(text, file=stream)
-        stream.flush()
+        self._bars.write(printable(without_secrets(text)), stream)
 
 
 def _versions() -> str:

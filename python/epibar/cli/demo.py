@@ -143,7 +143,7 @@ def _rendered(staging: Staging, folder: Path, console: Console) -> list[Path]:
     try:
         with console:
             for index in range(count):
-                console.progress("rendering", index, count)
+                console.step("rendering", index, count)
                 sources.append(staging.render(index, folder / f"cam{index + 1}.mp4"))
     except OSError as error:
         raise EpibarError(str(error)) from error

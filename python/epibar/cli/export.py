@@ -161,7 +161,7 @@ def _followed(folder: Path, run: Run, network: Network, console: Console) -> Wal
             names.append(name)
     try:
         recordings = {name: Recording.load(recording_file(folder, name)) for name in names}
-        return network.tracks(recordings, lambda stage, share: console.progress(stage, share, 1))
+        return network.tracks(recordings, lambda stage, share: console.step(stage, share))
     except EpibarError as error:
         console.warning(f"without tops and bottoms of walkers: {error}")
         return None

@@ -48,7 +48,7 @@ def run(args: Namespace) -> int:
         recording, seconds = record_camera(
             camera,
             record_options(args),
-            lambda stage, share: console.progress(stage, share, 1),
+            lambda stage, share: console.step(stage, share),
             pictures=False,
         )
         console.recorded(name, recording, seconds)

@@ -5,6 +5,7 @@
 
 from .all_pairs import AllPairs, calibrate_all
 from .dask import dask_executor
+from .pace import JobProgress, Row
 from .watch import Watch
 
-__all__ = ["AllPairs", "Watch", "calibrate_all", "dask_executor"]
+__all__ = ["AllPairs", "JobProgress", "Row", "Watch", "calibrate_all", "dask_executor"]

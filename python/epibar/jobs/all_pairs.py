@@ -18,7 +18,7 @@ from ..sources.frame_range import FrameRange
 from .folder import Folder
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
 from .runner import Progress, Runner
-from .watch import Watch
+from .watch import Watch, default_watch
 
 __all__ = ["AllPairs", "calibrate_all", "run_job"]
 
@@ -133,7 +133,8 @@ def calibrate_all(
     report : bool
         Write ``report.html`` too, which a person can look at.
     watch : Watch, optional
-        Told what happens; by default the logger ``epibar`` is.
+        Told what happens; by default the logger ``epibar`` is, and where stderr is a terminal, or this runs
+        in a notebook, bars show how far it is.
 
     Returns
     -------
@@ -180,7 +181,10 @@ def calibrate_all(
         lengths=lengths,
         every_pair=every_pair,
     )
-    return run_job(job, executor, watch or Watch())
+    if watch is not None:
+        return run_job(job, executor, watch)
+    with default_watch() as shown:
+        return run_job(job, executor, shown)
 
 
 def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
@@ -211,6 +215,7 @@ def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> A
     if job.report:
         watch.note("writing the report ...")
         results.write_report()
+    runner.tally.finished()
     return AllPairs(
         {camera.name: recording for camera, recording in results.recordings.items()},
         {

@@ -107,6 +107,11 @@ class DaskExecutor(Executor):
         """Fingerprint of a path where workers can see it; see :func:`epibar.jobs.keys.fingerprint`."""
         return next((seen for _, seen in sorted(self._seen(path).items()) if seen is not None), None)
 
+    @property
+    def workers(self) -> int:
+        """How many tasks run at a time."""
+        return sum(worker["nthreads"] for worker in self._client.scheduler_info()["workers"].values())
+
     def news(self) -> list[str]:
         """Tell which workers have gone since the last call."""
         if time.monotonic() - self._looked < LOOK_EVERY:

@@ -33,8 +33,9 @@ from .network_stage import (
 )
 from .results import Results
 from .returned import checked
-from .stages import CLOCKS, MATCHING, NETWORK, RECORDING, STAGES, Stopped, Task
+from .stages import CLOCKS, NETWORK, STAGES, Stopped, Task
 from .store import Store
+from .tally import Tally, search_rounds, workers_of
 from .tasks import calibrate_pair, record_camera
 from .watch import Watch
 
@@ -55,8 +56,8 @@ class Runner:
     folder : Folder
         Of the job, held.
     executor : Executor
-        Where the tasks run. It may have two methods more than others: ``fingerprint(path)``, for files that
-        only its workers can see, and ``news()``, which returns what happened since it was last asked.
+        Where the tasks run. It may have more than others: ``fingerprint(path)``, for files that only workers
+        can see, ``news()``, what happened since it was last asked, ``workers``, how many tasks run at a time.
     watch : Watch
     at_once : int, optional
         How many cameras are handed over at a time, so that pairs need not queue behind all of them.
@@ -87,8 +88,7 @@ class Runner:
         self._queue: deque[CameraInput] = deque()
         self._kept: dict[Pair, tuple[Calibration, float]] = {}
         self._running: dict[Future[Any], Task] = {}
-        self._done = dict.fromkeys(STAGES, 0)
-        self._total = dict.fromkeys(STAGES, 0)
+        self.tally = Tally(job, watch, at_once or workers_of(executor), together=reporting is not None)
         self._pairs = job.pairs
         self._offsets: ClockOffsets | None = None
         self._clocks_asked = self._network_asked = False
@@ -150,7 +150,7 @@ class Runner:
             recordings = {c: self._store.recording(c.name, self._keys[c]) for c in cameras}
         self._tell_damaged()
         self._queue.extend(camera for camera in cameras if recordings.get(camera) is None)
-        self._total[RECORDING] = len(self._queue)
+        self.tally.plan(self._queue)
         if not self._waits_for_clocks:
             self._reuse_pairs()
         for camera, recording in recordings.items():
@@ -167,8 +167,8 @@ class Runner:
                 if kept is not None:
                     self._kept[pair] = kept
             self._tell_damaged()
-        self._total[MATCHING] = len(pairs) - len(self._kept)
-        reused = len(cameras) - self._total[RECORDING]
+        self.tally.matching({p: search_rounds(self._options(p)) for p in pairs if p not in self._kept})
+        reused = len(cameras) - self.tally.to_record
         if reused or self._kept:
             self._watch.note(
                 f"kept from an earlier run in {self._job.out}: {reused} of {len(cameras)} recordings, "
@@ -219,7 +219,6 @@ class Runner:
             if wanted and len(films) > 1:
                 kept = None if self._job.fresh else self._store.clocks(self._clocks_key(), len(cameras))
                 if kept is None:
-                    self._total[CLOCKS] = 1
                     self._submit(Task(CLOCKS), find_clocks, self._job.pair.search_seconds, *films)
                 else:
                     self._clocks_found(kept)
@@ -268,7 +267,6 @@ class Runner:
         if kept is not None:
             self._joined(kept, None)
             return False
-        self._total[NETWORK] = 1
         calibrations = {(a.name, b.name): found[a, b] for a, b in pairs}
         request = JoinRequest(names, calibrations, offsets, self._job.lengths)
         self._submit(Task(NETWORK), join_cameras, request, *films)
@@ -277,6 +275,7 @@ class Runner:
     def _joined(self, network: Network | None, why: str | None) -> None:
         """Take the network, or why there is none."""
         self.results.network, self.results.no_network = network, why
+        self.tally.writing()
         try:
             for text in self.results.write_network(self._network_key):
                 self._watch.warning(text)
@@ -298,12 +297,14 @@ class Runner:
             self._running[self._executor.submit(function, *arguments)] = task
         except RuntimeError as error:  # it is broken, or was shut down
             raise Stopped(error, self._job.out) from error
+        self.tally.started(task)
 
     def _take(self, task: Task, future: Future[Any]) -> None:
         """Take what a task returned or raised."""
-        self._done[task.stage] += 1
         try:
-            self._go_on(task.of, self._kept_return(task, future))
+            found = self._kept_return(task, future)
+            self.tally.ended(task, found)
+            self._go_on(task.of, found)
         except Stopped:
             raise
         except EpibarError as error:
@@ -361,7 +362,8 @@ class Runner:
                 self._failed(pair, str(error))
         else:
             a, b = (self.results.recordings[camera] for camera in pair)
-            self._submit(Task(pair), calibrate_pair, a, b, self._options(pair))
+            options = self._options(pair)
+            self._submit(Task(pair, search_rounds(options)), calibrate_pair, a, b, options)
 
     def _calibrated(self, pair: Pair, calibration: Calibration, seconds: float, kept: bool) -> None:
         self.results.add(pair, self._stem(pair), calibration, seconds)
@@ -375,6 +377,7 @@ class Runner:
             self._watch.warning(f"{error}; the next run has to do it again")
 
     def _failed(self, of: CameraInput | Pair | str, message: str) -> None:
+        self.tally.failed(of)
         if isinstance(of, str):
             self._stage_failed(of, message)
             return
@@ -394,7 +397,4 @@ class Runner:
     def _tell(self) -> None:
         for text in self._news():
             self._watch.warning(text)
-        for stage, total in self._total.items():
-            running = sum(task.share for task in self._running.values() if task.stage == stage)
-            if total:
-                self._watch.progress(stage, self._done[stage] + running, total)
+        self.tally.tell(self._running.values())

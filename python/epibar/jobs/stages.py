@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import EpibarError
 from .inputs import CameraInput, Pair
+from .shares import PairShare, joining_share
 
 __all__ = ["CLOCKS", "MATCHING", "NETWORK", "RECORDING", "STAGES", "Stopped", "Task"]
 
@@ -30,15 +31,25 @@ class Task:
     Attributes
     ----------
     of : CameraInput, Pair or str
+    rounds : int
+        How often the search of a pair is gone through, see :class:`~epibar.jobs.shares.PairShare`.
     share : float
-        That is done, as the task tells.
+        That is done of its time, as far as what the task tells says.
+    frames : int
+        Of a camera that is being recorded, those that were taken.
     kept : bool
         What it returned is kept for the next run.
     """
 
     of: CameraInput | Pair | str
+    rounds: int = 1
     share: float = 0.0
+    frames: int = 0
     kept: bool = False
+    _search: PairShare = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        self._search = PairShare(self.rounds)
 
     @property
     def stage(self) -> str:
@@ -47,6 +58,11 @@ class Task:
             return self.of
         return RECORDING if isinstance(self.of, CameraInput) else MATCHING
 
-    def progress(self, _: str, share: float) -> None:
+    def progress(self, at: str, share: float) -> None:
         """Note how far the task is; called in the thread that runs it."""
-        self.share = share
+        if self.stage == RECORDING:
+            self.frames, self.share = self.frames + 1, share
+        elif self.stage == MATCHING:
+            self.share = self._search.tell(at, share)
+        else:
+            self.share = joining_share(share) if self.stage == NETWORK else share

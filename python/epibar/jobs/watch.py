@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import logging
+import sys
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 
 from ..calibration import Calibration
 from ..network.result import Network
 from ..recording import Recording
+from .pace import JobProgress
+from .showing import Bars, LogLines, in_notebook
 
-__all__ = ["Watch", "summary"]
+__all__ = ["Watch", "default_watch", "summary"]
 
 logger = logging.getLogger("epibar")
 
 
 class Watch:
     """Told what happens in a job. Override what is of interest; the caller's thread calls every method."""
+
+    _lines: LogLines | None = None
 
     def note(self, text: str) -> None:
         """Take what is going on."""
@@ -44,6 +51,14 @@ class Watch:
     def progress(self, stage: str, done: float, total: int) -> None:
         """Take how many of a stage's tasks are done, fractions included; called several times a second."""
 
+    def pace(self, progress: JobProgress) -> None:
+        """Take how far the whole job is, several times a second; here a note of it each half a minute."""
+        if self._lines is None:
+            self._lines = LogLines()
+        line = self._lines.due(progress)
+        if line is not None:
+            self.note(line)
+
     def recorded(self, name: str, recording: Recording, seconds: float | None) -> None:
         """Take a recording and the seconds it took, None where it was kept from an earlier run."""
         for warning in recording.warnings:
@@ -53,6 +68,28 @@ class Watch:
                 f"{name}: {recording.frames} frames of {recording.width}x{recording.height}, "
                 f"{recording.informative} of {len(recording.segments)} lines informative ({seconds:.1f} s)"
             )
+
+
+class _Shown(Watch):
+    """Bars for who looks on, and the rest for the logger."""
+
+    def __init__(self) -> None:
+        self.bars = Bars()
+
+    def pace(self, progress: JobProgress) -> None:
+        """Show it."""
+        self.bars.show(progress)
+
+
+@contextmanager
+def default_watch() -> Iterator[Watch]:
+    """Watch of a job whose caller gave none; its bars go when this is left."""
+    if not (sys.stderr.isatty() or in_notebook()):
+        yield Watch()
+        return
+    shown = _Shown()
+    with closing(shown.bars):
+        yield shown
 
 
 def summary(calibration: Calibration) -> str:

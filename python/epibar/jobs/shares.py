@@ -1,0 +1,72 @@
+"""Which share of its time a task has had when it tells what it is at.
+
+A search tells its stage and how much of that stage is done. Where in its time the stages begin was measured
+on whole jobs (``benchmarks/time_left.py --stages``); by a clock that it learns it goes through them anew.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from itertools import pairwise
+
+__all__ = ["PairShare", "joining_share"]
+
+BEGINS = {
+    "candidates": 0.0,
+    "best_lines": 0.06,
+    "all_lines": 0.12,
+    "line_inliers": 0.19,
+    "floor": 0.28,
+    "floor epipoles": 0.35,
+    "tracks": 0.48,
+    "refine": 0.60,
+    "restart": 0.69,
+    "explore": 0.81,
+    "settle": 0.89,
+}
+"""Share of one round of a search at which each of its stages begins."""
+
+ENDS = dict(pairwise(BEGINS.values())) | {BEGINS["settle"]: 1.0}
+
+JOINING = ((0.0, 0.0), (0.4, 0.52), (0.7, 0.81), (0.9, 1.0), (1.0, 1.0))
+"""What joining tells, and the share of its time."""
+
+NEVER_ALL = 0.98
+"""Of a search that goes on, however many rounds it had."""
+
+
+class PairShare:
+    """The share of the search of one pair.
+
+    Parameters
+    ----------
+    rounds : int
+        How often it is gone through its stages, as far as is known before.
+    """
+
+    def __init__(self, rounds: int) -> None:
+        self._rounds = rounds
+        self._round = 0
+        self._share = 0.0
+
+    def tell(self, stage: str, share: float) -> float:
+        """Take what the search tells; returns the share of the whole, which never goes back."""
+        if stage == "candidates" and share == 0.0:
+            self._round += 1
+        if stage in BEGINS:
+            begins = BEGINS[stage]
+            within = begins + (ENDS[begins] - begins) * min(max(share, 0.0), 1.0)
+        elif stage == "lines":  # the paper's method has only this
+            within = min(max(share, 0.0), 1.0)
+        else:
+            return self._share
+        whole = (max(self._round - 1, 0) + within) / max(self._rounds, self._round)
+        self._share = max(self._share, min(whole, NEVER_ALL))
+        return self._share
+
+
+def joining_share(told: float) -> float:
+    """Share of the time of joining all pairs, between those that it tells."""
+    at = min(bisect_right(JOINING, (told, 2.0)), len(JOINING) - 1)
+    (before, share), (after, end) = JOINING[at - 1], JOINING[at]
+    return min(share + (end - share) * max(told - before, 0.0) / (after - before), 1.0)

@@ -1,0 +1,533 @@
+"""How far a job is: the share never goes back, the time left holds, one bar, lines in a log."""
+
+import io
+import logging
+import random
+import re
+import sys
+import types
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from jobs_input import FAST, write_masks
+
+import epibar
+from epibar import synthetic
+from epibar.cli import console as console_module
+from epibar.cli.console import Console
+from epibar.jobs import JobProgress, Row, Watch, showing
+from epibar.jobs.camera_sizes import frames_and_pixels
+from epibar.jobs.inputs import CameraInput, Job, RecordOptions
+from epibar.jobs.pace import Pace, left_in_words, played_through
+from epibar.jobs.shares import BEGINS, PairShare, joining_share
+from epibar.jobs.stages import CLOCKS, MATCHING, NETWORK, RECORDING, Task
+from epibar.jobs.tally import Tally, search_rounds
+from epibar.sources.frame_range import FrameRange
+
+WITHIN = (0.6, 1.6)
+STAGES = (("record",), ("clocks",), ("match",), ("join",))
+
+
+@pytest.fixture(scope="module")
+def masks(tmp_path_factory):
+    return write_masks(tmp_path_factory.mktemp("masks"))
+
+
+class Clock:
+    """Seconds that pass when it is told so."""
+
+    def __init__(self):
+        self.now = 1000.0
+
+    def __call__(self):
+        return self.now
+
+
+def simulated(stages, *, workers=2, tells=True, fails=(), step=0.25, sharing=None):
+    """Run a job that is not there; returns (seconds, share, left) of each look.
+
+    ``stages`` has of each stage the prior and the real seconds of its tasks by name.
+    """
+    clock = Clock()
+    pace = Pace([(stage,) for stage, _ in stages], workers, sharing, clock)
+    for stage, tasks in stages:
+        pace.expect(stage, {name: prior for name, (prior, _) in tasks.items()})
+    began, looks = clock.now, []
+    for stage, tasks in stages:
+        queue = [(name, real) for name, (_, real) in tasks.items()]
+        left = dict(queue)
+        for name, _ in queue:
+            pace.started(stage, name)
+        while left:
+            for name in list(left)[:workers]:
+                left[name] -= step
+            clock.now += step
+            for name in [name for name, seconds in left.items() if seconds <= 0]:
+                del left[name]
+                if name in fails:
+                    assert pace.failed(name)
+                else:
+                    pace.ended(name)
+            real = dict(queue)
+            shares = {name: 1 - left[name] / real[name] for name in left if tells}
+            looks.append((clock.now - began, *pace.look(shares)))
+    pace.finish()
+    looks.append((clock.now - began, *pace.look({})))
+    return looks
+
+
+def ratios(looks, first=0.25, last=0.95):
+    """Stated over real seconds left."""
+    end = looks[-1][0]
+    return [left / (end - at) for at, _, left in looks if first * end < at < last * end and left is not None]
+
+
+def check_shares(looks):
+    shares = [share for _, share, _ in looks]
+    assert all(before <= after for before, after in pairwise(shares))
+    assert shares[-1] == 1.0
+    assert all(share < 1.0 for share in shares[:-1])
+
+
+def job_of(cameras, slower=1.0, pairs=6, spread=0.0, seed=0):
+    """Priors and seconds of a usual job whose machine is slower than that of the priors."""
+    rng = random.Random(seed)
+
+    def real(prior):
+        return prior, prior * slower * rng.uniform(1 - spread, 1 + spread)
+
+    return [
+        ("record", {f"cam{k}": real(prior) for k, prior in enumerate(cameras)}),
+        ("clocks", {"clocks": real(8.0)}),
+        ("match", {f"pair{k}": real(11.0) for k in range(pairs)}),
+        ("join", {"join": real(6.0)}),
+    ]
+
+
+# --- the estimate ---
+
+
+@pytest.mark.parametrize("tells", [True, False])
+@pytest.mark.parametrize("slower", [0.2, 1.0, 5.0])
+@pytest.mark.parametrize("cameras", [[20, 20, 20, 20], [5, 80, 10, 30], [60, 60]])
+def test_the_time_left_holds_however_fast_the_machine(cameras, slower, tells):
+    looks = simulated(job_of(cameras, slower), tells=tells)
+    check_shares(looks)
+    found = np.array(ratios(looks))
+    assert len(found) > 10
+    assert np.mean((found > WITHIN[0]) & (found < WITHIN[1])) > 0.9
+    if tells:
+        assert np.median(abs(np.log(found))) < np.log(1.15)
+
+
+def test_tasks_that_differ_from_what_is_thought():
+    found = []
+    for seed in range(20):
+        looks = simulated(job_of([20] * 4, 2.0, spread=0.5, seed=seed))
+        check_shares(looks)
+        found += ratios(looks)
+    assert np.mean([WITHIN[0] < ratio < WITHIN[1] for ratio in found]) > 0.85
+
+
+def test_it_does_not_jump():
+    looks = simulated(job_of([20] * 4, 3.0, spread=0.5))
+    stated = [(at, left) for at, _, left in looks if left is not None]
+    whole = looks[-1][0]
+    for (before, first), (after, last) in pairwise(stated[:-1]):
+        assert abs(last - first) < 0.05 * whole + (after - before)
+
+
+def test_cameras_of_unknown_size_are_like_the_others():
+    clock = Clock()
+    pace = Pace(STAGES, 1, None, clock)
+    pace.expect("record", {"a": None, "b": None})
+    pace.started("record", "a")
+    clock.now += 20
+    assert pace.look({})[1] is None
+    pace.ended("a", 20.0)
+    pace.started("record", "b")
+    clock.now += 5
+    assert pace.look({})[1] == pytest.approx(15.0, abs=3.0)
+
+
+def test_nothing_is_said_before_anything_is_measured():
+    clock = Clock()
+    pace = Pace(STAGES, 2, None, clock)
+    pace.expect("record", {"a": 10.0})
+    pace.started("record", "a")
+    told = []
+    for _ in range(20):
+        clock.now += 0.5
+        told.append(pace.look({"a": 0.0})[1])
+    assert told == [None] * 20
+    clock.now += 1
+    pace.look({"a": 0.01})
+    clock.now += 1
+    assert pace.look({"a": 0.1})[1] is not None
+
+
+def test_what_begins_late_is_not_thought_slow():
+    """The empty scene is learned before the first frame counts."""
+    clock = Clock()
+    pace = Pace((("record",),), 1, None, clock)
+    pace.expect("record", {"a": 10.0})
+    pace.started("record", "a")
+    for tick in range(1, 60):
+        clock.now = 1000.0 + tick
+        share = max(tick - 40, 0) / 20
+        left = pace.look({"a": share})[1]
+        if tick > 50:
+            assert left == pytest.approx(60 - tick, abs=2.5)
+
+
+def test_tasks_that_fail_are_no_measure():
+    stages = job_of([20] * 4, 2.0)
+    stages[2][1].update({f"pair{k}": (11.0, 0.25) for k in range(3)})
+    looks = simulated(stages, fails=("pair0", "pair1", "pair2"))
+    check_shares(looks)
+    at_the_pairs = [left / (looks[-1][0] - at) for at, _, left in looks if 108 < at < 150]
+    assert np.mean([WITHIN[0] < ratio < WITHIN[1] for ratio in at_the_pairs]) > 0.9
+
+
+def test_what_never_begins_is_not_waited_for():
+    clock = Clock()
+    pace = Pace(STAGES, 1, None, clock)
+    pace.expect("record", {"a": 10.0})
+    pace.expect("match", {"p": 500.0, "q": 10.0})
+    pace.started("record", "a")
+    clock.now += 10
+    pace.ended("a")
+    assert not pace.failed("p")
+    clock.now += 1
+    assert pace.look({})[1] < 20
+
+
+def test_played_through():
+    alone = [(4.0, 0.0), (2.0, 0.0)]
+    assert played_through(alone, [(3.0, 0.0)], 2) == pytest.approx(5.0)
+    assert played_through([], [(3.0, 0.0)] * 5, 2) == pytest.approx(9.0)
+    assert played_through([(4.0, 1.0), (2.0, 1.0)], [(3.0, 1.0)], 2) == pytest.approx(9.0)
+    assert played_through([], [], 3) == 0.0
+
+
+# --- what tasks tell ---
+
+
+@pytest.mark.parametrize("rounds", [1, 2, 3])
+def test_the_share_of_a_search_never_goes_back(rounds):
+    search, shares = PairShare(rounds), [0.0]
+    for number in range(rounds + 1):
+        for stage in BEGINS:
+            for within in (0.0, 0.5):
+                shares.append(search.tell(stage, within))
+        shares.append(search.tell("time offset", 0.0))
+        assert shares[-1] == pytest.approx(min((number + 0.945) / rounds, 0.98), abs=0.01)
+    assert all(before <= after for before, after in pairwise(shares))
+    assert shares[-1] < 1.0
+
+
+def test_shares_of_joining():
+    told = [joining_share(share) for share in np.linspace(0, 1, 21)]
+    assert told == sorted(told)
+    assert told[0] == 0.0
+    assert joining_share(0.4) == pytest.approx(0.52)
+    assert told[-1] == 1.0
+
+
+def test_sizes_are_read_without_decoding(masks, tmp_path):
+    scene = synthetic.cubes(3, cameras=2, frames=20, size=(64, 48))
+    video = synthetic.render_video(scene, 0, tmp_path / "cam.avi", empty_frames=5)
+    options = RecordOptions()
+    assert frames_and_pixels(CameraInput("a", str(video), 0), options) == (25, 64 * 48)
+    part = RecordOptions(frames=FrameRange(5, 15))
+    assert frames_and_pixels(CameraInput("a", str(video), 0), part) == (10, 64 * 48)
+    ready = RecordOptions(masks=True)
+    assert frames_and_pixels(CameraInput("a", str(masks[0]), 0), ready) == (200, 160 * 120)
+    (tmp_path / "broken.mp4").write_bytes(b"no video")
+    for unknown in ("rtsp://nobody/1", str(tmp_path / "none.mp4"), str(tmp_path / "broken.mp4"), "0"):
+        assert frames_and_pixels(CameraInput("a", unknown, 0), options) is None
+
+
+# --- a tally of a job ---
+
+
+class Heard(Watch):
+    """Keeps what was told."""
+
+    def __init__(self):
+        self.paces, self.stages, self.notes = [], [], []
+
+    def pace(self, progress):
+        self.paces.append(progress)
+
+    def progress(self, stage, done, total):
+        self.stages.append((stage, done, total))
+
+    def note(self, text):
+        self.notes.append(text)
+
+
+def cameras(count):
+    return [CameraInput(f"cam{k + 1}", f"cam{k + 1}.mp4", k) for k in range(count)]
+
+
+def test_a_row_for_each_camera_that_is_recorded(tmp_path):
+    clock, heard = Clock(), Heard()
+    job = Job(cameras(3), tmp_path)
+    tally = Tally(job, heard, 2, together=True, clock=clock)
+    tally.plan(job.cameras)
+    tasks = [Task(camera) for camera in job.cameras]
+    for task in tasks[:2]:
+        tally.started(task)
+    tally.tell(tasks[:2])
+    assert heard.paces[-1].rows == ()
+    for frame in range(1, 101):
+        clock.now += 0.02
+        tasks[0].progress("recording", frame / 400)
+        if frame % 10 == 0:
+            tally.tell(tasks[:2])
+    (row,) = heard.paces[-1].rows
+    assert (row.name, row.share) == ("cam1", 0.25)
+    assert row.frames_per_second == pytest.approx(50.0)
+    assert heard.paces[-1].doing == "recorded 0 of 3 cameras"
+    assert heard.stages[-1] == (RECORDING, 0.25, 3)
+    tally.ended(tasks[0], (object(), 2.0))
+    tally.started(tasks[2])
+    tasks[1].progress("recording", 0.5)
+    tally.tell(tasks[1:])
+    assert [row.name for row in heard.paces[-1].rows] == ["cam2"]
+    assert heard.paces[-1].doing == "recorded 1 of 3 cameras"
+
+
+def test_a_camera_that_fails_takes_its_pairs_along(tmp_path):
+    clock, heard = Clock(), Heard()
+    job = Job(cameras(3), tmp_path)
+    tally = Tally(job, heard, 1, together=True, clock=clock)
+    tally.plan(job.cameras)
+
+    def left():
+        clock.now += 60
+        tally.tell(())
+        return heard.paces[-1].seconds_left
+
+    tasks = [Task(camera) for camera in job.cameras]
+    for task in tasks[:2]:
+        tally.started(task)
+        clock.now += 10
+        tally.ended(task, (object(), 10.0))
+    before = left()
+    tally.started(tasks[2])
+    tally.failed(job.cameras[2])
+    assert left() < 0.6 * before
+
+
+def test_what_is_kept_is_no_work(tmp_path):
+    heard, clock = Heard(), Clock()
+    job = Job(cameras(3), tmp_path)
+    for name in (
+        "recordings/clocks.json",
+        "network.json",
+        *(f"pairs/cam{k}.npz" for k in ("1_cam2", "1_cam3")),
+    ):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).touch()
+    tallies = []
+    for pairs in (2, 3):
+        (tmp_path / "pairs" / "cam2_cam3.npz").touch() if pairs == 3 else None
+        tallies.append(Tally(job, heard, 1, together=True, clock=clock))
+        tallies[-1].plan([])
+        clock.now += 3
+    for tally in tallies:
+        tally.tell(())
+    one_pair, nothing = (progress.share for progress in heard.paces)
+    assert nothing > one_pair
+
+
+def test_rounds_of_a_search():
+    from epibar.jobs.inputs import PairOptions
+
+    assert search_rounds(PairOptions()) == 3
+    assert search_rounds(PairOptions(time_offset=1.5)) == 1
+    assert search_rounds(PairOptions(time_offset=1.5, sharpen_offset=True)) == 2
+
+
+@pytest.mark.parametrize("kept", [0, 2, 4])
+def test_a_job_tells_shares_that_never_go_back(kept, masks, tmp_path):
+    if kept:
+        epibar.calibrate_all(masks[:kept], tmp_path / "out", **FAST)
+    heard = Heard()
+    epibar.calibrate_all(masks, tmp_path / "out", watch=heard, **FAST)
+    shares = [progress.share for progress in heard.paces]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert heard.paces[-1].seconds_left == 0.0
+    stages = {stage for stage, _, _ in heard.stages}
+    assert stages == ({RECORDING, MATCHING} if kept < 4 else set())
+
+
+def test_a_job_with_a_network_tells_every_stage(masks, tmp_path):
+    heard = Heard()
+    usual = {**FAST, "method": "frontier", "time_offset": "auto"}
+    epibar.calibrate_all(masks[:3], tmp_path / "out", watch=heard, **usual)
+    assert {stage for stage, _, _ in heard.stages} == {RECORDING, CLOCKS, MATCHING, NETWORK}
+    said = [progress.doing for progress in heard.paces]
+    assert {"comparing clocks", "matched 0 of 3 pairs", "joining all pairs", "writing"} <= set(said)
+    assert {row.name for progress in heard.paces for row in progress.rows} <= {"cam1", "cam2", "cam3"}
+    assert said[-1] == "done"
+
+
+def test_cameras_that_cannot_be_recorded(masks, tmp_path):
+    heard = Heard()
+    epibar.calibrate_all([*masks[:2], tmp_path / "none.npz"], tmp_path / "out", watch=heard, **FAST)
+    shares = [progress.share for progress in heard.paces]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+# --- what is shown ---
+
+
+def test_time_left_in_words():
+    assert left_in_words(3.0) == "a few seconds left"
+    assert left_in_words(42.0) == "about 40 s left"
+    assert left_in_words(250.0) == "about 4 min left"
+    assert left_in_words(2 * 3600 + 11 * 60) == "about 2 h 10 min left"
+    assert str(JobProgress(0.389, 245.0, "recorded 2 of 4 cameras")) == (
+        "recorded 2 of 4 cameras, 38 %, about 4 min left"
+    )
+    assert str(JobProgress(0.0, None, "writing")) == "writing, 0 %"
+
+
+def test_a_line_each_half_a_minute(monkeypatch, capsys):
+    clock = Clock()
+    monkeypatch.setattr(showing.LogLines.__init__, "__defaults__", (clock,))
+    for quiet in (False, True):
+        with Console(quiet=quiet) as console:
+            for second in range(100):
+                clock.now += 1
+                console.pace(JobProgress(second / 100, 100.0 - second, "recorded 2 of 4 cameras"))
+            console.pace(JobProgress(1.0, 0.0, "done"))
+        lines = capsys.readouterr().err.splitlines()
+        assert len(lines) == (0 if quiet else 3)
+        if lines:
+            assert lines[0] == "recorded 2 of 4 cameras, 30 %, about 70 s left"
+
+
+def test_the_logger_has_lines_too(monkeypatch, caplog):
+    clock = Clock()
+    monkeypatch.setattr(showing.LogLines.__init__, "__defaults__", (clock,))
+    watch = Watch()
+    with caplog.at_level(logging.INFO, "epibar"):
+        for _ in range(70):
+            clock.now += 1
+            watch.pace(JobProgress(0.5, 90.0, "comparing clocks"))
+    assert [record.message for record in caplog.records] == ["comparing clocks, 50 %, about 2 min left"] * 2
+
+
+class Terminal(io.StringIO):
+    """A stream that somebody watches."""
+
+    def isatty(self):
+        return True
+
+
+def drawn(stream):
+    """What was drawn since the last look, a line each, without what erases."""
+    text = re.sub(r"\x1b\[A", "", stream.getvalue())
+    stream.seek(0)
+    stream.truncate()
+    return [line.strip() for line in re.split(r"[\r\n]+", text) if line.strip()]
+
+
+def test_one_bar_and_rows_that_go(monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    rows = (Row("cam1", 0.5, 112.4), Row("{cam2}", 0.1))
+    with Console() as console:
+        console.pace(JobProgress(0.2, 240.0, "recorded 0 of 2 cameras", rows))
+        first = drawn(stream)
+        assert [line.split()[0] for line in first] == ["recorded", "cam1", "{cam2}"]
+        assert "20 %, about 4 min left" in first[0]
+        assert "50 %, 112 frames/s" in first[1]
+        console.pace(JobProgress(0.3, 200.0, "recorded 1 of 2 cameras", rows[1:]))
+        console.pace(JobProgress(0.4, 180.0, "recorded 1 of 2 cameras", rows[1:]))
+        later = drawn(stream)
+        assert [line.split()[0] for line in later[-2:]] == ["recorded", "{cam2}"]
+        console.note("a word in between")
+        assert "a word in between" in drawn(stream)
+        console.pace(JobProgress(0.5, 120.0, "matched 0 of 1 pairs"))
+        console.pace(JobProgress(0.6, 110.0, "matched 0 of 1 pairs"))
+        assert len(console._bars._bars) == 1
+        console.pace(JobProgress(1.0, 0.0, "done"))
+        assert not console._bars
+
+
+def test_a_job_without_a_watch_has_a_bar_on_a_terminal(masks, tmp_path, monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    epibar.calibrate_all(masks[:2], tmp_path / "out", **FAST)
+    assert any("matched 0 of 1 pairs" in line for line in drawn(stream))
+
+
+def test_a_step_by_itself(monkeypatch):
+    stream, clock = Terminal(), Clock()
+    monkeypatch.setattr(sys, "stderr", stream)
+    monkeypatch.setattr(console_module.time, "monotonic", clock)
+    with Console() as console:
+        console.step("recording", 0.0)
+        clock.now += 20
+        console.step("recording", 0.2)
+        assert "20 %, about 80 s left" in "".join(drawn(stream))
+        console.step("recording", 1.0)
+        assert not console._bars
+
+
+def test_notebooks_have_widgets_where_they_can(monkeypatch):
+    from tqdm import notebook
+
+    made = []
+
+    class Widget:
+        def __init__(self, **given):
+            made.append(given)
+            self.n, self.bar_format = given["initial"], given["bar_format"]
+
+        def refresh(self):
+            pass
+
+        def close(self):
+            pass
+
+    shell = types.SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: shell))
+    assert showing.in_notebook()
+    assert Console().interactive
+    progress = JobProgress(0.2, None, "recorded 0 of 1 cameras", (Row("cam1", 0.5),))
+    monkeypatch.setattr(notebook, "IProgress", object())
+    monkeypatch.setattr(notebook, "tqdm", Widget)
+    bars = showing.Bars()
+    bars.show(progress)
+    assert len(made) == 2
+    # Without ipywidgets a cell's output is text, in which a cursor cannot go up.
+    monkeypatch.setattr(notebook, "IProgress", None)
+    stream = io.StringIO()
+    plain = showing.Bars(stream)
+    plain.show(progress)
+    assert len(drawn(stream)) == 1
+    plain.close()
+    monkeypatch.setitem(sys.modules, "IPython", types.SimpleNamespace(get_ipython=lambda: None))
+    assert not showing.in_notebook()
+
+
+def test_a_watch_that_knows_nothing_of_it_is_told_the_stages(masks, tmp_path):
+    told = []
+
+    class Old(Watch):
+        """As users wrote them before."""
+
+        def progress(self, stage, done, total):
+            told.append((stage, done, total))
+
+    epibar.calibrate_all(masks[:2], tmp_path / "out", watch=Old(), **FAST)
+    assert (MATCHING, 1, 1) in told
