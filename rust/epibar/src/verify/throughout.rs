@@ -3,7 +3,7 @@
 //! Where a camera was turned while it filmed, the geometry of one part is right, stands far above chance, and is wrong for all
 //! that is filmed from now on. Then next to nothing meets before some moment or after it, while both cameras see as much as ever.
 
-use super::thresholds::{HOLDS_CLEAR, HOLDS_SHOWS};
+use super::thresholds::{HOLDS_CLEAR, HOLDS_DIFFERS, HOLDS_SHOWS};
 use crate::frontier::{Comparer, Views};
 use crate::geometry::Fundamental;
 
@@ -33,16 +33,27 @@ impl Side {
 }
 
 /// The evidence of a tangent before some moment as a share of that after it, or the other way about, the least that any moment gives;
-/// 1 where too little is seen on one side.
+/// 1 where too little is seen on one side, or where the parts of either differ so much among themselves that it may be chance.
 pub fn holds(views: &Views, f: &Fundamental, radius: f64) -> f64 {
     let parts = parts(views, f, radius);
     let share = |boundary: usize| {
         let [before, after] = [Side::of(&parts[..boundary]), Side::of(&parts[boundary..])];
         let (worse, better) = if before.rate() < after.rate() { (before, after) } else { (after, before) };
-        let tells = better.excess > HOLDS_CLEAR && worse.ends > HOLDS_SHOWS * better.ends;
+        let tells = better.excess > HOLDS_CLEAR
+            && worse.ends > HOLDS_SHOWS * better.ends
+            && difference(&parts[..boundary], &parts[boundary..]) > HOLDS_DIFFERS;
         if tells { worse.rate() / better.rate() } else { 1.0 }
     };
     (2..PARTS - 1).map(share).fold(1.0, f64::min)
+}
+
+/// How far the rates of two sides are apart, in standard errors by how those of their parts scatter (two samples of one variance).
+fn difference(before: &[Side], after: &[Side]) -> f64 {
+    let [m, n] = [before.len(), after.len()].map(|n| n as f64);
+    let mean = |side: &[Side]| side.iter().map(Side::rate).sum::<f64>() / side.len() as f64;
+    let squares = |side: &[Side]| side.iter().map(|part| (part.rate() - mean(side)).powi(2)).sum::<f64>();
+    let variance = (squares(before) + squares(after)) / (m + n - 2.0);
+    (mean(before) - mean(after)).abs() / (variance * (1.0 / m + 1.0 / n)).sqrt()
 }
 
 fn parts(views: &Views, f: &Fundamental, radius: f64) -> [Side; PARTS] {
