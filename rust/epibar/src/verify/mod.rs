@@ -2,7 +2,7 @@
 //!
 //! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
 //! gives; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
-//! agree, [`planarity`] whether one plane explains everything and [`turning`] what is known off it, [`mod@rivals`] whether another
+//! agree, or [`moved`] cameras explain one, [`planarity`] whether one plane explains everything and [`turning`] what is known off it, [`mod@rivals`] whether another
 //! geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
 //! [`trials`] takes account of a searched offset.
@@ -13,6 +13,7 @@ pub mod early;
 pub mod error_map;
 pub mod evidence;
 mod findings;
+mod moved;
 mod over_image;
 pub mod planarity;
 mod prose;

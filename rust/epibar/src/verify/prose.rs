@@ -102,8 +102,8 @@ pub(super) fn moved(holds: f64) -> String {
         return unmeasured();
     }
     format!(
-        "The geometry holds in one part of the recording only: in the other the outlines agree {:.0} % as well, as if a camera had \
-         been moved in between. Calibrate the parts by themselves.",
+        "The geometry holds in one part of the recording only: in the other it has {:.0} % of the evidence that is to be had there, \
+         as if a camera had been moved in between. Calibrate the parts by themselves.",
         100.0 * holds
     )
 }

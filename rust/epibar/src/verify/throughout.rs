@@ -1,9 +1,11 @@
 //! Does a geometry hold throughout the recording?
 //!
 //! Where a camera was turned while it filmed, the geometry of one part is right, stands far above chance, and is wrong for all
-//! that is filmed from now on. Then next to nothing meets before some moment or after it, while both cameras see as much as ever.
+//! that is filmed from now on. Then little meets before some moment or after it. So it does where each camera sees what the other
+//! does not for a while; but there no other geometry explains more.
 
-use super::thresholds::{HOLDS_CLEAR, HOLDS_DIFFERS, HOLDS_SHOWS};
+use super::moved::moved_for;
+use super::thresholds::{HOLDS_CLEAR, HOLDS_DIFFERS, HOLDS_LESS, HOLDS_NOTHING, HOLDS_OTHER, HOLDS_SHOWS};
 use crate::frontier::{Comparer, Views};
 use crate::geometry::Fundamental;
 
@@ -32,19 +34,48 @@ impl Side {
     }
 }
 
-/// The evidence of a tangent before some moment as a share of that after it, or the other way about, the least that any moment gives;
-/// 1 where too little is seen on one side, or where the parts of either differ so much among themselves that it may be chance.
+/// The evidence in one part of the recording as a share of what another geometry has there, the least that any moment between two parts
+/// gives; 1 where as much meets on either side of each, or no other explains what is missing.
 pub fn holds(views: &Views, f: &Fundamental, radius: f64) -> f64 {
     let parts = parts(views, f, radius);
-    let share = |boundary: usize| {
-        let [before, after] = [Side::of(&parts[..boundary]), Side::of(&parts[boundary..])];
-        let (worse, better) = if before.rate() < after.rate() { (before, after) } else { (after, before) };
-        let tells = better.excess > HOLDS_CLEAR
-            && worse.ends > HOLDS_SHOWS * better.ends
-            && difference(&parts[..boundary], &parts[boundary..]) > HOLDS_DIFFERS;
-        if tells { worse.rate() / better.rate() } else { 1.0 }
+    (2..PARTS - 1).map(|boundary| held(views, f, radius, &parts, boundary)).fold(1.0, f64::min)
+}
+
+/// [`holds`] of one moment.
+fn held(views: &Views, f: &Fundamental, radius: f64, parts: &[Side; PARTS], boundary: usize) -> f64 {
+    let (before, after) = parts.split_at(boundary);
+    let sides = [Side::of(before), Side::of(after)];
+    let worst = usize::from(sides[1].rate() < sides[0].rate());
+    let (worse, better) = (sides[worst], sides[1 - worst]);
+    let share = worse.rate() / better.rate();
+    let tells = better.excess > HOLDS_CLEAR
+        && worse.ends > HOLDS_SHOWS * better.ends
+        && share < HOLDS_LESS
+        && difference(before, after) > HOLDS_DIFFERS;
+    if !tells {
+        return 1.0;
+    }
+    let first = frames_to(views, boundary);
+    let frames: Vec<usize> =
+        if worst == 0 { (0..first).collect() } else { (first..views.frames()).collect() };
+    let side = |moved: Fundamental| {
+        let parts = self::parts(views, &moved, radius);
+        let (before, after) = parts.split_at(boundary);
+        Side::of(if worst == 0 { before } else { after })
     };
-    (2..PARTS - 1).map(share).fold(1.0, f64::min)
+    let other = moved_for(views, &frames, f, radius).map(side).unwrap_or_default();
+    if other.excess > HOLDS_CLEAR && other.rate() > HOLDS_OTHER * better.rate() {
+        worse.excess.max(0.0) / other.excess
+    } else if share < HOLDS_NOTHING {
+        share
+    } else {
+        1.0
+    }
+}
+
+/// The first frame that is not in so many parts.
+fn frames_to(views: &Views, parts: usize) -> usize {
+    parts * views.frames() / PARTS
 }
 
 /// How far the rates of two sides are apart, in standard errors by how those of their parts scatter (two samples of one variance).
@@ -65,7 +96,7 @@ fn parts(views: &Views, f: &Fundamental, radius: f64) -> [Side; PARTS] {
         let mut paired = comparer.pair_by(sign, shift * frames / (SHIFTS + 1));
         let weighed = paired.weigh(radius);
         for (k, part) in parts.iter_mut().enumerate() {
-            let score = weighed.score_of(&(k * frames / PARTS..(k + 1) * frames / PARTS).collect::<Vec<_>>());
+            let score = weighed.score_of(&(frames_to(views, k)..frames_to(views, k + 1)).collect::<Vec<_>>());
             if shift == 0 {
                 part.excess += score.total();
                 part.ends += score.tangents() as f64;
@@ -86,8 +117,9 @@ mod tests {
     use crate::recording::FramePair;
     use rand::RngExt;
 
-    /// Boxes that jump about, seen by two cameras side by side; from one frame on the second looks so many pixels further down.
-    fn seen(frames: usize, from: usize, lower: f64) -> (Views, Fundamental) {
+    /// Boxes that jump about, seen by two cameras side by side; from one frame on the second looks so many pixels further down, and
+    /// so many of the four boxes that it sees are others.
+    fn seen(frames: usize, from: usize, lower: f64, others: usize) -> (Views, Fundamental) {
         let size = ImageSize::new(640, 480).unwrap();
         let mut random = generator(11, 0);
         let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
@@ -95,13 +127,19 @@ mod tests {
         for frame in 0..frames {
             let boxes: Vec<_> =
                 (0..4).map(|_| [between(60.0, 500.0), between(50.0, 300.0), between(0.0, 50.0)]).collect();
+            let strangers = if frame >= from { others } else { 0 };
+            let strange: Vec<_> = (0..strangers)
+                .map(|_| [between(60.0, 500.0), between(50.0, 300.0), between(0.0, 50.0)])
+                .collect();
             for (k, view) in views.iter_mut().enumerate() {
                 let hull = |&[x, y, near]: &[f64; 3]| {
                     let x = if k == 0 { x } else { x - near };
                     let y = if k == 1 && frame >= from { y + lower } else { y };
                     vec![[x, y], [x + 30.0, y + 5.0], [x + 40.0, y + 60.0], [x - 5.0, y + 55.0]]
                 };
-                view.push(boxes.iter().map(hull).collect());
+                let boxes =
+                    if k == 0 { boxes.iter().chain(&[]) } else { strange.iter().chain(&boxes[strangers..]) };
+                view.push(boxes.map(hull).collect());
             }
         }
         let [a, b] = views.map(|frames| View::made_up(size, &frames));
@@ -113,15 +151,31 @@ mod tests {
     #[test]
     fn a_camera_that_was_moved_is_noticed() {
         let of = |from, lower| {
-            let (views, f) = seen(240, from, lower);
+            let (views, f) = seen(240, from, lower, 0);
             holds(&views, &f, 2.0)
         };
         assert!(of(0, 0.0) > 0.8, "{}", of(0, 0.0));
         for from in [80, 120, 170] {
             assert!(of(from, 25.0) < 0.1, "{from}: {}", of(from, 25.0));
         }
+        // A few pixels, of which two thirds of the tangents that met still do.
+        let (views, f) = seen(240, 120, 4.0, 0);
+        assert!(holds(&views, &f, 4.0) < 0.5, "{}", holds(&views, &f, 4.0));
         // Of hardly anything nothing is told.
-        let (views, f) = seen(4, 2, 25.0);
+        let (views, f) = seen(4, 2, 25.0, 0);
         assert_eq!(holds(&views, &f, 2.0), 1.0);
+    }
+    #[test]
+    fn what_one_camera_alone_sees_is_no_move() {
+        for others in [2, 3] {
+            let (views, f) = seen(240, 160, 0.0, others);
+            let parts = parts(&views, &f, 2.0);
+            let rates = [&parts[..5], &parts[6..]].map(|side| Side::of(side).rate());
+            assert!(
+                rates[1] < HOLDS_LESS * rates[0] && difference(&parts[..5], &parts[6..]) > HOLDS_DIFFERS,
+                "{rates:?}"
+            );
+            assert!(holds(&views, &f, 2.0) > 0.8, "{others}: {}", holds(&views, &f, 2.0));
+        }
     }
 }
