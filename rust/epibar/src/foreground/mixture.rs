@@ -30,18 +30,23 @@ const GROUP_BYTES: usize = 3 * GROUP;
 pub struct Mixture {
     size: ImageSize,
     options: MixtureOptions,
-    rows: Vec<Row>,
+    /// The `m`-th modes of all pixels. Most pixels use one or two, and memory is taken where a mode is written for the first time,
+    /// so one plane is one allocation of zeros.
+    planes: [Vec<Mode>; MODES],
+    used: Vec<u8>,
+    level: Vec<u8>,
+    too_far: Vec<u8>,
     /// Frames that were looked at.
     seen: usize,
 }
 
-#[derive(Debug, Clone)]
-struct Row {
-    planes: [Vec<Mode>; MODES],
-    used: Vec<u8>,
+/// One row of a model.
+struct Row<'m> {
+    planes: [&'m mut [Mode]; MODES],
+    used: &'m mut [u8],
     /// Of each channel of each pixel: the rounded mean of the heaviest mode, and the least difference that is too large.
-    level: Vec<u8>,
-    too_far: Vec<u8>,
+    level: &'m mut [u8],
+    too_far: &'m mut [u8],
 }
 
 impl Mixture {
@@ -57,8 +62,16 @@ impl Mixture {
                 expected: "must be positive and finite",
             });
         }
-        let rows = (0..size.height).map(|_| Row::new(size.width)).collect();
-        Ok(Self { size, options, rows, seen: 0 })
+        let pixels = size.pixels();
+        Ok(Self {
+            size,
+            options,
+            planes: std::array::from_fn(|_| vec![[0.0; 5]; pixels]),
+            used: vec![0; pixels],
+            level: vec![0; 3 * pixels],
+            too_far: vec![0; 3 * pixels],
+            seen: 0,
+        })
     }
 
     /// Size of the frames.
@@ -105,15 +118,27 @@ impl Mixture {
                 expected: "must be between 0 and 1",
             });
         }
-        let width = self.size.width;
+        let (width, options) = (self.size.width, self.options);
         let mut mask = vec![0; self.size.pixels()];
-        let rows = self.rows.par_iter_mut().zip(frame.par_chunks_exact(3 * width));
+        let rows = self.rows().into_par_iter().zip(frame.par_chunks_exact(3 * width));
         let rows = rows.zip(mask.par_chunks_exact_mut(width)).enumerate().with_min_len(TASK_ROWS);
-        rows.for_each(|(y, ((row, colours), mask))| match rate_of(y) {
-            Some(rate) => row.learn(colours, mask, rate, self.options),
-            None => row.look(colours, mask, self.options),
+        rows.for_each(|(y, ((mut row, colours), mask))| match rate_of(y) {
+            Some(rate) => row.learn(colours, mask, rate, options),
+            None => row.look(colours, mask, options),
         });
         Ok(mask)
+    }
+
+    fn rows(&mut self) -> Vec<Row<'_>> {
+        let width = self.size.width;
+        let mut planes = self.planes.each_mut().map(|plane| plane.chunks_exact_mut(width));
+        let screens = self.level.chunks_exact_mut(3 * width).zip(self.too_far.chunks_exact_mut(3 * width));
+        let rows = self.used.chunks_exact_mut(width).zip(screens);
+        rows.map(|(used, (level, too_far))| {
+            let planes = planes.each_mut().map(|plane| plane.next().unwrap_or_default());
+            Row { planes, used, level, too_far }
+        })
+        .collect()
     }
 }
 
@@ -122,21 +147,12 @@ fn turns(rate: f32) -> usize {
     ((MOST_RATE / rate).round() as usize).clamp(1, MOST_TURNS)
 }
 
-impl Row {
-    fn new(width: usize) -> Self {
-        Self {
-            planes: std::array::from_fn(|_| vec![[0.0; 5]; width]),
-            used: vec![0; width],
-            level: vec![0; 3 * width],
-            too_far: vec![0; 3 * width],
-        }
-    }
-
+impl Row<'_> {
     fn learn(&mut self, colours: &[u8], mask: &mut [u8], rate: f32, options: MixtureOptions) {
         let pixels = colours.as_chunks::<3>().0.iter().zip(mask);
         let screens = self.level.as_chunks_mut::<3>().0.iter_mut().zip(self.too_far.as_chunks_mut::<3>().0);
         for (x, (((colour, moving), used), (level, too_far))) in
-            pixels.zip(&mut self.used).zip(screens).enumerate()
+            pixels.zip(&mut *self.used).zip(screens).enumerate()
         {
             let colour = colour.map(f32::from);
             if *used != 1 || !settle(&mut self.planes[0][x], colour, rate, options) {
@@ -223,13 +239,13 @@ mod tests {
                     model.learn(frame, rate).unwrap();
                     continue;
                 }
-                let before = model.rows.clone();
+                let before = model.clone();
                 let mask = model.look(frame, rate).unwrap();
                 for (i, colour) in frame.as_chunks::<3>().0.iter().enumerate() {
                     let (x, y) = (i % SIZE.0, i / SIZE.0);
-                    let Row { planes, used, .. } = &before[y];
                     // Rows whose turn it is learn, and are not screened.
-                    let asked = moves(planes, used[x], x, colour.map(f32::from), model.options);
+                    let asked =
+                        moves(&before.planes, before.used[i], i, colour.map(f32::from), model.options);
                     let learns = y % 5 == (t - 10) % 5;
                     assert!(
                         learns || mask[i] == u8::from(asked),

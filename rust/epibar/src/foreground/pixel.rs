@@ -4,6 +4,8 @@
 //! Modes are sorted by weight, heaviest first. A colour is background where it is near one of the heaviest modes that
 //! together weigh [`BACKGROUND_WEIGHT`].
 
+use std::ops::Deref;
+
 /// Modes of a pixel at most.
 pub const MODES: usize = 5;
 
@@ -39,13 +41,13 @@ pub struct MixtureOptions {
 }
 
 /// The modes of one pixel, somewhere in a row's planes: plane `m` holds the `m`-th mode of all pixels.
-pub(super) struct Pixel<'a> {
-    pub planes: &'a mut [Vec<Mode>; MODES],
+pub(super) struct Pixel<'a, 'm> {
+    pub planes: &'a mut [&'m mut [Mode]; MODES],
     pub used: &'a mut u8,
     pub x: usize,
 }
 
-impl Pixel<'_> {
+impl Pixel<'_, '_> {
     /// Whether a colour moves; and learn from it at a rate between 0 and 1.
     pub fn learn(&mut self, colour: [f32; 3], rate: f32, options: MixtureOptions) -> bool {
         let prune = -rate * PRIOR;
@@ -147,7 +149,7 @@ pub(super) fn settle(mode: &mut Mode, colour: [f32; 3], rate: f32, options: Mixt
 
 /// Whether a colour moves, by the modes as they are: [`Pixel::learn`] at a rate of 0.
 pub(super) fn moves(
-    planes: &[Vec<Mode>; MODES],
+    planes: &[impl Deref<Target = [Mode]>; MODES],
     used: u8,
     x: usize,
     colour: [f32; 3],
