@@ -16,8 +16,9 @@ const FARTHEST: f64 = 0.3;
 const RADIUS: f64 = 8.0;
 /// Steps between two shifts, in radii.
 const SPACING: f64 = 1.5;
-/// Most frames on which shifts are compared.
-const FRAMES: usize = 120;
+/// Silhouettes of a camera on which shifts are compared, and frames at least and at most.
+const SILHOUETTES: usize = 800;
+const FRAMES: (usize, usize) = (24, 120);
 /// How many of the best are refined.
 const REFINED: usize = 12;
 /// Rounds at each radius.
@@ -31,7 +32,9 @@ pub(super) fn moved_for(
     radius: f64,
 ) -> Option<Fundamental> {
     let part = views.chosen(frames);
-    let few: Vec<usize> = (0..frames.len()).step_by(frames.len().div_ceil(FRAMES).max(1)).collect();
+    let in_a_frame = part.a.hulls().max(part.b.hulls()) / frames.len().max(1);
+    let most = (SILHOUETTES / in_a_frame.max(1)).clamp(FRAMES.0, FRAMES.1);
+    let few: Vec<usize> = (0..frames.len()).step_by(frames.len().div_ceil(most).max(1)).collect();
     let few = part.chosen(&few);
     let coarse = (RADIUS * views.pixel_scale()).max(2.0 * radius);
     let mut tried: Vec<(f64, Fundamental)> = shifted(views, f, SPACING * coarse)
