@@ -98,7 +98,7 @@ class Bars:
         stream.flush()
 
     def _bar(self, place: int, share: float, drawn: str) -> Any:
-        usual = {"total": 1.0, "initial": share, "bar_format": drawn, "leave": False}
+        usual: dict[str, Any] = {"total": 1.0, "initial": share, "bar_format": drawn, "leave": False}
         if self._make is not None:
             return self._make(**usual)
         from tqdm import tqdm
@@ -116,7 +116,7 @@ def _widget() -> Callable[..., Any] | None:
     """The bar of notebooks, None where ipywidgets is not installed."""
     from tqdm import notebook
 
-    return None if notebook.IProgress is None else notebook.tqdm
+    return None if getattr(notebook, "IProgress", None) is None else notebook.tqdm
 
 
 def _plain(text: str) -> str:
