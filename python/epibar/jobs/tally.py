@@ -1,7 +1,7 @@
 """What a run has done and what is before it, and what it tells of that.
 
 The priors of :class:`~epibar.jobs.pace.Pace` are here: seconds on one machine, of which only the ratios count
-once something is measured. ``benchmarks/time_left.py --stages`` prints what they rest on.
+once something is measured. ``benchmarks/time_left.py`` with its stages prints what they rest on.
 """
 
 from __future__ import annotations
