@@ -1,7 +1,7 @@
 """Which share of its time a task has had when it tells what it is at.
 
 A search tells its stage and how much of that stage is done. Where in its time the stages begin was measured
-on whole jobs (``benchmarks/time_left.py`` with its stages); by a clock that it learns it goes through them anew.
+on whole jobs (``benchmarks/time_left.py`` with its stages); with a clock that is learned it begins anew.
 """
 
 from __future__ import annotations
