@@ -8,7 +8,8 @@ use common::cameras::error;
 use common::flying::Scene;
 use epibar::internals::{Clock, Clocks, FramePair, common_frames, find_offset};
 use epibar::{
-    CalibrateOptions, Calibration, Kind, Recording, RecordingParts, TimeOffset, Unwatched, calibrate,
+    CalibrateOptions, Calibration, Kind, Recording, RecordingParts, Stage, TimeOffset, Unwatched, calibrate,
+    calibrate_watched,
 };
 
 const LINES: usize = 4000;
@@ -159,6 +160,26 @@ fn unrelated_recordings_have_no_offset() {
     let found = run(a, &other, TimeOffset::Search { seconds: 1e9 });
     assert_eq!(found.verdict.kind, Kind::NoCommonScene, "{:?}", found.verdict);
     assert_eq!(found.timing.trials, 2 * FRAMES + 1);
+}
+
+#[test]
+fn no_search_is_done_twice_by_the_same_clock() {
+    let (_, [a, b]) = shared();
+    let searches = |b: &Recording| {
+        let mut begun = 0;
+        let mut watch = |stage: Stage, _: f64| {
+            begun += usize::from(stage == Stage::Candidates);
+            true
+        };
+        let options = CalibrateOptions::new().draws(2500).time_offset(TimeOffset::About(0.3));
+        let found = calibrate_watched(a, b, &options, &mut watch).unwrap();
+        (begun, found.verdict.kind)
+    };
+    // Nothing is learned of the clock, and so few frames are all of them at once.
+    let other = Scene::new(5, FRAMES, 2).record(1, LINES);
+    assert_eq!(searches(&other), (1, Kind::NoCommonScene));
+    let (begun, kind) = searches(b);
+    assert!(begun > 1 && kind == Kind::Accepted, "{begun} {kind:?}");
 }
 
 #[test]

@@ -104,9 +104,12 @@ impl<'a> Clocks<'a> {
             Next::WithDrift(measured) => timing.set_drift(&measured),
             Next::First => {
                 let measured = f.and_then(|f| self.sharpened(&f, false));
-                self.next = Next::Again { sharp: measured.is_some(), last: false };
-                self.clock = measured.map_or(clock, |m| m.clock);
-                return None;
+                // By a clock that is no better known the same frames give the same geometry.
+                if measured.is_some() || !self.are_all() {
+                    self.next = Next::Again { sharp: measured.is_some(), last: false };
+                    self.clock = measured.map_or(clock, |m| m.clock);
+                    return None;
+                }
             }
             Next::Again { sharp, last } => {
                 if let Some(measured) = f.and_then(|f| self.sharpened(&f, sharp)) {
@@ -155,6 +158,12 @@ impl<'a> Clocks<'a> {
 
     fn aligned_at(&self, clock: Clock) -> Aligned<'_> {
         Aligned::new(self.a, self.b, &self.links, clock, self.up)
+    }
+
+    /// Whether the first geometry is from all frames that there are.
+    fn are_all(&self) -> bool {
+        let all = self.aligned_at(self.clock);
+        all.clone().thinned(SOME_FRAMES).frame_pairs() == all.frame_pairs()
     }
 
     /// What the recordings say of a clock that is about right, with a geometry that is.
