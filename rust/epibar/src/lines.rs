@@ -14,6 +14,8 @@ use crate::watch::{Stage, Watch, report};
 
 /// The hypotheses with most inliers, whose pencils are looked at.
 const SIFTED: usize = 2000;
+/// So many of them are compared before the watch is asked again.
+const AT_ONCE: usize = 200;
 /// Places of each camera, and frames, at which those are compared.
 const FEW: (usize, usize) = (40, 300);
 /// The best of them, each of which is fitted to its inliers; the others than the winner may be rivals.
@@ -21,7 +23,7 @@ const FITTED: usize = 60;
 /// Places and frames by which the winner is chosen of them.
 const MANY: (usize, usize) = (150, 1500);
 /// Which power of the number of inliers counts: many of them say the same. Chosen on `pets_cameras`, where 0.25 and 0.5 find nine of 28 pairs,
-/// 0 eight, and inliers alone six.
+/// 0 eight, and inliers alone seven.
 const OF_INLIERS: f64 = 0.25;
 /// Most solutions.
 const KEPT: usize = 12;
@@ -54,8 +56,10 @@ pub fn search(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Found> {
-    let fitted = best(fitted, views, draws, seed, watch)?.first().map(|s| s.fundamental);
-    let solutions = different(views, best(all, views, draws, seed, watch)?, seed);
+    let mut half = |stage: Stage, share: f64| watch.keep_going(stage, 0.5 * share);
+    let fitted = best(fitted, views, draws, seed, &mut half)?.first().map(|s| s.fundamental);
+    let mut half = |stage: Stage, share: f64| watch.keep_going(stage, 0.5 + 0.5 * share);
+    let solutions = different(views, best(all, views, draws, seed, &mut half)?, seed);
     Ok(Found { solutions, fitted, floor: None })
 }
 
@@ -68,21 +72,24 @@ fn best(
     watch: &mut dyn Watch,
 ) -> Result<Vec<Solution>> {
     let model = LineModel::new(filmed.candidates.best(), views.sizes());
-    let sifted = ransac(&model, draws, SIFTED, seed, Stage::Lines, watch)?;
+    let mut sifting = |stage: Stage, share: f64| watch.keep_going(stage, 0.6 * share);
+    let sifted = ransac(&model, draws, SIFTED, seed, Stage::Lines, &mut sifting)?;
     let pencils = |(places, frames): (usize, usize)| {
         let step = filmed.frames.len().div_ceil(frames).max(1);
         let frames: Vec<FramePair> = filmed.frames.iter().copied().step_by(step).collect();
         Pencils::new(filmed.recordings, &frames, places, seed)
     };
     let (few, many) = (pencils(FEW), pencils(MANY));
-    report(watch, Stage::Lines, 0.9)?;
     let score =
         |pencils: &Pencils, f: &Fundamental| pencils.alike(f) * model.score(f).max(1.0).powf(OF_INLIERS);
-    let mut alike: Vec<(f64, Fundamental)> =
-        sifted.into_par_iter().map(|s| (score(&few, &s.model), s.model)).collect();
+    let mut alike: Vec<(f64, Fundamental)> = Vec::with_capacity(sifted.len());
+    for chunk in sifted.chunks(AT_ONCE) {
+        report(watch, Stage::Lines, 0.6 + 0.2 * alike.len() as f64 / sifted.len() as f64)?;
+        alike.par_extend(chunk.par_iter().map(|s| (score(&few, &s.model), s.model)));
+    }
     alike.sort_by(|p, q| q.0.total_cmp(&p.0));
     alike.truncate(FITTED);
-    report(watch, Stage::Lines, 0.95)?;
+    report(watch, Stage::Lines, 0.8)?;
     let fitted = |(_, drawn): (f64, Fundamental)| {
         let of = |fundamental: Fundamental| Solution {
             fundamental,

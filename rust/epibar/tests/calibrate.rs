@@ -158,6 +158,19 @@ fn every_stage_can_be_interrupted() {
     assert_eq!(stopped.unwrap_err(), Error::Interrupted);
 }
 
+#[test]
+fn the_method_of_lines_tells_a_share_that_never_goes_back() {
+    let (_, [a, b]) = shared();
+    let mut told = Vec::new();
+    let mut watch = |stage: Stage, done: f64| {
+        told.extend((stage == Stage::Lines).then_some(done));
+        true
+    };
+    calibrate_watched(a, b, &options().method(Method::Lines), &mut watch).unwrap();
+    assert!(told.windows(2).all(|two| two[0] <= two[1]), "{told:?}");
+    assert!(told[0] < 0.05 && *told.last().unwrap() > 0.85, "{told:?}");
+}
+
 /// A recording without motion.
 fn still(like: &Recording) -> Recording {
     let mut recorder = Recorder::new(like.size(), RecorderOptions::new().lines(LINES)).unwrap();
