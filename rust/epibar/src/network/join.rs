@@ -9,14 +9,13 @@ use super::covariance::{Covariance, Expected, covariance, expected};
 use super::graph::PairFound;
 use super::input::CameraInput;
 use super::joint::{Problem, standing};
-use super::outlines::outline_errors;
+use super::outlines::{Shapes, outline_errors};
 use super::principal;
 use super::result::{CameraStatus, Network};
 use super::settle::Again;
 use super::solve::{Solved, Solver, settled};
 use super::support::Support;
 use super::survey::{Survey, shared};
-use super::thresholds as limits;
 use super::verdict::{is_rival, worst};
 use super::world;
 use crate::error::{Error, Result};
@@ -126,10 +125,9 @@ impl Case<'_> {
     /// nothing is known of principal points, and of outlines no more than how they scatter.
     fn with_principal_points(&self, solver: &Solver, (now, support): (Solved, Support)) -> Freed {
         let call = principal::call(&now);
-        let shapes = self.observed.iter().map(|o| o.fill).filter(|fill| *fill > limits::CONVEX).count();
-        let coarse = 2 * shapes > self.count();
-        if coarse {
-            return Freed { solved: now, support, level: call.level, strained: call.strain > 0.0 };
+        if Shapes::of(&self.observed) == Shapes::Convex {
+            let shapes = if call.strain > 0.0 { Shapes::Strained } else { Shapes::Convex };
+            return Freed { solved: now, support, level: call.level, shapes };
         }
         if call.level > principal::LEVELS[0] {
             let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
@@ -138,14 +136,14 @@ impl Case<'_> {
             let free = solver.settled(now.network.clone(), &beliefs, radius);
             if free.excess > now.excess {
                 let support = Support::of(&self.observed, &free);
-                return Freed { solved: free, support, level: call.level, strained: false };
+                return Freed { solved: free, support, level: call.level, shapes: Shapes::Masks };
             }
         }
-        Freed { solved: now, support, level: call.level, strained: false }
+        Freed { solved: now, support, level: call.level, shapes: Shapes::Masks }
     }
 
     /// The network over all frames, and errors to expect.
-    fn finished(&self, Freed { solved, support, level, strained }: Freed) -> Finished {
+    fn finished(&self, Freed { solved, support, level, shapes }: Freed) -> Finished {
         let many = Survey::new(&self.observed, shared(FRAMES, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
@@ -161,7 +159,7 @@ impl Case<'_> {
             prior_weight: settled.prior_weight,
             moving: finished.network.placed.clone(),
         };
-        let outlines = outline_errors(settled, strained);
+        let outlines = outline_errors(settled, shapes);
         let found = covariance(&problem, &finished.network.cameras, &outlines);
         let (expected, offsets) = match found {
             Some(Covariance { active, matrix: covariance }) => {
@@ -184,6 +182,5 @@ struct Freed {
     support: Support,
     /// How far from the middle they may be, in widths.
     level: f64,
-    /// Outlines are wrong in the same way everywhere, or principal points are.
-    strained: bool,
+    shapes: Shapes,
 }

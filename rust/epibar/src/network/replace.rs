@@ -5,7 +5,7 @@ use super::covariance::{Covariance, Expected, NINE_IN_TEN, covariance, length_qu
 use super::joint::{Beliefs, Problem};
 use super::moves::{FOCAL, Move, PARTS, deviates, focal_error, freed, pose_error};
 use super::observed::Observed;
-use super::outlines::outline_errors;
+use super::outlines::{Shapes, outline_errors};
 use super::relocate::Placed;
 use super::result::Place;
 use super::settle::settle;
@@ -75,7 +75,7 @@ impl<'a> Resolved<'a> {
             prior_weight: settled.prior_weight,
             moving: moved.clone(),
         };
-        let outlines = outline_errors(&settled, false);
+        let outlines = outline_errors(&settled, Shapes::of(observed));
         let errors = |share: f64| {
             let outlines: Vec<f64> = outlines.iter().map(|error| share * error).collect();
             covariance(&problem, &settled.cameras, &outlines)
