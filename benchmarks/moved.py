@@ -1,7 +1,7 @@
 """A camera of a pair is panned or tilted while it films: is it noticed, and how far off is what is accepted?
 
 The masks of camera B are moved on by some pixels from some frame on, which is what a small turn does to them.
-With 0 pixels nothing has moved, and each refusal as ``moved`` is a false one.
+With 0 pixels nothing has moved, and each refusal as ``knocked`` is a false one.
 """
 
 from __future__ import annotations
@@ -66,11 +66,11 @@ def cells(pixels: int, group: list[dict[str, Any]]) -> list[str]:
     accepted = [g for g in group if g["accepted"]]
     wrong = [g for g in accepted if max(g["before"], g["after"]) > GOOD_PAIR_PX]
     holds = [g["holds"] for g in group if np.isfinite(g["holds"])]
-    kinds = [kind for kind in sorted({g["kind"] for g in group}) if kind not in ("accepted", "moved")]
+    kinds = [kind for kind in sorted({g["kind"] for g in group}) if kind not in ("accepted", "knocked")]
     return [
         str(pixels),
         str(len(group)),
-        percent(sum(g["kind"] == "moved" for g in group) / len(group)),
+        percent(sum(g["kind"] == "knocked" for g in group) / len(group)),
         ", ".join(f"{kind} {sum(g['kind'] == kind for g in group)}" for kind in kinds) or "-",
         str(len(accepted)),
         px(max((max(g["before"], g["after"]) for g in accepted), default=np.nan)),

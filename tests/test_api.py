@@ -119,7 +119,7 @@ def test_a_camera_that_is_moved_while_it_films_is_told(scene, recordings):
     moved = epibar.Recording.from_masks(masks, lines=LINES, seed=1, name="cam2")
     for pair in ((recordings[0], moved), (moved, recordings[0])):
         cal = epibar.calibrate(*pair)
-        assert cal.kind == "moved", cal.reason
+        assert cal.kind == "knocked", cal.reason
         assert cal.evidence["z"] > 5
         assert "as if a camera had been moved" in cal.reason
 

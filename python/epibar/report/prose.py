@@ -15,7 +15,8 @@ TITLES = {
     "no_common_scene": "No common scene",
     "undetermined": "Geometry undetermined",
     "ambiguous": "Ambiguous",
-    "moved": "A camera moved",
+    "knocked": "A camera moved while it filmed",
+    "moved": "A camera has moved since",
     "inaccurate": "Not accurate enough",
 }
 
@@ -40,12 +41,16 @@ ADVICE = {
     "ambiguous": [
         "Film other motion, in more of the room and in more directions: the rivals below explain this one as "
         "well.",
+        "If everybody marches in step, or turns on a carousel, film people who walk as they like.",
         "If all cameras are the right way up, do not use `--any-way-up`.",
     ],
-    "moved": [
+    "knocked": [
         "Look at the videos: when was a camera touched? Calibrate the time before and the time after by "
         "themselves (`--frames`).",
         "If no camera moved, the views stop showing the same things at some moment: film what both see.",
+    ],
+    "moved": [
+        "Use the network's cameras, which were solved for again; to test the pair by itself, record it anew.",
     ],
     "inaccurate": [
         "Film longer, or give better masks: ragged outlines are the usual cause.",

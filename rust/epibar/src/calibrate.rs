@@ -75,7 +75,7 @@ fn calibrate_at(aligned: &Aligned, options: &CalibrateOptions, watch: &mut dyn W
     let Some(winner) = found.solutions.first() else {
         return Ok(refused(early::no_hypothesis(), aligned, &candidates, &pair.common, options));
     };
-    let verified = verify(&seen.case(&pair, &found), &winner.fundamental);
+    let verified = verify(&seen.case(&pair, &found), &winner.fundamental, watch)?;
     Ok(pair.calibration(&seen, &candidates, &found, verified))
 }
 

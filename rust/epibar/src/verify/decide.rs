@@ -79,7 +79,7 @@ fn does_not_repeat(f: &Findings) -> Option<Verdict> {
 
 fn holds_throughout(f: &Findings) -> Option<Verdict> {
     let holds = f.evidence.holds;
-    unless(reaches(holds, HOLDS), Kind::Moved, || prose::moved(holds))
+    unless(reaches(holds, HOLDS), Kind::Knocked, || prose::knocked(holds))
 }
 
 fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
@@ -197,7 +197,7 @@ mod tests {
             (Evidence { z_whole: 0.4, ..GOOD }, Kind::Undetermined),
             (Evidence { may_turn: 8.1, ..GOOD }, Kind::Undetermined),
             (Evidence { repeats: 0.5, ..GOOD }, Kind::Ambiguous),
-            (Evidence { holds: 0.29, ..GOOD }, Kind::Moved),
+            (Evidence { holds: 0.29, ..GOOD }, Kind::Knocked),
             (Evidence { tested_distance: 3.1, ..GOOD }, Kind::Ambiguous),
             (Evidence { plane_residual: 0.5, ..GOOD }, Kind::Accepted),
         ] {

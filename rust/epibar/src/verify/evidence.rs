@@ -37,8 +37,9 @@ pub struct Evidence {
     /// image of the symmetric epipolar distance, pixels. 0 where it may not, or they keep to no plane; NaN where that was not
     /// asked.
     pub may_turn: f64,
-    /// The evidence before or after some moment as a share of what another geometry has there, the least that any moment gives; 1 where
-    /// no side is the worse for anything that another explains; NaN where that was not asked.
+    /// The evidence before or after some moment as a share of what another geometry has there, or where none explains anything of
+    /// what there is on the other side, the least that any moment gives; 1 where no side is the worse, or it may be so though
+    /// nothing moved; NaN where that was not asked.
     pub holds: f64,
     /// How much both cameras' barcodes resemble those of a later moment at which others are in the places, a correlation; NaN
     /// where that was not asked.

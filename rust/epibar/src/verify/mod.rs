@@ -33,6 +33,7 @@ pub use rivals::Rival;
 pub use split::Split;
 pub use verdict::{Kind, Verdict};
 
+use crate::error::Result;
 use crate::frontier::matches::robust_deviation;
 use crate::frontier::volume::{Correspondence, disagreement, moving_correspondences};
 use crate::frontier::{TangentMatch, Views, compare};
@@ -41,6 +42,7 @@ use crate::recording::{FramePair, Recording};
 use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
 use crate::search::Found;
+use crate::watch::Watch;
 use covariance::{covariance, expected_error, with_prior};
 use decide::decide;
 use findings::Findings;
@@ -103,7 +105,10 @@ pub struct Verified {
 }
 
 /// Tests a geometry, fitted to all frames.
-pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> Result<Verified> {
     let views = case.views;
     let scale = views.pixel_scale();
     let radius = radius_of(&compare(views, fundamental, 6.0 * scale).matches, scale);
@@ -123,7 +128,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
     // Where nothing stands out that is the verdict.
     if reaches(evidence.z, MIN_Z) {
         evidence.may_turn = may_turn(views, &winner, &matches, evidence.plane_residual);
-        evidence.holds = holds(case.busy_views, fundamental, best_radius);
+        evidence.holds = holds(case.busy_views, fundamental, best_radius, watch)?;
         evidence.repeats = repeats(case.recordings, case.common);
     }
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
@@ -148,7 +153,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental) -> Verified {
         upright: views.upright,
         max_expected_error: case.max_expected_error,
     });
-    Verified { verdict, expected_error, evidence, curve, rivals, matches, uncertainty }
+    Ok(Verified { verdict, expected_error, evidence, curve, rivals, matches, uncertainty })
 }
 
 /// The radius follows the masks: three times the deviation of what meets at a generous one.

@@ -46,7 +46,8 @@ pub(super) fn moved_for(
     tried.truncate(REFINED);
     let refined = tried.par_iter().filter_map(|(_, moved)| {
         let refined = refine(&part, moved, &[coarse, 2.0 * radius, radius], ROUNDS)?;
-        Some((frontier_score(&part, &refined, radius).total(), refined))
+        let score = frontier_score(&part, &refined, radius).total();
+        score.is_finite().then_some((score, refined))
     });
     let refined: Vec<_> = refined.collect();
     refined.into_iter().max_by(|p, q| p.0.total_cmp(&q.0)).map(|(_, moved)| moved)

@@ -16,6 +16,12 @@ fn not_rounded_up(z: f64) -> f64 {
     (10.0 * z).floor() / 10.0
 }
 
+/// A number that is above its limit must be above it as printed as well, with two decimals.
+fn not_rounded_down(number: f64, limit: f64) -> f64 {
+    let printed = |x: f64| (100.0 * x).round();
+    if printed(number) > printed(limit) { number } else { (printed(limit) + 1.0) / 100.0 }
+}
+
 pub(super) fn accepted(f: &Findings) -> String {
     let mut accepted = format!(
         "{} matched outline points, {:.0} % of all, agree to {:.1} px; on frames kept aside the \
@@ -97,12 +103,12 @@ pub(super) fn repeats(repeats: f64) -> String {
     )
 }
 
-pub(super) fn moved(holds: f64) -> String {
+pub(super) fn knocked(holds: f64) -> String {
     if holds.is_nan() {
         return unmeasured();
     }
     format!(
-        "The geometry holds in one part of the recording only: in the other it has {:.0} % of the evidence that is to be had there, \
+        "The geometry holds in one part of the recording only: in the other {:.0} % of the evidence is left that should be there, \
          as if a camera had been moved in between. Calibrate the parts by themselves.",
         100.0 * holds
     )
@@ -164,5 +170,8 @@ pub(super) fn inaccurate(error: f64, limit: f64) -> String {
     if error.is_nan() {
         return unmeasured();
     }
-    format!("The expected error of {error:.1} px is above the limit of {limit:.1} px.")
+    format!(
+        "The expected error of {:.2} px is above the limit of {limit:.2} px.",
+        not_rounded_down(error, limit)
+    )
 }

@@ -78,7 +78,7 @@ pub const MIRROR_SHARE: f64 = 0.65;
 pub const REPEATS: f64 = 0.4;
 /// A geometry that holds throughout has at least this share of the evidence, in any part, that another one, fitted to that part, has
 /// there. Where a camera was turned so far that either part was 2 px off or more, 0 to 0.43 was left; right ones that had less in a
-/// part than elsewhere had 0.98 to 1.02 of the other's (`pets_cameras` and made-up ones).
+/// part than elsewhere had 0.98 to 1.02 of the other's (`pets_cameras` and made-up ones). Fresh ones that were 8 px off had up to 0.45.
 pub const HOLDS: f64 = 0.5;
 /// Nothing is said of that where the evidence on the better side of a moment is less than this many tangents.
 pub const HOLDS_CLEAR: f64 = 60.0;
@@ -94,6 +94,9 @@ pub const HOLDS_DIFFERS: f64 = 2.4;
 pub const HOLDS_OTHER: f64 = 0.4;
 /// Where no other explains a part, it may be that the camera was turned too far. Then less than this share is left.
 pub const HOLDS_NOTHING: f64 = 0.1;
+/// That is said only where both cameras see at least this share of what they see on the other side, by time: otherwise people have gone
+/// where one of them alone looks.
+pub const HOLDS_AS_MUCH: f64 = 0.65;
 
 /// Shifts of the clocks that say what is chance.
 pub const SHIFTS: usize = 60;

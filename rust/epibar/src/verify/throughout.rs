@@ -2,43 +2,72 @@
 //!
 //! Where a camera was turned while it filmed, the geometry of one part is right, stands far above chance, and is wrong for all
 //! that is filmed from now on. Then little meets before some moment or after it. So it does where each camera sees what the other
-//! does not for a while; but there no other geometry explains more.
+//! does not for a while; but there no other geometry explains more, or one of them sees less.
 
 use super::moved::moved_for;
-use super::thresholds::{HOLDS_CLEAR, HOLDS_DIFFERS, HOLDS_LESS, HOLDS_NOTHING, HOLDS_OTHER, HOLDS_SHOWS};
+use super::thresholds::{
+    HOLDS_AS_MUCH, HOLDS_CLEAR, HOLDS_DIFFERS, HOLDS_LESS, HOLDS_NOTHING, HOLDS_OTHER, HOLDS_SHOWS,
+};
+use crate::error::Result;
 use crate::frontier::{Comparer, Views};
 use crate::geometry::Fundamental;
+use crate::watch::{Stage, Watch, report};
 
 /// Parts between which the moment is looked for.
 const PARTS: usize = 8;
+/// The first and the last moment that is asked for, in parts: before and after that too little is left to tell.
+const MOMENTS: std::ops::Range<usize> = 2..PARTS - 1;
 /// Shifts of the clocks whose evidence is what chance has there.
 const SHIFTS: usize = 3;
 
-/// Evidence beyond chance, and tangents that could meet.
+/// Evidence beyond chance, from A to B and back, and the tangents of either camera.
 #[derive(Debug, Clone, Copy, Default)]
 struct Side {
     excess: f64,
+    tangents: [f64; 2],
+    /// Of each part those of the camera that sees less: no more could meet.
     ends: f64,
+    parts: f64,
 }
 
 impl Side {
     fn of(parts: &[Self]) -> Self {
         parts.iter().fold(Self::default(), |sum, part| Self {
             excess: sum.excess + part.excess,
+            tangents: [0, 1].map(|k| sum.tangents[k] + part.tangents[k]),
             ends: sum.ends + part.ends,
+            parts: sum.parts + part.parts,
         })
     }
 
     fn rate(&self) -> f64 {
         (self.excess / self.ends.max(1.0)).max(0.0)
     }
+
+    /// What each camera sees as a share of what it sees in the other side, of the two the less.
+    fn seen_beside(&self, other: &Self) -> f64 {
+        let share = |k: usize| (self.tangents[k] / self.parts) / (other.tangents[k] / other.parts).max(1.0);
+        share(0).min(share(1))
+    }
 }
 
 /// The evidence in one part of the recording as a share of what another geometry has there, the least that any moment between two parts
-/// gives; 1 where as much meets on either side of each, or no other explains what is missing.
-pub fn holds(views: &Views, f: &Fundamental, radius: f64) -> f64 {
-    let parts = parts(views, f, radius);
-    (2..PARTS - 1).map(|boundary| held(views, f, radius, &parts, boundary)).fold(1.0, f64::min)
+/// gives, or where none explains anything of what there is in the other part; 1 where as much meets on either side of each moment, or
+/// what is missing may never have been there. NaN where the evidence is no number.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn holds(views: &Views, f: &Fundamental, radius: f64, watch: &mut dyn Watch) -> Result<f64> {
+    let parts = Of { views, f, radius }.parts(views);
+    if parts.iter().any(|part| !part.excess.is_finite()) {
+        return Ok(f64::NAN);
+    }
+    let mut least = 1.0_f64;
+    for boundary in MOMENTS {
+        report(watch, Stage::Settle, 1.0)?;
+        least = least.min(held(views, f, radius, &parts, boundary));
+    }
+    Ok(least)
 }
 
 /// [`holds`] of one moment.
@@ -59,14 +88,14 @@ fn held(views: &Views, f: &Fundamental, radius: f64, parts: &[Side; PARTS], boun
     let frames: Vec<usize> =
         if worst == 0 { (0..first).collect() } else { (first..views.frames()).collect() };
     let side = |moved: Fundamental| {
-        let parts = self::parts(views, &moved, radius);
+        let parts = Of { views, f: &moved, radius }.parts(&views.chosen(&frames));
         let (before, after) = parts.split_at(boundary);
         Side::of(if worst == 0 { before } else { after })
     };
     let other = moved_for(views, &frames, f, radius).map(side).unwrap_or_default();
     if other.excess > HOLDS_CLEAR && other.rate() > HOLDS_OTHER * better.rate() {
         worse.excess.max(0.0) / other.excess
-    } else if share < HOLDS_NOTHING {
+    } else if share < HOLDS_NOTHING && worse.seen_beside(&better) > HOLDS_AS_MUCH {
         share
     } else {
         1.0
@@ -87,25 +116,47 @@ fn difference(before: &[Side], after: &[Side]) -> f64 {
     (mean(before) - mean(after)).abs() / (variance * (1.0 / m + 1.0 / n)).sqrt()
 }
 
-fn parts(views: &Views, f: &Fundamental, radius: f64) -> [Side; PARTS] {
-    let frames = views.frames();
-    let mut comparer = Comparer::new(views, f);
-    let sign = comparer.sign(0, radius);
-    let mut parts = [Side::default(); PARTS];
-    for shift in 0..=SHIFTS {
-        let mut paired = comparer.pair_by(sign, shift * frames / (SHIFTS + 1));
-        let weighed = paired.weigh(radius);
-        for (k, part) in parts.iter_mut().enumerate() {
-            let score = weighed.score_of(&(frames_to(views, k)..frames_to(views, k + 1)).collect::<Vec<_>>());
-            if shift == 0 {
-                part.excess += score.total();
-                part.ends += score.tangents() as f64;
-            } else {
-                part.excess -= score.total() / SHIFTS as f64;
+/// A geometry whose evidence is asked for.
+#[derive(Clone, Copy)]
+struct Of<'a> {
+    views: &'a Views,
+    f: &'a Fundamental,
+    radius: f64,
+}
+
+impl Of<'_> {
+    /// Its evidence in all parts; `meant` are the frames that it is meant for, which tell the sign of the map of rays.
+    fn parts(self, meant: &Views) -> [Side; PARTS] {
+        let comparers: [fn(&Views, &Fundamental) -> Comparer; 2] = [Comparer::new, Comparer::reversed];
+        let mut parts = [Side { parts: 1.0, ..Side::default() }; PARTS];
+        for (k, comparer) in comparers.into_iter().enumerate() {
+            let sign = comparer(meant, self.f).sign(0, self.radius);
+            self.add(&mut parts, k, &mut comparer(self.views, self.f), sign);
+        }
+        for part in &mut parts {
+            part.ends = part.tangents[0].min(part.tangents[1]);
+        }
+        parts
+    }
+
+    /// Adds what tangents of camera `k` say of each part; evidence counts half, as that of the other camera comes as well.
+    fn add(self, parts: &mut [Side; PARTS], k: usize, comparer: &mut Comparer, sign: f64) {
+        let Self { views, radius, .. } = self;
+        for shift in 0..=SHIFTS {
+            let mut paired = comparer.pair_by(sign, shift * views.frames() / (SHIFTS + 1));
+            let weighed = paired.weigh(radius);
+            for (i, part) in parts.iter_mut().enumerate() {
+                let frames: Vec<usize> = (frames_to(views, i)..frames_to(views, i + 1)).collect();
+                let score = weighed.score_of(&frames);
+                if shift == 0 {
+                    part.excess += 0.5 * score.total();
+                    part.tangents[k] += score.tangents() as f64;
+                } else {
+                    part.excess -= 0.5 * score.total() / SHIFTS as f64;
+                }
             }
         }
     }
-    parts
 }
 
 #[cfg(test)]
@@ -115,6 +166,7 @@ mod tests {
     use crate::image::ImageSize;
     use crate::random::generator;
     use crate::recording::FramePair;
+    use crate::watch::Unwatched;
     use rand::RngExt;
 
     /// Boxes that jump about, seen by two cameras side by side; from one frame on the second looks so many pixels further down, and
@@ -152,7 +204,7 @@ mod tests {
     fn a_camera_that_was_moved_is_noticed() {
         let of = |from, lower| {
             let (views, f) = seen(240, from, lower, 0);
-            holds(&views, &f, 2.0)
+            holds(&views, &f, 2.0, &mut Unwatched).unwrap()
         };
         assert!(of(0, 0.0) > 0.8, "{}", of(0, 0.0));
         for from in [80, 120, 170] {
@@ -160,22 +212,43 @@ mod tests {
         }
         // A few pixels, of which two thirds of the tangents that met still do.
         let (views, f) = seen(240, 120, 4.0, 0);
-        assert!(holds(&views, &f, 4.0) < 0.5, "{}", holds(&views, &f, 4.0));
+        let share = holds(&views, &f, 4.0, &mut Unwatched).unwrap();
+        assert!(share < 0.5, "{share}");
         // Of hardly anything nothing is told.
         let (views, f) = seen(4, 2, 25.0, 0);
-        assert_eq!(holds(&views, &f, 2.0), 1.0);
+        assert_eq!(holds(&views, &f, 2.0, &mut Unwatched).unwrap(), 1.0);
     }
+    #[test]
+    fn people_who_go_where_one_camera_looks_are_no_move() {
+        for others in [1, 2] {
+            // The second camera sees nothing then but so many others.
+            let (mut views, f) = seen(240, 160, 0.0, others);
+            let strangers = |frame: usize| if frame < 160 { usize::MAX } else { others };
+            let size = views.b.size;
+            let b: Vec<Vec<Vec<[f64; 2]>>> = (0..240)
+                .map(|t| views.b.hulls_of(t).take(strangers(t)).map(<[_]>::to_vec).collect())
+                .collect();
+            views.b = View::made_up(size, &b);
+            let swapped = Views::of(views.b.clone(), views.a.clone(), views.frame_pairs.clone());
+            for (views, f) in [(views, f), (swapped, f.transposed())] {
+                let share = holds(&views, &f, 2.0, &mut Unwatched).unwrap();
+                assert_eq!(share, 1.0, "{others}");
+            }
+        }
+    }
+
     #[test]
     fn what_one_camera_alone_sees_is_no_move() {
         for others in [2, 3] {
             let (views, f) = seen(240, 160, 0.0, others);
-            let parts = parts(&views, &f, 2.0);
+            let parts = Of { views: &views, f: &f, radius: 2.0 }.parts(&views);
             let rates = [&parts[..5], &parts[6..]].map(|side| Side::of(side).rate());
             assert!(
                 rates[1] < HOLDS_LESS * rates[0] && difference(&parts[..5], &parts[6..]) > HOLDS_DIFFERS,
                 "{rates:?}"
             );
-            assert!(holds(&views, &f, 2.0) > 0.8, "{others}: {}", holds(&views, &f, 2.0));
+            let share = holds(&views, &f, 2.0, &mut Unwatched).unwrap();
+            assert!(share > 0.8, "{others}: {share}");
         }
     }
 }

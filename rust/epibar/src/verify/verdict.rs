@@ -15,7 +15,7 @@ pub enum Kind {
     /// A different geometry scores about as high.
     Ambiguous,
     /// It holds in one part of the recording only: a camera moved.
-    Moved,
+    Knocked,
     /// The expected error is above the limit.
     Inaccurate,
 }
@@ -29,7 +29,7 @@ impl Kind {
         Self::NoCommonScene,
         Self::Undetermined,
         Self::Ambiguous,
-        Self::Moved,
+        Self::Knocked,
         Self::Inaccurate,
     ];
 
@@ -41,7 +41,7 @@ impl Kind {
             Self::NoCommonScene => "no_common_scene",
             Self::Undetermined => "undetermined",
             Self::Ambiguous => "ambiguous",
-            Self::Moved => "moved",
+            Self::Knocked => "knocked",
             Self::Inaccurate => "inaccurate",
         }
     }
