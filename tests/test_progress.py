@@ -22,7 +22,8 @@ from epibar.jobs.inputs import CameraInput, Job, RecordOptions
 from epibar.jobs.pace import Pace, left_in_words, played_through
 from epibar.jobs.shares import BEGINS, PairShare, joining_share
 from epibar.jobs.stages import CLOCKS, MATCHING, NETWORK, RECORDING, Task
-from epibar.jobs.tally import Tally, search_rounds
+from epibar.jobs.tally import Tally, search_rounds, workers_of
+from epibar.jobs.watch import default_watch
 from epibar.sources.frame_range import FrameRange
 
 WITHIN = (0.6, 1.6)
@@ -344,6 +345,14 @@ def test_what_is_kept_is_no_work(tmp_path):
     assert nothing > one_pair
 
 
+def test_workers_of_an_executor():
+    assert workers_of(types.SimpleNamespace(_max_workers=3)) == 3
+    assert workers_of(types.SimpleNamespace(workers=5, _max_workers=3)) == 5
+    # A cluster whose workers have not come yet.
+    assert workers_of(types.SimpleNamespace(workers=0)) == 1
+    assert workers_of(types.SimpleNamespace()) >= 1
+
+
 def test_rounds_of_a_search():
     from epibar.jobs.inputs import PairOptions
 
@@ -468,6 +477,44 @@ def test_a_job_without_a_watch_has_a_bar_on_a_terminal(masks, tmp_path, monkeypa
     monkeypatch.setattr(sys, "stderr", stream)
     epibar.calibrate_all(masks[:2], tmp_path / "out", **FAST)
     assert any("matched 0 of 1 pairs" in line for line in drawn(stream))
+
+
+def test_what_is_logged_stands_in_lines_of_its_own(monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    handler = logging.StreamHandler(stream)
+    logging.getLogger("epibar").addHandler(handler)
+    try:
+        with default_watch() as watch:
+            watch.pace(JobProgress(0.2, 240.0, "matched 0 of 1 pairs"))
+            drawn(stream)
+            watch.warning("cam1: it shakes")
+            text = stream.getvalue()
+    finally:
+        logging.getLogger("epibar").removeHandler(handler)
+    before, _, after = text.partition("cam1: it shakes\n")
+    # The bar was taken away before it and comes back after it.
+    assert before.endswith("\r")
+    assert not before.strip()
+    assert "matched 0 of 1 pairs" in after
+
+
+def test_a_program_without_a_console_has_no_bars(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", None)
+    with default_watch() as watch:
+        assert type(watch) is Watch
+    assert not Console(quiet=False).interactive
+
+
+def test_a_source_without_an_end_has_a_rate_and_no_share(monkeypatch):
+    stream = Terminal()
+    monkeypatch.setattr(sys, "stderr", stream)
+    with Console() as console:
+        console.pace(JobProgress(0.2, None, "recorded 0 of 1 cameras", (Row("live", 0.0, 25.0),)))
+        row = drawn(stream)[1]
+    assert row.startswith("live")
+    assert row.endswith("25 frames/s")
+    assert "%" not in row
 
 
 def test_a_step_by_itself(monkeypatch):

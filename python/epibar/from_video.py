@@ -212,7 +212,7 @@ def _watched(
     if callable(progress):
         return _reported(stream, total, progress)
     if progress is None:
-        progress = sys.stderr.isatty()
+        progress = sys.stderr is not None and sys.stderr.isatty()
     if not progress:
         return stream
     from tqdm import tqdm

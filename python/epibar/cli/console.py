@@ -14,7 +14,7 @@ from typing import IO
 from ..calibration import Calibration
 from ..errors import printable, without_secrets
 from ..jobs.pace import EARLIEST, JobProgress
-from ..jobs.showing import Bars, in_notebook
+from ..jobs.showing import Bars, in_notebook, on_terminal
 from ..jobs.watch import Watch
 from ..network.check_prose import check_notes, check_table
 from ..network.checking import NetworkCheck
@@ -71,7 +71,7 @@ class Console(Watch):
     @property
     def interactive(self) -> bool:
         """Somebody watches a terminal, or a notebook, and has not asked for silence."""
-        return not self.quiet and (sys.stderr.isatty() or in_notebook())
+        return not self.quiet and (on_terminal() or in_notebook())
 
     def result(self, text: str = "") -> None:
         """Print what the user asked for, on stdout."""

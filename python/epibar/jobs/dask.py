@@ -109,8 +109,12 @@ class DaskExecutor(Executor):
 
     @property
     def workers(self) -> int:
-        """How many tasks run at a time."""
-        return sum(worker["nthreads"] for worker in self._client.scheduler_info()["workers"].values())
+        """How many tasks run at a time; 0 without workers, or a scheduler, as the tasks will say."""
+        try:
+            found = self._client.scheduler_info().get("workers") or {}
+        except OSError:
+            return 0
+        return sum(worker["nthreads"] for worker in found.values())
 
     def news(self) -> list[str]:
         """Tell which workers have gone since the last call."""

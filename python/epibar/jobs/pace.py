@@ -58,9 +58,9 @@ class Row:
     name : str
         Of the camera.
     share : float
-        That is done, 0 to 1.
+        That is done, 0 to 1; 0 where the source does not tell how many frames it has.
     frames_per_second : float or None
-        At which it is recorded; None where the source does not tell how many frames it has.
+        At which it is recorded; None until a second look.
     """
 
     name: str
@@ -81,7 +81,7 @@ class JobProgress:
     doing : str
         What is going on, in a few words.
     rows : tuple of Row
-        One for each camera that is being recorded and tells how far it is.
+        One for each camera of which frames have been recorded, and more are.
     """
 
     share: float

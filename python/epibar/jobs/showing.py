@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import IO, Any
 
 from ..errors import printable
 from .pace import JobProgress, Row
 
-__all__ = ["Bars", "LogLines", "in_notebook"]
+__all__ = ["Bars", "LogLines", "in_notebook", "on_terminal"]
 
 EVERY = 30.0
 """Seconds between two lines in a log."""
@@ -97,6 +98,17 @@ class Bars:
             print(text, file=stream)
         stream.flush()
 
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Take the bars away while somebody else writes to their terminal."""
+        if not self._bars or self._make is not None:
+            yield
+            return
+        from tqdm import tqdm
+
+        with tqdm.external_write_mode(file=self._stream or sys.stderr):
+            yield
+
     def _bar(self, place: int, share: float, drawn: str) -> Any:
         usual: dict[str, Any] = {"total": 1.0, "initial": share, "bar_format": drawn, "leave": False}
         if self._make is not None:
@@ -104,6 +116,11 @@ class Bars:
         from tqdm import tqdm
 
         return tqdm(**usual, file=self._stream or sys.stderr, dynamic_ncols=True, position=place)
+
+
+def on_terminal() -> bool:
+    """Whether stderr is a terminal; programs without a console have none."""
+    return sys.stderr is not None and sys.stderr.isatty()
 
 
 def in_notebook() -> bool:
@@ -126,4 +143,4 @@ def _plain(text: str) -> str:
 
 def _rate(row: Row) -> str:
     rate = "" if row.frames_per_second is None else f", {row.frames_per_second:.0f} frames/s"
-    return f"{100 * row.share:3.0f} %{rate}"
+    return f"{100 * row.share:3.0f} %{rate}" if row.share else rate.removeprefix(", ")

@@ -64,7 +64,9 @@ def search_rounds(options: PairOptions) -> int:
 
 def workers_of(executor: Executor) -> int:
     """How many tasks an executor does at a time, as far as it tells."""
-    found = getattr(executor, "workers", None) or getattr(executor, "_max_workers", None)
+    if isinstance(found := getattr(executor, "workers", None), int):
+        return max(found, 1)
+    found = getattr(executor, "_max_workers", None)
     return found if isinstance(found, int) else os.cpu_count() or 1
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import sys
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 
@@ -11,7 +10,7 @@ from ..calibration import Calibration
 from ..network.result import Network
 from ..recording import Recording
 from .pace import JobProgress
-from .showing import Bars, LogLines, in_notebook
+from .showing import Bars, LogLines, in_notebook, on_terminal
 
 __all__ = ["Watch", "default_watch", "summary"]
 
@@ -80,11 +79,31 @@ class _Shown(Watch):
         """Show it."""
         self.bars.show(progress)
 
+    def note(self, text: str) -> None:
+        """Log what is going on, without a bar in the line."""
+        with self.bars.aside():
+            super().note(text)
+
+    def warning(self, text: str) -> None:
+        """Log what may spoil a result, likewise."""
+        with self.bars.aside():
+            super().warning(text)
+
+    def error(self, text: str) -> None:
+        """Log why a camera or a pair could not be done, likewise."""
+        with self.bars.aside():
+            super().error(text)
+
+    def verdict(self, text: str) -> None:
+        """Log what came out of a pair, likewise."""
+        with self.bars.aside():
+            super().verdict(text)
+
 
 @contextmanager
 def default_watch() -> Iterator[Watch]:
     """Watch of a job whose caller gave none; its bars go when this is left."""
-    if not (sys.stderr.isatty() or in_notebook()):
+    if not (on_terminal() or in_notebook()):
         yield Watch()
         return
     shown = _Shown()
