@@ -7,6 +7,7 @@ not with their pairs.
 
 from __future__ import annotations
 
+import hashlib
 import resource
 import time
 from argparse import ArgumentParser, Namespace
@@ -19,11 +20,14 @@ from options import natural, numbers
 from tables import progress, table, write_json
 
 import epibar
-from epibar import Recording, synthetic
+from epibar import Calibration, Recording, synthetic
 from epibar.network import find_offsets, join_pairs
 from epibar.network.offsets import SEARCH_SECONDS, pairs_to_search
 from epibar.synthetic.networks import NETWORK, hand_started
 from epibar.synthetic.settings import draw
+
+Pairs = dict[tuple[str, str], tuple[Calibration, float]]
+"""What the search of a pair found, and the seconds that it took."""
 
 STAGES = ("record", "clocks", "choose", "searches", "network")
 IN_A_ROOM = 20
@@ -66,6 +70,35 @@ def recorded(made: Any, lines: int, keep: Path | None) -> dict[str, Recording]:
     return found
 
 
+def searched(
+    args: Namespace, made: Any, films: list[Recording], chosen: list[tuple[int, int]], offsets: Any
+) -> Pairs:
+    """Search every chosen pair, or load what an earlier run has kept."""
+    found: Pairs = {}
+    made_by = hashlib.sha256(Path(epibar._core.__file__).read_bytes()).hexdigest()[:12]
+    for a, b in chosen:
+        names = made.cameras[a].name, made.cameras[b].name
+        frames = offsets.between(films, a, b)
+        assert frames is not None
+        what = (len(films), made.seed, args.frames, args.lines, *names, f"{frames:.4f}", made_by)
+        name = "-".join(map(str, what)) + ".npz"
+        path = None if args.keep is None else args.keep / name
+        if path is not None and path.exists():
+            taken = float(path.with_suffix(".seconds").read_text())
+            found[names] = Calibration.load(path), taken
+            continue
+        progress(f"{names[0]} {names[1]}, search {len(found) + 1} of {len(chosen)}")
+        started = time.perf_counter()
+        cal = epibar.calibrate(
+            films[a], films[b], time_offset=frames, sharpen_offset=offsets.sharpen, seed=made.seed
+        )
+        found[names] = cal, time.perf_counter() - started
+        if path is not None:
+            path.with_suffix(".seconds").write_text(repr(found[names][1]))
+            cal.save(path)
+    return found
+
+
 def run(args: Namespace, cameras: int, seed: int) -> dict[str, Any]:
     """Calibrate one network, stage by stage, and hold it against the truth."""
     made = situation(seed, cameras, args.walkers, args.frames)
@@ -76,22 +109,18 @@ def run(args: Namespace, cameras: int, seed: int) -> dict[str, Any]:
 
     recordings = recorded(made, args.lines, args.keep)
     lap()
-    films, names = list(recordings.values()), list(recordings)
+    films = list(recordings.values())
     offsets = find_offsets(films, SEARCH_SECONDS)
     lap()
     chosen = pairs_to_search(films, offsets)
     lap()
-    pairs: dict[tuple[str, str], epibar.Calibration] = {}
-    for a, b in chosen:
-        progress(f"{names[a]} {names[b]}, search {len(pairs) + 1} of {len(chosen)}")
-        frames = offsets.between(films, a, b)
-        assert frames is not None
-        pairs[names[a], names[b]] = epibar.calibrate(
-            films[a], films[b], time_offset=frames, sharpen_offset=offsets.sharpen, seed=seed
-        )
+    timed = searched(args, made, films, chosen, offsets)
+    pairs = {names: cal for names, (cal, _) in timed.items()}
     lap()
     network = join_pairs(recordings, pairs, offsets)
     lap()
+    seconds = dict(zip(STAGES, map(float, np.diff(clock)), strict=True))
+    seconds["searches"] = sum(taken for _, taken in timed.values())
     found = synthetic.accepted_cameras(network)
     wrong = synthetic.network_errors(made, found) if len(found) > 1 else {}
     stated = {name: (network.cameras[name].expected or {})["rotation"] for name in wrong}
@@ -110,7 +139,7 @@ def run(args: Namespace, cameras: int, seed: int) -> dict[str, Any]:
         "left_out": {name: network.cameras[name].status for name in network.left_out},
         "wrong": sorted(n for n, e in wrong.items() if e.rotation > max(1.0, 3 * stated[n])),
         "errors": {n: [abs(e.focal), e.rotation, e.position] for n, e in wrong.items()},
-        "seconds": dict(zip(STAGES, map(float, np.diff(clock)), strict=True)),
+        "seconds": seconds,
         "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
     }
 
@@ -153,7 +182,7 @@ def main() -> None:
     parser.add_argument("--frames", type=natural, default=900, help="of each camera (default %(default)s)")
     parser.add_argument("--lines", type=natural, default=10_000, help="per camera (default %(default)s)")
     parser.add_argument(
-        "--keep", type=Path, metavar="DIR", help="keep recordings there, and take them from it"
+        "--keep", type=Path, metavar="DIR", help="keep recordings and pairs there, and take them from it"
     )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every outcome there too")
     args = parser.parse_args()

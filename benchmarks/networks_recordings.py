@@ -9,25 +9,32 @@ from __future__ import annotations
 
 import time
 from argparse import ArgumentParser
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from options import natural
+from options import add_names, natural
+from recordings_views import DATA, Data
 from tables import progress
 
 import epibar
 from epibar import Recording
-from epibar.lens.cameras_toml import load_cameras
+from epibar.lens.cameras_toml import find_camera, load_cameras
 from epibar.network import ClockOffsets, join_pairs
 
+COARSE = ("nothing", "lens, focal, principal")
 KNOWLEDGE = {
     "four_people": ("nothing", "lens", "lens, focal, principal"),
     "pets_cameras": ("nothing", "principal, aspect"),
     "wildtrack": ("nothing", "principal"),
+    "walking": COARSE,
+    "jumping": COARSE,
+    "man_at_desk": COARSE,
 }
+"""By the names that ``recordings.py`` has for them."""
 HEAD = (
     "| recording | known | accepted | focal %, median, worst | rotation °, of two cameras to each other "
     "| position, % of the rig | within what is stated (f R C) | vertical ° | s |\n"
@@ -45,23 +52,23 @@ class Truth:
     centre: Any
 
 
-def true_cameras(folder: Path) -> dict[str, Truth]:
-    """Known cameras by name."""
+def true_cameras(folder: Path, files: Iterable[str]) -> dict[str, Truth]:
+    """Known cameras, by the names of the files that they filmed."""
+    known = load_cameras(folder / "cameras.toml")
     found = {}
-    for known in load_cameras(folder / "cameras.toml"):
-        posed = known.posed()
-        found[known.name] = Truth(known.matrix, known.distortions, posed.R, -posed.R.T @ posed.t)
+    for index, name in enumerate(files):
+        camera = find_camera(known, name, index)
+        posed = camera.posed()
+        found[name] = Truth(camera.matrix, camera.distortions, posed.R, -posed.R.T @ posed.t)
     return found
 
 
-def recorded(folder: Path, names: list[str], lines: int) -> dict[str, Recording]:
-    """Recordings of the masks, by name."""
-    found = {}
-    for name in names:
-        video = folder / f"{name}.avi"
-        path = video if video.exists() else folder / f"{name}.npz"
-        found[name] = epibar.record(path, masks=True, lines=lines)
-    return found
+def recorded(folder: Path, data: Data, lines: int) -> dict[str, Recording]:
+    """What the cameras filmed, raw, by name."""
+    return {
+        name: epibar.record(folder / file, masks=data.masks, lines=lines, progress=False)
+        for name, file in data.files.items()
+    }
 
 
 def knowledge(camera: Truth, words: str) -> epibar.KnownCamera:
@@ -138,20 +145,22 @@ def angle_between(one: Any, other: Any) -> float:
 def main() -> None:
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, help="holds a folder for each recording")
-    parser.add_argument("--recordings", default=",".join(KNOWLEDGE))
+    usual = [name for name in KNOWLEDGE if KNOWLEDGE[name] != COARSE]
+    add_names(parser, "--recordings", KNOWLEDGE, usual, "default: all but the last three; ")
     parser.add_argument("--lines", type=natural, default=20_000)
     arguments = parser.parse_args()
     if not arguments.folder.is_dir():
         print(f"{arguments.folder}: no such folder, so nothing is measured")
         return
     print(HEAD)
-    for name in arguments.recordings.split(","):
-        folder = arguments.folder / name
+    for name in arguments.recordings:
+        data = DATA[name]
+        folder = arguments.folder / data.folder
         if not folder.is_dir():
             progress(f"{folder}: not there, left out")
             continue
-        true = true_cameras(folder)
-        recordings = recorded(folder, list(true), arguments.lines)
+        true = true_cameras(folder, data.files)
+        recordings = recorded(folder, data, arguments.lines)
         pairs = {}
         for a, b in combinations(recordings, 2):
             progress(f"{name} {a} {b}")
