@@ -15,6 +15,7 @@ from report_input import LATE, NO_POINTS, SIZE, make_report_input
 import epibar
 from epibar.clocks import Timing
 from epibar.geometry.epipolar import epipoles
+from epibar.jobs.update_files import MOVED_KIND
 from epibar.report.inputs import ReportCamera, ReportPair
 from epibar.report.page import write_report
 from epibar.report.prose import ADVICE, TITLES, advice
@@ -193,6 +194,8 @@ def test_a_far_point_does_not_squash_the_residuals(report_input, tmp_path):
 def test_every_kind_of_verdict_has_words():
     kinds = set(re.findall(r'Self::\w+ => "(\w+)"', VERDICTS.read_text()))
     assert "accepted" in kinds
+    assert MOVED_KIND not in kinds  # of a pair whose cameras were updated
+    kinds |= {MOVED_KIND}
     assert set(TITLES) == kinds
     assert set(ADVICE) == kinds - {"accepted"}
 

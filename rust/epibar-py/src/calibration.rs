@@ -248,6 +248,7 @@ impl Calibration {
             ("plane_residual", e.plane_residual),
             ("may_turn", e.may_turn),
             ("holds", e.holds),
+            ("halves_apart", e.halves_apart),
             ("repeats", e.repeats),
             ("essential_deviation", e.essential_deviation),
         ] {

@@ -13,6 +13,7 @@ const EVIDENCE = {
   plane_residual: ["distance from one plane", "widths of a silhouette", 2],
   may_turn: ["may turn about a plane by", "px over the images, without losing evidence; much means undetermined", 1],
   holds: ["holds throughout", "least share of the evidence that should be there, before or after some moment; below 0.5 a camera moved", 2],
+  halves_apart: ["both halves of the recording", "px apart, where either asks for another geometry", 2],
   repeats: ["resembles a later moment", "correlation of both cameras with others in the places; from 0.4 what moves repeats itself", 2],
   essential_deviation: ["from an essential matrix", "difference of its singular values; above 0.05, of an accepted pair, a camera matrix is off", 3],
 };

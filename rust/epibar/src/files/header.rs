@@ -89,6 +89,7 @@ fn evidence(e: &Evidence) -> Value {
         ("plane_residual", e.plane_residual),
         ("may_turn", e.may_turn),
         ("holds", e.holds),
+        ("halves_apart", e.halves_apart),
         ("repeats", e.repeats),
         ("essential_deviation", e.essential_deviation),
     ];
@@ -192,6 +193,7 @@ pub(super) fn read(text: &str) -> Result<Calibration> {
         plane_residual: where_known("plane_residual")?,
         may_turn: where_known("may_turn")?,
         holds: where_known("holds")?,
+        halves_apart: where_known("halves_apart")?,
         repeats: where_known("repeats")?,
         essential_deviation: where_known("essential_deviation")?,
     };

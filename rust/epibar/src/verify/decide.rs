@@ -18,7 +18,7 @@ use crate::frontier::TangentMatch;
 type Test = fn(&Findings) -> Option<Verdict>;
 
 /// The tests by name, in their order.
-pub const TESTS: [(&str, Test); 13] = [
+pub const TESTS: [(&str, Test); 14] = [
     ("stands out against shifted clocks", stands_out),
     ("explains enough of the tangents", explains_enough),
     ("supported by tops and by bottoms", both_classes),
@@ -26,6 +26,7 @@ pub const TESTS: [(&str, Test); 13] = [
     ("matched at enough places", enough_places),
     ("does not repeat itself", does_not_repeat),
     ("holds throughout", holds_throughout),
+    ("is the same in both halves", same_in_both_halves),
     ("has more depth than outlines are off", depth_beyond_outlines),
     ("may not turn about a plane", may_not_turn),
     ("known beyond the motion", known_beyond_motion),
@@ -80,6 +81,11 @@ fn does_not_repeat(f: &Findings) -> Option<Verdict> {
 fn holds_throughout(f: &Findings) -> Option<Verdict> {
     let holds = f.evidence.holds;
     unless(reaches(holds, HOLDS), Kind::Knocked, || prose::knocked(holds))
+}
+
+fn same_in_both_halves(f: &Findings) -> Option<Verdict> {
+    let apart = f.evidence.halves_apart;
+    unless(within(apart, f.max_expected_error), Kind::Knocked, || prose::halves(apart))
 }
 
 fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
@@ -159,6 +165,7 @@ mod tests {
         plane_residual: 4.0,
         may_turn: 0.0,
         holds: 0.9,
+        halves_apart: 0.0,
         repeats: 0.1,
         on_all_frames: false,
         essential_deviation: f64::NAN,
@@ -198,6 +205,7 @@ mod tests {
             (Evidence { may_turn: 8.1, ..GOOD }, Kind::Undetermined),
             (Evidence { repeats: 0.5, ..GOOD }, Kind::Ambiguous),
             (Evidence { holds: 0.29, ..GOOD }, Kind::Knocked),
+            (Evidence { halves_apart: 3.1, ..GOOD }, Kind::Knocked),
             (Evidence { tested_distance: 3.1, ..GOOD }, Kind::Ambiguous),
             (Evidence { plane_residual: 0.5, ..GOOD }, Kind::Accepted),
         ] {
@@ -246,6 +254,7 @@ mod tests {
             Evidence { tested_distance: unknown, ..GOOD },
             Evidence { may_turn: unknown, ..GOOD },
             Evidence { holds: unknown, ..GOOD },
+            Evidence { halves_apart: unknown, ..GOOD },
             Evidence { repeats: unknown, ..GOOD },
         ] {
             assert!(refused(&findings(&evidence, &walk)), "{evidence:?}");

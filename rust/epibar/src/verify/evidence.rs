@@ -41,6 +41,10 @@ pub struct Evidence {
     /// what there is on the other side, the least that any moment gives; 1 where no side is the worse, or it may be so though
     /// nothing moved; NaN where that was not asked.
     pub holds: f64,
+    /// What is refined on the first half of the recording from what is refined on the second, mean symmetric epipolar distance over
+    /// the volume where things moved, pixels; 0 where neither half asks for another geometry than all of it; NaN where that was
+    /// not asked.
+    pub halves_apart: f64,
     /// How much both cameras' barcodes resemble those of a later moment at which others are in the places, a correlation; NaN
     /// where that was not asked.
     pub repeats: f64,
@@ -67,6 +71,7 @@ impl Default for Evidence {
             plane_residual: f64::NAN,
             may_turn: f64::NAN,
             holds: f64::NAN,
+            halves_apart: f64::NAN,
             repeats: f64::NAN,
             essential_deviation: f64::NAN,
         }

@@ -2,8 +2,8 @@
 //!
 //! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
 //! gives; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
-//! agree, or [`moved`] cameras explain one, [`planarity`] whether one plane explains everything and [`turning`] what is known off it, [`mod@rivals`] whether another
-//! geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
+//! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
+//! everything and [`turning`] what is known off it, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
 //! [`trials`] takes account of a searched offset.
 
@@ -13,6 +13,7 @@ pub mod early;
 pub mod error_map;
 pub mod evidence;
 mod findings;
+mod halves;
 mod moved;
 mod over_image;
 pub mod planarity;
@@ -46,6 +47,7 @@ use crate::watch::Watch;
 use covariance::{covariance, expected_error, with_prior};
 use decide::decide;
 use findings::Findings;
+use halves::{Halves, halves};
 use planarity::plane_residual;
 use repetition::repeats;
 use rivals::{Winner, rivals};
@@ -126,14 +128,17 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     let winner = Winner::new(views, fundamental, block);
     let (rivals, best_radius) = (rivals(&winner, others, &volume), winner.radius);
     // Where nothing stands out that is the verdict.
+    let mut of_halves = 0.0;
     if reaches(evidence.z, MIN_Z) {
         evidence.may_turn = may_turn(views, &winner, &matches, evidence.plane_residual);
         evidence.holds = holds(case.busy_views, fundamental, best_radius, watch)?;
+        let Halves { apart, away } = halves(case.busy_views, fundamental, &volume, case.seed);
+        (evidence.halves_apart, of_halves) = (apart, away);
         evidence.repeats = repeats(case.recordings, case.common);
     }
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
-    let of_others = others.fold(evidence.tested_distance.max(0.0), f64::max);
+    let of_others = others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max);
     let of_chance = UNEXPLAINED_SHARE * best_radius * odds_of_chance(&evidence);
     let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
     let fit =

@@ -114,6 +114,16 @@ pub(super) fn knocked(holds: f64) -> String {
     )
 }
 
+pub(super) fn halves(apart: f64) -> String {
+    if apart.is_nan() {
+        return unmeasured();
+    }
+    format!(
+        "The geometry is a compromise: what fits the first half of the recording is {apart:.1} px away from what fits the second, \
+         as if a camera had been moved in between. Calibrate the parts by themselves."
+    )
+}
+
 pub(super) fn flat(plane_residual: f64) -> String {
     if plane_residual.is_nan() {
         return unmeasured();

@@ -160,7 +160,7 @@ impl Of<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::frontier::View;
     use crate::image::ImageSize;
@@ -171,7 +171,7 @@ mod tests {
 
     /// Boxes that jump about, seen by two cameras side by side; from one frame on the second looks so many pixels further down, and
     /// so many of the four boxes that it sees are others.
-    fn seen(frames: usize, from: usize, lower: f64, others: usize) -> (Views, Fundamental) {
+    pub fn seen(frames: usize, from: usize, lower: f64, others: usize) -> (Views, Fundamental) {
         let size = ImageSize::new(640, 480).unwrap();
         let mut random = generator(11, 0);
         let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
