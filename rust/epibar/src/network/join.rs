@@ -7,6 +7,7 @@ use super::case::{Case, Finished, Out};
 use super::clocks::Offsets;
 use super::covariance::{Covariance, Expected, covariance, expected};
 use super::graph::PairFound;
+use super::halves;
 use super::input::CameraInput;
 use super::joint::{Problem, standing};
 use super::outlines::{Shapes, outline_errors};
@@ -91,7 +92,10 @@ impl Case<'_> {
         for round in 0.. {
             report(watch, Stage::Network, 0.4 + 0.3 * round as f64 / self.count() as f64)?;
             let support = Support::of(&self.observed, &now);
-            let bad = worst(&solver.some, &now.network, &support);
+            let mut bad = worst(&solver.some, &now.network, &support);
+            if bad.is_empty() && now.network.placed.iter().filter(|p| **p).count() > 2 {
+                bad.extend(self.knocked_a_little(solver, &now, &support));
+            }
             if bad.is_empty() {
                 return Ok((Some((now, support)), out));
             }
@@ -116,6 +120,12 @@ impl Case<'_> {
             now = solver.settled(network, &now.beliefs, radius);
         }
         Ok((None, out))
+    }
+
+    fn knocked_a_little(&self, solver: &Solver, now: &Solved, support: &Support) -> Option<Out> {
+        let (camera, at) = halves::knocked_a_little(&self.observed, &solver.some, now)?;
+        let deviates = support.cameras[camera];
+        Some(Out { camera, status: CameraStatus::Knocked, deviates, at: Some(at) })
     }
 
     /// The network with principal points as far from the middle as the tangents call for.

@@ -13,6 +13,7 @@
 //! * `ends`, `tangents`, `walkers`, `survey`: epipolar tangents under known cameras, and what stands on the floor, found at some moments.
 //! * `settle`, `relocate`, `solve`: tangents found anew and the joint problem in turns; cameras tried elsewhere; from pairs to networks.
 //! * `support`: what speaks for each camera on moments kept aside.
+//! * `halves`: was a camera turned a little at half time?
 //! * `principal`: how far principal points are from the middle.
 //! * `covariance`, `outlines`: errors to expect; by how much outlines of each camera are wrong.
 //! * `world`: floor, vertical and unit.
@@ -58,6 +59,7 @@ mod covariance;
 mod ends;
 mod evenly;
 mod graph;
+mod halves;
 mod input;
 mod join;
 mod joint;

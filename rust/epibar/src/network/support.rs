@@ -164,8 +164,9 @@ impl<'c> Aside<'c> {
 }
 
 /// The share of its recording at which a camera was knocked, about, of each that sees what the others see only before or only
-/// after some moment.
-pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
+/// after some moment: on one side of it less than the first share of its evidence on the other, and than the second share of what pairs keep
+/// that it has no part in.
+pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) -> Vec<Option<f64>> {
     let pairs = network.pairs();
     let rays = survey.all_rays(&network.cameras);
     // Evidence, and what could meet, of each part of the network's time as camera A of the pair has it.
@@ -218,8 +219,8 @@ pub fn knocked(survey: &Survey, network: &Placed) -> Vec<Option<f64>> {
                 let better = of_own[usize::from(!stands_before)].0;
                 let shows = of_own[usize::from(stands_before)].1
                     > limits::KNOCKED_SHOWS * of_own[usize::from(!stands_before)].1;
-                let found = share < limits::KNOCKED_KEEPS
-                    && share < limits::KNOCKED_OF_OTHERS * others
+                let found = share < keeps
+                    && share < of_others * others
                     && others > limits::OTHERS_KEEP
                     && better > limits::KNOCKED_CLEAR
                     && shows;

@@ -142,10 +142,17 @@ pub const LEFT_OVER: f64 = 0.05;
 pub const KNOCKED_PARTS: usize = 8;
 /// Shifts of the clocks whose evidence is what chance has there.
 pub const KNOCKED_SHIFTS: usize = 3;
-/// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment.
-pub const KNOCKED_KEEPS: f64 = 0.35;
-/// And at least this share of what pairs keep that it has no part in.
-pub const KNOCKED_OF_OTHERS: f64 = 0.45;
+/// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment; and at least
+/// that share of what pairs keep that it has no part in.
+pub const KNOCKED: [f64; 2] = [0.35, 0.45];
+/// With less than these it may have been knocked by a little: 0.58 and 0.59 was seen of one that stood (of 23), 0.36 to 0.50 of those that
+/// were turned by 1° and 1.5°.
+pub const KNOCKED_MAYBE: [f64; 2] = [0.65, 0.7];
+/// So it may where a turn between the halves moves its image by more than so many pixels, with so many standard deviations: 0.07 and 4.4 was
+/// the most of 23 that stood, 0.7 and 13.7 the least of two that were turned by half a degree.
+pub const TURNED: (f64, f64) = (0.3, 8.0);
+/// Then it was if another pose explains one side so much better that as it stands it has less than this share of the evidence there.
+pub const KNOCKED_OTHER: f64 = 0.75;
 /// Nothing is said of a knock where those pairs keep less than this share.
 pub const OTHERS_KEEP: f64 = 0.4;
 /// Nor where its evidence on the better side is less than this many tangents.

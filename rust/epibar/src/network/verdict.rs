@@ -26,7 +26,7 @@ pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
 }
 
 /// Those cameras that stand and should not: the one for which least speaks, if that is too little; else those of all
-/// groups but the largest, if nothing joins them; else one that was knocked.
+/// groups but the largest, if nothing joins them; else one that was knocked far.
 pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec<Out> {
     let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
     let confirmed = support.confirmed();
@@ -55,7 +55,8 @@ pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec
         let others = stand.iter().filter(|c| !largest.contains(c));
         return others.map(|&camera| out(camera, CameraStatus::Apart, None)).collect();
     }
-    let knocked = knocked(survey, network).into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
+    let knocked =
+        knocked(survey, network, limits::KNOCKED).into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
     knocked.map(|(camera, at)| out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
 }
 
