@@ -13,7 +13,8 @@ use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::{Found, Ground, SearchOptions, search, settle};
-use crate::verify::split::{self, Split};
+use crate::verify::earlier::Earlier;
+use crate::verify::split::{self, Fold, Split};
 use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
 use crate::verify::trials::falls_for;
 use crate::verify::{Case, Verdict, Verified, early, verify};
@@ -61,22 +62,11 @@ fn calibrate_at(aligned: &Aligned, options: &CalibrateOptions, watch: &mut dyn W
     if let Some(verdict) = early::too_few_frames(common.len()) {
         return Ok(refused(verdict, aligned, &Candidates::default(), &common, options));
     }
-    report(watch, Stage::Candidates, 0.0)?;
     let pair = Pair::new(aligned, common, options);
-    let candidates = pair.candidates()?;
-    if let Some(verdict) = early::too_little_motion(&candidates, pair.busy.len()) {
-        return Ok(refused(verdict, aligned, &candidates, &pair.common, options));
-    }
-    let seen = Seen::new(&pair);
-    let found = match options.method {
-        Method::Frontier => pair.by_tangents(&seen, &candidates, watch)?,
-        Method::Lines => pair.by_lines(&seen, &candidates, watch)?,
-    };
-    let Some(winner) = found.solutions.first() else {
-        return Ok(refused(early::no_hypothesis(), aligned, &candidates, &pair.common, options));
-    };
-    let verified = verify(&seen.case(&pair, &found), &winner.fundamental, watch)?;
-    Ok(pair.calibration(&seen, &candidates, &found, verified))
+    let (first, earlier) = pair.look(Fold::First, None, watch)?;
+    let Some(earlier) = earlier.filter(|_| options.method == Method::Frontier) else { return Ok(first) };
+    let (second, _) = pair.look(Fold::Second, Some(&earlier), watch)?;
+    Ok(if second.evidence.z > first.evidence.z { second } else { first })
 }
 
 /// A refusal before there is anything to verify.
@@ -101,21 +91,52 @@ struct Pair<'a> {
     /// All common frames, and those in which both cameras see something.
     common: Vec<FramePair>,
     busy: Vec<FramePair>,
-    split: Split,
+    /// For how many frames motion stays where it is.
+    stay: usize,
 }
 
 impl<'a> Pair<'a> {
     fn new(aligned: &'a Aligned<'a>, common: Vec<FramePair>, options: &'a CalibrateOptions) -> Self {
         let (a, b) = (aligned.a(), aligned.b());
         let busy = busy_frames(a, b, &common, usize::MAX);
-        let split = Split::new(&common, &busy, split::stay(a, b, &common));
-        Self { aligned, options, common, busy, split }
+        let stay = split::stay(a, b, &common);
+        Self { aligned, options, common, busy, stay }
+    }
+
+    /// Found by some frames and tested on others, and what is worth a second look at it, if anything is.
+    fn look(
+        &self,
+        fold: Fold,
+        earlier: Option<&Earlier>,
+        watch: &mut dyn Watch,
+    ) -> Result<(Calibration, Option<Earlier>)> {
+        report(watch, Stage::Candidates, 0.0)?;
+        let refused = |verdict, candidates: &Candidates| {
+            Ok((refused(verdict, self.aligned, candidates, &self.common, self.options), None))
+        };
+        let split = Split::new(&self.common, &self.busy, self.stay, fold);
+        let candidates = self.candidates(&split)?;
+        if let Some(verdict) = early::too_little_motion(&candidates, self.busy.len()) {
+            return refused(verdict, &candidates);
+        }
+        let seen = Seen::new(self, split);
+        let found = match self.options.method {
+            Method::Frontier => self.by_tangents(&seen, &candidates, watch)?,
+            Method::Lines => self.by_lines(&seen, &candidates, watch)?,
+        };
+        let Some(winner) = found.solutions.first() else {
+            return refused(early::no_hypothesis(), &candidates);
+        };
+        let case = Case { earlier, ..seen.case(self, &found) };
+        let verified = verify(&case, &winner.fundamental, watch)?;
+        let again = Earlier::new(&verified, found.fitted);
+        Ok((self.calibration(&seen, &candidates, &found, verified), again))
     }
 
     /// Candidates of the answer: tangents are searched on the fitted frames alone, lines on all.
-    fn candidates(&self) -> Result<Candidates> {
+    fn candidates(&self, split: &Split) -> Result<Candidates> {
         match self.options.method {
-            Method::Frontier => self.candidates_of(&self.split.fitted),
+            Method::Frontier => self.candidates_of(&split.fitted),
             Method::Lines => self.candidates_of(&self.common),
         }
     }
@@ -137,7 +158,7 @@ impl<'a> Pair<'a> {
         let defaults = SearchOptions::default();
         let draws = Draws { lines: self.options.draws, ..defaults.draws };
         let some = |limit| {
-            let busy = busy_frames(self.aligned.a(), self.aligned.b(), &self.split.fitted_busy, limit);
+            let busy = busy_frames(self.aligned.a(), self.aligned.b(), &seen.split.fitted_busy, limit);
             self.views(&busy)
         };
         let ground =
@@ -148,10 +169,10 @@ impl<'a> Pair<'a> {
 
     /// The method of the paper.
     fn by_lines(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
-        let fitted = self.candidates_of(&self.split.fitted)?;
+        let fitted = self.candidates_of(&seen.split.fitted)?;
         let recordings = [self.aligned.a(), self.aligned.b()];
         let all = Filmed { recordings, frames: &self.common, candidates };
-        let fitted = Filmed { recordings, frames: &self.split.fitted, candidates: &fitted };
+        let fitted = Filmed { recordings, frames: &seen.split.fitted, candidates: &fitted };
         let CalibrateOptions { draws, seed, .. } = *self.options;
         lines::search(&all, &fitted, &seen.all, draws, seed, watch)
     }
@@ -192,19 +213,21 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// The silhouettes of both cameras.
+/// The silhouettes of both cameras, and which frames are kept aside.
 struct Seen {
+    split: Split,
     all: Views,
     fitted: Views,
     busy: Views,
 }
 
 impl Seen {
-    fn new(pair: &Pair) -> Self {
+    fn new(pair: &Pair, split: Split) -> Self {
         Self {
             all: pair.views(&pair.common),
-            fitted: pair.views(&pair.split.fitted_busy),
+            fitted: pair.views(&split.fitted_busy),
             busy: pair.views(&pair.busy),
+            split,
         }
     }
 
@@ -213,10 +236,11 @@ impl Seen {
             views: &self.all,
             busy_views: &self.busy,
             fitted_views: &self.fitted,
-            split: &pair.split,
+            split: &self.split,
             recordings: [pair.aligned.a(), pair.aligned.b()],
             common: &pair.common,
             found,
+            earlier: None,
             max_expected_error: pair.options.max_expected_error,
             frame_rate: pair.aligned.a().frame_rate(),
             seed: pair.options.seed,

@@ -207,3 +207,25 @@ fn only_what_lies_off_a_plane_holds_the_epipole() {
     let none = turns(&scene, &Fundamental::from_matrix(&any, a, b).unwrap());
     assert!(none > 8.0, "{none}");
 }
+
+#[test]
+fn frames_that_say_too_little_are_followed_by_others() {
+    let scene = Scene::new(5, FRAMES, 1);
+    let a = scene.record(0, LINES);
+    // Of the two stretches that are kept aside first, the last tenths of both halves, so many frames show what happened at another time.
+    let with_others = |wrong: usize| {
+        let mut order: Vec<usize> = (0..FRAMES).collect();
+        for end in [FRAMES / 2, FRAMES] {
+            order[end - FRAMES / 10..][..wrong].iter_mut().for_each(|k| *k = (*k + 40) % FRAMES);
+        }
+        run(&scene, &a, &order, Method::Frontier)
+    };
+    let first = with_others(0);
+    let second = with_others(20);
+    assert!(second.accepted() && second.evidence.z > 6.0, "{:?} {:?}", second.verdict, second.evidence);
+    assert_ne!(bits(first.tested), bits(second.tested), "other frames were kept aside");
+    assert!(second.evidence.tested_distance < 0.5, "{:?}", second.evidence);
+    // What shows nothing at all calls for no second look.
+    let none = with_others(FRAMES / 10);
+    assert_eq!(none.verdict.kind, epibar::Kind::NoCommonScene, "{:?}", none.verdict);
+}

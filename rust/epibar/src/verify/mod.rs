@@ -1,7 +1,7 @@
 //! Is it true, and how far off may it be?
 //!
 //! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
-//! gives; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
+//! gives, [`earlier`] with what other frames gave; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
 //! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
 //! everything and [`turning`] what is known off it, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
@@ -9,6 +9,7 @@
 
 pub mod covariance;
 pub mod decide;
+pub mod earlier;
 pub mod early;
 pub mod error_map;
 pub mod evidence;
@@ -46,6 +47,7 @@ use crate::search::Found;
 use crate::watch::Watch;
 use covariance::{covariance, expected_error, with_prior};
 use decide::decide;
+use earlier::{Earlier, LOOKS};
 use findings::Findings;
 use halves::{Halves, halves};
 use planarity::plane_residual;
@@ -57,6 +59,7 @@ use thresholds::{
     NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, reaches, within,
 };
 use throughout::holds;
+use trials::left;
 use turning::may_turn;
 
 /// Correspondences of the volume where things moved.
@@ -80,6 +83,8 @@ pub struct Case<'a> {
     pub common: &'a [FramePair],
     /// The winner, what is tested, and the rivals.
     pub found: &'a Found,
+    /// What was tested on other frames, without deciding.
+    pub earlier: Option<&'a Earlier>,
     /// A larger expected error is refused, pixels.
     pub max_expected_error: f64,
     /// Frames per second of A; NaN where unknown.
@@ -117,9 +122,18 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     let matches = compare(views, fundamental, radius).matches;
 
     let fitted = case.found.fitted;
-    let (curve, mut evidence) = fitted.map_or_else(Default::default, |f| tested(case, &f, fundamental));
     let volume = moving_correspondences(views, fundamental, VOLUME, case.seed);
-    evidence.tested_distance = fitted.map_or(f64::NAN, |f| disagreement(&volume, &f));
+    let apart = |f: &Fundamental| disagreement(&volume, f);
+    let alike = case.earlier.filter(|earlier| within(apart(&earlier.fitted), case.max_expected_error));
+    let (curve, mut evidence) =
+        fitted.map_or_else(Default::default, |f| tested(case, &f, fundamental, alike));
+    evidence.tested_distance = fitted.map_or(f64::NAN, |f| apart(&f));
+    if let Some(earlier) = alike {
+        evidence.tested_distance = farther(evidence.tested_distance, apart(&earlier.fitted));
+    }
+    if case.earlier.is_some() && alike.is_none() {
+        evidence.z = left(evidence.z, LOOKS);
+    }
     evidence.plane_residual = plane_residual(views, &matches, case.seed);
     evidence.essential_deviation = views.cameras.map_or(f64::NAN, |k| k.deviation(fundamental));
 
@@ -167,9 +181,14 @@ fn radius_of(generous: &[TangentMatch], scale: f64) -> f64 {
     if radius.is_nan() { 3.0 * scale } else { radius }
 }
 
-/// The curve over time shifts, on the frames kept aside, of what the others were fitted with, and its sum. Where one class
-/// stands out little on so few frames, its deviate is taken from all of them.
-fn tested(case: &Case, fitted: &Fundamental, fundamental: &Fundamental) -> (ShiftCurve, Evidence) {
+/// The curve over time shifts, on the frames kept aside, of what the others were fitted with, and its sum: with that of other
+/// frames where those gave the same geometry. Where one class stands out little on so few frames, its deviate is taken from all of them.
+fn tested(
+    case: &Case,
+    fitted: &Fundamental,
+    fundamental: &Fundamental,
+    alike: Option<&Earlier>,
+) -> (ShiftCurve, Evidence) {
     let scale = case.busy_views.pixel_scale();
     let generous = compare(case.fitted_views, fitted, 6.0 * scale).matches;
     let held_out = HeldOut {
@@ -180,6 +199,10 @@ fn tested(case: &Case, fitted: &Fundamental, fundamental: &Fundamental) -> (Shif
         radius: radius_of(&generous, scale).max(2.0 * scale),
     };
     let curve = shift_curve(&held_out, fitted, SHIFTS);
+    let curve = match alike {
+        Some(earlier) => curve.with(&earlier.curve),
+        None => curve,
+    };
     let mut evidence = curve.evidence();
     let parts = [evidence.z_tops, evidence.z_bottoms, evidence.z_whole];
     if reaches(evidence.z, MIN_Z) && !parts.into_iter().all(|z| reaches(z, FAINT_CLASS_Z)) {
@@ -196,6 +219,11 @@ fn block_of(case: &Case) -> usize {
     let rate = case.frame_rate;
     let second = if rate.is_finite() { rate.round().max(1.0) as usize } else { 25 };
     second.max(case.split.gap).min((case.views.frames() / LEAST_BLOCKS).max(1))
+}
+
+/// The larger distance; what is not known is not small.
+fn farther(p: f64, q: f64) -> f64 {
+    if p.is_nan() || q.is_nan() { f64::NAN } else { p.max(q) }
 }
 
 /// How far off the solutions are that the evidence cannot tell from the winner, pixels.

@@ -110,13 +110,10 @@ pub fn cross_validated(views: &Views, f: &Fundamental, held_out: &HeldOut, count
         let refined = polish(&fitted, f);
         let of = HeldOut { views, fitted: &fitted, tested: std::slice::from_ref(&tested), ..*held_out };
         let curve = shift_curve(&of, &refined, count);
-        if whole.scores.is_empty() {
-            whole = ShiftCurve { elsewhere: Vec::new(), ..curve };
-        } else {
-            whole.scores.iter_mut().zip(&curve.scores).for_each(|(sum, part)| sum.score += part.score);
-        }
+        whole = if whole.scores.is_empty() { curve } else { whole.with(&curve) };
     }
-    whole
+    // Nothing is elsewhere.
+    ShiftCurve { elsewhere: Vec::new(), ..whole }
 }
 
 fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
@@ -132,6 +129,17 @@ pub fn normal_deviate(t: f64, freedom: f64) -> f64 {
 }
 
 impl ShiftCurve {
+    /// The curve of these frames and of others of the same recording, tested at the same shifts.
+    pub fn with(mut self, other: &Self) -> Self {
+        debug_assert!(self.scores.iter().map(|s| s.shift).eq(other.scores.iter().map(|s| s.shift)));
+        self.scores.iter_mut().zip(&other.scores).for_each(|(sum, part)| sum.score += part.score);
+        self.elsewhere.truncate(other.elsewhere.len());
+        for (sums, parts) in self.elsewhere.iter_mut().zip(&other.elsewhere) {
+            sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += *part);
+        }
+        self
+    }
+
     /// Each shift with the mean score of both ways.
     pub fn totals(&self) -> impl Iterator<Item = (usize, f64)> {
         self.scores.iter().map(|s| (s.shift, 0.5 * s.score.total()))

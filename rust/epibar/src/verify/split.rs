@@ -2,7 +2,7 @@
 //!
 //! Who walks where the fitted frames end walks on into the next ones, so that a geometry which fits the former by
 //! chance fits the latter for a while as well. A gap of the time for which motion stays where it is keeps the two apart:
-//! its frames belong to neither.
+//! its frames belong to neither. Where those that are kept aside show too little to decide, [`Fold::Second`] keeps others aside.
 
 use std::ops::Range;
 
@@ -14,6 +14,15 @@ const TESTED: f64 = 0.2;
 const STRETCHES: usize = 3;
 /// Largest share of the frames in all gaps together; a single gap may take as much where motion is slower than that.
 const GAPS: f64 = 0.15;
+
+/// Which frames are kept aside: none of the one are of the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fold {
+    /// The end of each stretch of the recording.
+    First,
+    /// What lies half way between them.
+    Second,
+}
 
 /// Common frames, divided.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,13 +39,14 @@ pub struct Split {
 
 impl Split {
     /// Divides `common` frames, of which `busy` are some, in the same order. `stay`: for how many frames motion stays.
-    pub fn new(common: &[FramePair], busy: &[FramePair], stay: usize) -> Self {
+    pub fn new(common: &[FramePair], busy: &[FramePair], stay: usize, fold: Fold) -> Self {
         let (n, most) = (busy.len(), (GAPS * common.len() as f64) as usize);
         let gap = stay.clamp(1, most.max(1));
         // The last stretch ends the recording, so that k stretches have 2k − 1 seams.
         let stretches = (1..=STRETCHES).rev().find(|k| (2 * k - 1) * gap <= most).unwrap_or(1);
         let length = (TESTED * n as f64 / stretches as f64) as usize;
-        let ends = (1..=stretches).map(|k| k * n / stretches);
+        let halves = |k: usize| if fold == Fold::First { 2 * k } else { 2 * k - 1 };
+        let ends = (1..=stretches).map(|k| halves(k) * n / (2 * stretches));
         let tested: Vec<_> = ends.map(|end| end - length..end).filter(|r| !r.is_empty()).collect();
         // By place among the common frames: where no frame is busy time passes as well.
         let place = |i: usize| common.partition_point(|p| p.a < busy[i].a);
@@ -109,26 +119,31 @@ mod tests {
             let common = pairs(0..frames);
             // Nobody is there for a while, and now and then.
             let busy = pairs((0..frames).filter(|i| i % 11 != 3 && !(frames / 5..frames / 4).contains(i)));
-            let split = Split::new(&common, &busy, stay);
-            let tested: Vec<u32> = split.tested.iter().flat_map(Clone::clone).map(|i| busy[i].a).collect();
-            let gap = split.gap as u32;
-            assert!(
-                gap >= 1 && (gap as usize == stay || stay * 8 > frames as usize),
-                "{frames} {stay}: {gap}"
-            );
-            for &FramePair { a: fitted, .. } in &split.fitted {
-                assert!(tested.iter().all(|t| t.abs_diff(fitted) > gap), "{frames} {stay}: {fitted}");
+            let splits = [Fold::First, Fold::Second].map(|fold| Split::new(&common, &busy, stay, fold));
+            let of = |split: &Split| -> Vec<u32> {
+                split.tested.iter().flat_map(Clone::clone).map(|i| busy[i].a).collect()
+            };
+            assert!(of(&splits[1]).iter().all(|t| !of(&splits[0]).contains(t)), "{frames} {stay}");
+            for split in splits {
+                let (tested, gap) = (of(&split), split.gap as u32);
+                assert!(
+                    gap >= 1 && (gap as usize == stay || stay * 8 > frames as usize),
+                    "{frames} {stay}: {gap}"
+                );
+                for &FramePair { a: fitted, .. } in &split.fitted {
+                    assert!(tested.iter().all(|t| t.abs_diff(fitted) > gap), "{frames} {stay}: {fitted}");
+                }
+                assert!(split.fitted_busy.iter().all(|p| busy.contains(p) && split.fitted.contains(p)));
+                let [tested, fitted] =
+                    [tested.len(), split.fitted_busy.len()].map(|n| n as f64 / busy.len() as f64);
+                assert!((0.14..0.21).contains(&tested), "{frames} {stay}: {tested}");
+                assert!((0.45..0.8).contains(&fitted), "{frames} {stay}: {fitted}");
             }
-            assert!(split.fitted_busy.iter().all(|p| busy.contains(p) && split.fitted.contains(p)));
-            let [tested, fitted] =
-                [tested.len(), split.fitted_busy.len()].map(|n| n as f64 / busy.len() as f64);
-            assert!((0.14..0.21).contains(&tested), "{frames} {stay}: {tested}");
-            assert!((0.6..0.8).contains(&fitted), "{frames} {stay}: {fitted}");
         }
         // Longer recordings have room for more gaps.
         let stretches = |frames| {
             let common = pairs(0..frames);
-            Split::new(&common, &common, 20).tested.len()
+            Split::new(&common, &common, 20, Fold::First).tested.len()
         };
         assert_eq!([300, 500, 2000].map(stretches), [1, 2, 3]);
     }
@@ -138,7 +153,7 @@ mod tests {
         // Somebody in the first and in the last frames, and a long time nobody.
         let common = pairs(0..400);
         let busy = pairs((0..120).chain(370..400));
-        let split = Split::new(&common, &busy, 30);
+        let split = Split::new(&common, &busy, 30, Fold::First);
         assert_eq!((split.tested, split.fitted_busy.len()), (vec![Range { start: 120, end: 150 }], 120));
     }
 

@@ -20,6 +20,7 @@ pub fn falls_for(trials: usize, evidence: &Evidence) -> bool {
     !reaches(left(evidence.z, trials), MIN_Z)
 }
 
-fn left(z: f64, trials: usize) -> f64 {
+/// The normal deviate that is left of the best of so many trials.
+pub fn left(z: f64, trials: usize) -> f64 {
     (z.max(0.0).powi(2) - 2.0 * (trials as f64).ln()).max(0.0).sqrt()
 }
