@@ -141,6 +141,27 @@ impl Camera {
         }
     }
 
+    /// The step that leads here from another camera.
+    pub fn step_from(&self, before: &Self) -> Step {
+        let turn = (self.rotation * before.rotation.inverse()).scaled_axis();
+        let moved = self.position - before.position;
+        let mut step = Step::zeros();
+        step[0] = self.log_focal - before.log_focal;
+        step[1] = self.log_aspect - before.log_aspect;
+        for i in 0..2 {
+            step[2 + i] = self.principal[i] - before.principal[i];
+        }
+        for i in 0..3 {
+            step[4 + i] = self.lens.k[i] - before.lens.k[i];
+            step[ROTATION + i] = turn[i];
+            step[POSITION + i] = moved[i];
+        }
+        step[CLOCK] = self.offset - before.offset;
+        step[CLOCK + 1] = self.drift - before.drift;
+        step[INSET] = self.inset - before.inset;
+        step
+    }
+
     /// Seconds of this clock when the network's shows `time`.
     pub fn clock_at(&self, time: f64) -> f64 {
         time * (1.0 + 1e-6 * self.drift) + self.offset

@@ -175,7 +175,21 @@ pub struct Expected {
 impl Expected {
     /// Nothing is known.
     pub const UNKNOWN: Self = Self { focal: f64::NAN, rotation: f64::NAN, position: f64::NAN };
+
+    /// The larger of each; what is not known is not small.
+    fn or_larger(self, other: Self) -> Self {
+        let larger = |p: f64, q: f64| if p.is_nan() || q.is_nan() { f64::NAN } else { p.max(q) };
+        Self {
+            focal: larger(self.focal, other.focal),
+            rotation: larger(self.rotation, other.rotation),
+            position: larger(self.position, other.position),
+        }
+    }
 }
+
+/// How much positions count, beside rotations, for the turn that lays one network over another. Who compares two networks lays them over
+/// one another by both, or by where the cameras look and then shifts and scales; what is stated is the larger of the two.
+const BY_POSITIONS: [f64; 2] = [1.0, 1e-6];
 
 /// Quantile of a normal deviate's absolute value below which nine in ten lie.
 pub const NINE_IN_TEN: f64 = 1.645;
@@ -188,28 +202,27 @@ pub fn expected(
     covariance: &DMatrix<f64>,
 ) -> Vec<Expected> {
     let n = cameras.len();
-    let aligned = aligned(cameras, placed, active, covariance);
-    (0..n)
-        .map(|camera| {
-            let block = |from: usize| {
-                let places: Vec<Option<usize>> =
-                    (0..3).map(|k| active.iter().position(|p| *p == (camera, from + k))).collect();
-                Matrix3::from_fn(|i, j| match (places[i], places[j]) {
-                    (Some(p), Some(q)) => aligned[(p, q)],
-                    _ => 0.0,
-                })
-            };
-            let focal = active
-                .iter()
-                .position(|p| *p == (camera, 0))
-                .map_or(0.0, |p| NINE_IN_TEN * aligned[(p, p)].max(0.0).sqrt());
-            Expected {
-                focal,
-                rotation: length_quantile(&block(ROTATION)),
-                position: length_quantile(&block(POSITION)),
-            }
-        })
-        .collect()
+    let ways = BY_POSITIONS.map(|share| aligned(cameras, placed, active, covariance, share));
+    let of_camera = |camera: usize, aligned: &DMatrix<f64>| {
+        let block = |from: usize| {
+            let places: Vec<Option<usize>> =
+                (0..3).map(|k| active.iter().position(|p| *p == (camera, from + k))).collect();
+            Matrix3::from_fn(|i, j| match (places[i], places[j]) {
+                (Some(p), Some(q)) => aligned[(p, q)],
+                _ => 0.0,
+            })
+        };
+        let focal = active
+            .iter()
+            .position(|p| *p == (camera, 0))
+            .map_or(0.0, |p| NINE_IN_TEN * aligned[(p, p)].max(0.0).sqrt());
+        Expected {
+            focal,
+            rotation: length_quantile(&block(ROTATION)),
+            position: length_quantile(&block(POSITION)),
+        }
+    };
+    (0..n).map(|camera| of_camera(camera, &ways[0]).or_larger(of_camera(camera, &ways[1]))).collect()
 }
 
 /// Nine in ten of normal vectors of this covariance are shorter (the square of the length as a gamma variable of the same
@@ -225,13 +238,14 @@ pub fn length_quantile(covariance: &Matrix3<f64>) -> f64 {
     (mean * ratio).sqrt()
 }
 
-/// The covariance of what is left after the similarity that lays one network best over another: positions and rotations
-/// alike, a rotation by a radian counting like a move by the size of the network.
+/// The covariance of what is left after the similarity that lays one network best over another: a rotation by a radian counts like
+/// a move by the size of the network, or by a share of that.
 fn aligned(
     cameras: &[Camera],
     placed: &[bool],
     active: &[(usize, usize)],
     covariance: &DMatrix<f64>,
+    by_positions: f64,
 ) -> DMatrix<f64> {
     let stand = || cameras.iter().zip(placed).filter(|(_, p)| **p).map(|(c, _)| c.position);
     let count = stand().count().max(1) as f64;
@@ -245,7 +259,7 @@ fn aligned(
         match *k {
             k if (POSITION..POSITION + 3).contains(&k) => {
                 let axis = k - POSITION;
-                weight[i] = 1.0 / size2.max(1e-12);
+                weight[i] = by_positions / size2.max(1e-12);
                 moves[(i, axis)] = 1.0;
                 for turn in 0..3 {
                     let omega = Vector3::ith(turn, 1.0);

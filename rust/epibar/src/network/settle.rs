@@ -24,9 +24,12 @@ const STEPS: usize = 8;
 /// quarters of any radius.
 const COARSEST: f64 = 3.0;
 /// Rounds at the most.
-const ROUNDS: usize = 24;
+const ROUNDS: usize = 40;
 /// Nothing changes where no pixel moves by more than this, pixels, and the radius by less than to this share.
-const STILL: (f64, f64) = (0.02, 0.97);
+const STILL: (f64, f64) = (0.002, 0.97);
+/// Steps go on in one direction from this cosine of what they do to the residuals on, and shrink to no more than this share.
+const ONWARD: f64 = 0.5;
+const MOST_OF_STEP: f64 = 0.85;
 /// Tangents of neighbouring frames and of one outline say the same: so many count as one measurement.
 const DEPENDENT: f64 = 30.0;
 /// Scatter that is not believed to be smaller, pixels.
@@ -85,6 +88,7 @@ pub fn settle(
     let mut found = Vec::new();
     let mut coarseness = vec![1.0; pairs.len()];
     let (mut scale, mut prior_weight) = (radius, 1.0);
+    let mut before: Option<Vec<Camera>> = None;
     for _ in 0..ROUNDS {
         found = survey.meetings(&at, pairs, &coarseness, radius, limits::LEAST_MEETINGS);
         let scatter = scatter(&at, &found);
@@ -104,9 +108,14 @@ pub fn settle(
         prior_weight = weight_of_prior(&at, &found, scale);
         let problem = Problem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
         let solved = problem.solve(&at, STEPS).0;
+        let solved = if whole { standing(&solved, moving) } else { solved };
         let moved = shift(&at, &solved, &found);
-        at = if whole { standing(&solved, moving) } else { solved };
         let next = suits.max(NARROWER * radius);
+        let farther = before.take().and_then(|before| farther(&before, &at, &solved, &found));
+        if farther.is_none() && next > STILL.1 * radius {
+            before = Some(at);
+        }
+        at = farther.unwrap_or(solved);
         if moved < STILL.0 && next > STILL.1 * radius {
             break;
         }
@@ -147,6 +156,34 @@ fn scatter(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
         p.meetings.iter().filter_map(move |m| pair.residual(m))
     });
     deviation(residuals).unwrap_or(f64::NAN)
+}
+
+/// Where steps lead that go on in one direction, each by a share of the one before: what meets is found by where the cameras
+/// stand, and holds them there, so that what the tangents hardly know comes slowly. `None` where they do not go on.
+fn farther(
+    before: &[Camera],
+    at: &[Camera],
+    after: &[Camera],
+    pairs: &[PairMeetings],
+) -> Option<Vec<Camera>> {
+    let (mut first, mut second, mut both) = (0.0, 0.0, 0.0);
+    for p in pairs {
+        let [r, s, t] = [before, at, after].map(|of| Pair::new(&of[p.a], &of[p.b]));
+        let step = p.meetings.len().div_ceil(200).max(1);
+        for m in p.meetings.iter().step_by(step) {
+            if let (Some(r), Some(s), Some(t)) = (r.residual(m), s.residual(m), t.residual(m)) {
+                first += (s - r).powi(2);
+                second += (t - s).powi(2);
+                both += (s - r) * (t - s);
+            }
+        }
+    }
+    if both.is_nan() || both <= ONWARD * (first * second).sqrt() {
+        return None;
+    }
+    let share = (both / first).min(MOST_OF_STEP);
+    let on = share / (1.0 - share);
+    Some(at.iter().zip(after).map(|(at, after)| after.stepped(&(after.step_from(at) * on))).collect())
 }
 
 /// By how much residuals change between two networks, root mean square, pixels.
