@@ -7,6 +7,7 @@ pub use crate::clock::{Clock, Clocks, common_frames, find_offset};
 pub use crate::files::saved;
 pub use crate::foreground::{Cleaning, Mixture, MixtureOptions, clean, close, majority, steady_background};
 pub use crate::frontier::score::shifted_score;
+pub use crate::frontier::volume::moving_correspondences;
 pub use crate::frontier::{
     Class, CommonFrame, FrontierScore, Scorer, TangentMatch, View, Views, busy_frames, compare,
     frontier_score,

@@ -8,7 +8,7 @@ use common::masks::Random;
 use common::pairs;
 use epibar::internals::{
     CandidateOptions, Class, CommonFrame, HeldOut, TangentMatch, Views, Winner, compare, may_turn,
-    normal_deviate, plane_residual, shift_curve,
+    moving_correspondences, normal_deviate, plane_residual, shift_curve,
 };
 use epibar::{CalibrateOptions, Calibration, Fundamental, Informative, Method, Recording, calibrate};
 use nalgebra::Vector3;
@@ -188,7 +188,11 @@ fn turns(scene: &Scene, f: &Fundamental) -> f64 {
     let views = all_frames(&a, &b);
     let matches = compare(&views, f, 2.0).matches;
     assert!(matches.len() > 200, "{}", matches.len());
-    may_turn(&views, &Winner::new(&views, f, 12), &matches, 0.1)
+    let volume = moving_correspondences(&views, f, 200, 1);
+    let turned = may_turn(&views, &Winner::new(&views, f, 12), &matches, 0.1, &volume);
+    // Where things moved they are nearer than over all of the images, and no nearer than not at all.
+    assert!(turned.volume >= 0.0 && turned.volume <= turned.image + 2.0, "{turned:?}");
+    turned.image
 }
 
 #[test]

@@ -202,7 +202,7 @@ mod tests {
             (Evidence { z_bottoms: 1.9, ..GOOD }, Kind::Undetermined),
             (Evidence { explained_tops: 0.01, ..GOOD }, Kind::Undetermined),
             (Evidence { z_whole: 0.4, ..GOOD }, Kind::Undetermined),
-            (Evidence { may_turn: 8.1, ..GOOD }, Kind::Undetermined),
+            (Evidence { may_turn: 6.1, ..GOOD }, Kind::Undetermined),
             (Evidence { repeats: 0.5, ..GOOD }, Kind::Ambiguous),
             (Evidence { holds: 0.29, ..GOOD }, Kind::Knocked),
             (Evidence { halves_apart: 3.1, ..GOOD }, Kind::Knocked),

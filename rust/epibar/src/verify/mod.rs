@@ -142,17 +142,19 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     let winner = Winner::new(views, fundamental, block);
     let (rivals, best_radius) = (rivals(&winner, others, &volume), winner.radius);
     // Where nothing stands out that is the verdict.
-    let mut of_halves = 0.0;
+    let (mut of_halves, mut of_turned) = (0.0, 0.0);
     if reaches(evidence.z, MIN_Z) {
-        evidence.may_turn = may_turn(views, &winner, &matches, evidence.plane_residual);
+        let turned = may_turn(views, &winner, &matches, evidence.plane_residual, &volume);
+        (evidence.may_turn, of_turned) = (turned.image, turned.volume);
         evidence.holds = holds(case.busy_views, fundamental, best_radius, watch)?;
         let Halves { apart, away } = halves(case.busy_views, fundamental, &volume, case.seed);
         (evidence.halves_apart, of_halves) = (apart, away);
         evidence.repeats = repeats(case.recordings, case.common);
     }
-    // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
+    // A geometry that fewer frames gave, or one that turned, is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
-    let of_others = others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max);
+    let of_others =
+        farther(others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max), of_turned);
     let of_chance = UNEXPLAINED_SHARE * best_radius * odds_of_chance(&evidence);
     let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
     let fit =

@@ -12,9 +12,11 @@ use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rayon::prelude::*;
 
+use super::farther;
 use super::over_image::image_distance;
 use super::rivals::Winner;
 use super::thresholds::{DEPTH, MIN_POINTS, TURNED_SHARE, reaches};
+use crate::frontier::volume::{Correspondence, disagreement};
 use crate::frontier::{TangentMatch, Views};
 use crate::geometry::fundamental::{denormaliser, normaliser};
 use crate::geometry::homography::{compatible, transfer_distance};
@@ -38,24 +40,49 @@ const SAMPLES: u64 = 400;
 /// Rounds of fitting the plane to the half of the points that is nearest.
 const FITS: usize = 5;
 
-/// The largest distance over the images of a geometry that turned about a plane and kept its evidence, pixels; 0 where there is none, or
-/// where matched points keep to no plane; NaN where that cannot be told.
-pub fn may_turn(views: &Views, winner: &Winner, matches: &[TangentMatch], plane_residual: f64) -> f64 {
+/// How far off geometries are that turned about a plane and kept their evidence, the farthest, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turned {
+    /// Over the images.
+    pub image: f64,
+    /// Over the volume where things moved.
+    pub volume: f64,
+}
+
+impl Turned {
+    const NONE: Self = Self { image: 0.0, volume: 0.0 };
+    const UNKNOWN: Self = Self { image: f64::NAN, volume: f64::NAN };
+
+    fn farther(self, other: Self) -> Self {
+        Self { image: farther(self.image, other.image), volume: farther(self.volume, other.volume) }
+    }
+}
+
+/// How far `F` may turn; nowhere where matched points keep to no plane, and NaN where that cannot be told.
+pub fn may_turn(
+    views: &Views,
+    winner: &Winner,
+    matches: &[TangentMatch],
+    plane_residual: f64,
+    volume: &[Correspondence],
+) -> Turned {
     if plane_residual.is_nan() || matches.len() < MIN_POINTS {
-        return f64::NAN;
+        return Turned::UNKNOWN;
     }
     if reaches(plane_residual, DEPTH) {
-        return 0.0;
+        return Turned::NONE;
     }
-    let Some(plane) = Plane::new(&winner.fundamental, matches, views) else { return f64::NAN };
+    let Some(plane) = Plane::new(&winner.fundamental, matches, views) else { return Turned::UNKNOWN };
     plane
         .turned(views.pixel_scale())
         .par_iter()
         .filter_map(|turned| refine(views, turned, &[winner.radius], ROUNDS))
         .filter(|turned| reaches(winner.share(turned), TURNED_SHARE))
-        .map(|turned| image_distance(&winner.fundamental, &turned, views.sizes()))
-        // What is not known is not small.
-        .reduce(|| 0.0, |p, q| if p.is_nan() || q.is_nan() { f64::NAN } else { p.max(q) })
+        .map(|turned| Turned {
+            image: image_distance(&winner.fundamental, &turned, views.sizes()),
+            volume: disagreement(volume, &turned),
+        })
+        .reduce(|| Turned::NONE, Turned::farther)
 }
 
 /// A plane that `F` allows, in normalised coordinates.
