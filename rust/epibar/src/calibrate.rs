@@ -1,7 +1,8 @@
 //! The whole job: two recordings in, one calibration out.
 //!
-//! The clocks are aligned; on one time line candidates are found, an `F` is searched with them, refined, and verified. What
-//! it says of the clocks may call for another time line, and then all is done once more.
+//! The clocks are aligned; on one time line candidates are found, an `F` is searched with them, refined, and verified, once
+//! more with other frames kept aside where they say too little. What it says of the clocks may call for another time line, and then all is
+//! done once more.
 
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
 use crate::clock::{Aligned, Clocks, Timing};

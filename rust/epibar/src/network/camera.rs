@@ -229,6 +229,15 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn a_step_leads_from_one_camera_to_another() {
+        let (before, after) = (odd(1.0), odd(1.3));
+        let there = before.stepped(&after.step_from(&before));
+        assert!(after.step_from(&there).norm() < 1e-12, "{there:?} {after:?}");
+        let step = Step::from_fn(|k, _| 0.01 * (k as f64 + 1.0));
+        assert!((before.stepped(&step).step_from(&before) - step).norm() < 1e-10);
+    }
+
+    #[test]
     fn a_pixel_and_its_ray() {
         let camera = odd(2.0);
         let pixel = [123.0, 345.0];

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION};
 use super::joint::{PairMeetings, Problem, weight};
 use super::residual::{Meeting, Pair, Row};
+use crate::verify::thresholds::larger;
 
 /// Blocks of time whose tangents share errors, seconds.
 const BLOCK: f64 = 2.0;
@@ -176,13 +177,12 @@ impl Expected {
     /// Nothing is known.
     pub const UNKNOWN: Self = Self { focal: f64::NAN, rotation: f64::NAN, position: f64::NAN };
 
-    /// The larger of each; what is not known is not small.
+    /// The larger of each that depends on how networks are laid over one another; a focal length does not.
     fn or_larger(self, other: Self) -> Self {
-        let larger = |p: f64, q: f64| if p.is_nan() || q.is_nan() { f64::NAN } else { p.max(q) };
         Self {
-            focal: larger(self.focal, other.focal),
             rotation: larger(self.rotation, other.rotation),
             position: larger(self.position, other.position),
+            ..self
         }
     }
 }

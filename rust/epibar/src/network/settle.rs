@@ -111,11 +111,11 @@ pub fn settle(
         let solved = if whole { standing(&solved, moving) } else { solved };
         let moved = shift(&at, &solved, &found);
         let next = suits.max(NARROWER * radius);
-        let farther = before.take().and_then(|before| farther(&before, &at, &solved, &found));
-        if farther.is_none() && next > STILL.1 * radius {
+        let prolonged = before.take().and_then(|before| prolonged(&before, &at, &solved, &found));
+        if prolonged.is_none() && next > STILL.1 * radius {
             before = Some(at);
         }
-        at = farther.unwrap_or(solved);
+        at = prolonged.unwrap_or(solved);
         if moved < STILL.0 && next > STILL.1 * radius {
             break;
         }
@@ -160,7 +160,7 @@ fn scatter(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
 
 /// Where steps lead that go on in one direction, each by a share of the one before: what meets is found by where the cameras
 /// stand, and holds them there, so that what the tangents hardly know comes slowly. `None` where they do not go on.
-fn farther(
+fn prolonged(
     before: &[Camera],
     at: &[Camera],
     after: &[Camera],
@@ -221,6 +221,26 @@ mod tests {
         let hopeless = seen([30.0; 4]);
         let of = |p| coarseness_of(&hopeless.cameras, p, 0.4);
         assert!(hopeless.pairs.iter().all(|p| of(p) == COARSEST));
+    }
+
+    #[test]
+    fn steps_that_go_on_are_prolonged_to_where_they_lead() {
+        let network = seen([0.4; 4]);
+        // All focal lengths together, each step a share of the one before.
+        let at = |share: f64| -> Vec<Camera> {
+            let camera = |c: &Camera| Camera { log_focal: c.log_focal + 1e-3 * share, ..*c };
+            network.cameras.iter().map(camera).collect()
+        };
+        let led = prolonged(&at(0.0), &at(0.5), &at(0.75), &network.pairs).unwrap();
+        for (led, end) in led.iter().zip(at(1.0)) {
+            assert!((led.log_focal - end.log_focal).abs() < 1e-5, "{led:?} {end:?}");
+        }
+        // Steps that grow go no farther than a bound, and steps back and forth not at all.
+        let led = prolonged(&at(0.0), &at(0.1), &at(0.3), &network.pairs).unwrap();
+        let most = 0.3 + 0.2 * MOST_OF_STEP / (1.0 - MOST_OF_STEP);
+        assert!((led[0].log_focal - at(most)[0].log_focal).abs() < 1e-9);
+        assert_eq!(prolonged(&at(0.0), &at(0.5), &at(0.1), &network.pairs), None);
+        assert_eq!(prolonged(&at(0.0), &at(0.0), &at(0.0), &network.pairs), None);
     }
 
     #[test]

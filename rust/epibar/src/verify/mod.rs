@@ -56,7 +56,7 @@ use rivals::{Winner, rivals};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
     CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z, NEIGHBOUR,
-    NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, reaches, within,
+    NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, larger, reaches, within,
 };
 use throughout::holds;
 use trials::left;
@@ -129,7 +129,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
         fitted.map_or_else(Default::default, |f| tested(case, &f, fundamental, alike));
     evidence.tested_distance = fitted.map_or(f64::NAN, |f| apart(&f));
     if let Some(earlier) = alike {
-        evidence.tested_distance = farther(evidence.tested_distance, apart(&earlier.fitted));
+        evidence.tested_distance = larger(evidence.tested_distance, apart(&earlier.fitted));
     }
     if case.earlier.is_some() && alike.is_none() {
         evidence.z = left(evidence.z, LOOKS);
@@ -154,7 +154,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     // A geometry that fewer frames gave, or one that turned, is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
     let of_others =
-        farther(others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max), of_turned);
+        larger(others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max), of_turned);
     let of_chance = UNEXPLAINED_SHARE * best_radius * odds_of_chance(&evidence);
     let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
     let fit =
@@ -221,11 +221,6 @@ fn block_of(case: &Case) -> usize {
     let rate = case.frame_rate;
     let second = if rate.is_finite() { rate.round().max(1.0) as usize } else { 25 };
     second.max(case.split.gap).min((case.views.frames() / LEAST_BLOCKS).max(1))
-}
-
-/// The larger distance; what is not known is not small.
-fn farther(p: f64, q: f64) -> f64 {
-    if p.is_nan() || q.is_nan() { f64::NAN } else { p.max(q) }
 }
 
 /// How far off the solutions are that the evidence cannot tell from the winner, pixels.

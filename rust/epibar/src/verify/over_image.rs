@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::thresholds::larger;
 use crate::geometry::{Fundamental, symmetric_epipolar_distance};
 use crate::image::{Homogeneous, ImageSize, Line};
 
@@ -50,7 +51,7 @@ pub fn larger_median(of_images: [Vec<f64>; 2]) -> f64 {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
     });
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+    larger(a, b)
 }
 
 fn means(f: &Fundamental, other: &Fundamental, from: ImageSize, to: ImageSize) -> Vec<f64> {

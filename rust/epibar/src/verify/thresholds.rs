@@ -14,6 +14,11 @@ pub fn within(value: f64, most: f64) -> bool {
     value <= most
 }
 
+/// The larger of two; what is not known is not small.
+pub fn larger(p: f64, q: f64) -> f64 {
+    if p.is_nan() || q.is_nan() { f64::NAN } else { p.max(q) }
+}
+
 /// Fewest common frames, and frames in which both cameras see a silhouette, that can be calibrated at all.
 pub const MIN_FRAMES: usize = 16;
 /// Fewest informative lines of a camera.
@@ -159,5 +164,6 @@ mod tests {
     fn what_is_no_number_passes_nothing() {
         assert!(reaches(5.0, MIN_Z) && !reaches(4.9, MIN_Z) && !reaches(f64::NAN, MIN_Z));
         assert!(within(3.0, 3.0) && !within(3.1, 3.0) && !within(f64::NAN, 3.0));
+        assert!(larger(1.0, 2.0) == 2.0 && larger(f64::NAN, 2.0).is_nan() && larger(1.0, f64::NAN).is_nan());
     }
 }

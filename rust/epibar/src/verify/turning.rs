@@ -12,10 +12,9 @@ use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 use rayon::prelude::*;
 
-use super::farther;
 use super::over_image::image_distance;
 use super::rivals::Winner;
-use super::thresholds::{DEPTH, MIN_POINTS, TURNED_SHARE, reaches};
+use super::thresholds::{DEPTH, MIN_POINTS, TURNED_SHARE, larger, reaches};
 use crate::frontier::volume::{Correspondence, disagreement};
 use crate::frontier::{TangentMatch, Views};
 use crate::geometry::fundamental::{denormaliser, normaliser};
@@ -53,8 +52,9 @@ impl Turned {
     const NONE: Self = Self { image: 0.0, volume: 0.0 };
     const UNKNOWN: Self = Self { image: f64::NAN, volume: f64::NAN };
 
-    fn farther(self, other: Self) -> Self {
-        Self { image: farther(self.image, other.image), volume: farther(self.volume, other.volume) }
+    /// The larger of each.
+    fn or_larger(self, other: Self) -> Self {
+        Self { image: larger(self.image, other.image), volume: larger(self.volume, other.volume) }
     }
 }
 
@@ -82,7 +82,7 @@ pub fn may_turn(
             image: image_distance(&winner.fundamental, &turned, views.sizes()),
             volume: disagreement(volume, &turned),
         })
-        .reduce(|| Turned::NONE, Turned::farther)
+        .reduce(|| Turned::NONE, Turned::or_larger)
 }
 
 /// A plane that `F` allows, in normalised coordinates.
