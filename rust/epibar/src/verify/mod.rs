@@ -151,12 +151,13 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
         (evidence.halves_apart, of_halves) = (apart, away);
         evidence.repeats = repeats(case.recordings, case.common);
     }
-    // A geometry that fewer frames gave, or one that turned, is as likely to be the truth as a rival that is not behind.
+    // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
-    let of_others =
-        larger(others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max), of_turned);
+    let of_others = others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max);
     let of_chance = UNEXPLAINED_SHARE * best_radius * odds_of_chance(&evidence);
     let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
+    // What outlines are off alike, and what meets by chance, is what lets a geometry turn: one error, seen twice.
+    let systematic = larger(systematic, of_turned);
     let fit =
         Fit { fundamental, matches: &compare(views, fundamental, best_radius).matches, radius: best_radius };
     let (fit_error, uncertainty) = uncertainty(views, &fit, &volume, block, systematic);
