@@ -19,6 +19,7 @@ BEGINS = {
     "floor": 0.28,
     "floor epipoles": 0.35,
     "tracks": 0.48,
+    "top view": 0.57,
     "refine": 0.60,
     "restart": 0.69,
     "explore": 0.81,

@@ -16,6 +16,8 @@ pub use crate::geometry::lens::Lens;
 pub use crate::geometry::seven_parameters::Step;
 pub use crate::geometry::{LinePair, PencilHomography, SevenParameters, area_between, epipolar_tangents};
 pub use crate::hypotheses::floor::find_floors;
+pub use crate::hypotheses::single_view::SingleView;
+pub use crate::hypotheses::top_view::{TopView, different};
 pub use crate::hypotheses::track_model::TrackModel;
 pub use crate::hypotheses::tracks::tracks;
 pub use crate::hypotheses::{Estimator, LineModel, ransac};

@@ -22,6 +22,8 @@ pub enum Stage {
     FloorEpipoles,
     /// Hypotheses from silhouettes followed through time.
     Tracks,
+    /// Hypotheses from where figures stand on the floor.
+    TopView,
     /// The best hypotheses are refined.
     Refine,
     /// The best solutions are perturbed and refined anew.
@@ -50,6 +52,7 @@ impl Stage {
             Self::Floor => "floor",
             Self::FloorEpipoles => "floor epipoles",
             Self::Tracks => "tracks",
+            Self::TopView => "top view",
             Self::Refine => "refine",
             Self::Restart => "restart",
             Self::Explore => "explore",

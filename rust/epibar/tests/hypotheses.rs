@@ -1,4 +1,4 @@
-//! Hypotheses from line pairs, from the floor, and from silhouettes followed through time.
+//! Hypotheses from line pairs, from the floor, from silhouettes followed through time, and from two maps of a floor.
 
 mod common;
 
@@ -7,8 +7,8 @@ use common::flying::hull;
 use common::masks::Random;
 use common::pairs;
 use epibar::internals::{
-    Candidate, LineModel, LinePair, Scorer, TrackModel, Views, border_segments, find_floors, ransac, refine,
-    tracks,
+    Candidate, LineModel, LinePair, Scorer, SingleView, TopView, TrackModel, Views, border_segments,
+    different, find_floors, ransac, refine, tracks,
 };
 use epibar::{ImageSize, Line, Recorder, RecorderOptions, Recording, Segment, Stage, Unwatched};
 use nalgebra::{Matrix3, Vector3};
@@ -247,4 +247,52 @@ fn tracks_of_walkers_lead_near_the_truth_without_a_single_line() {
         .map(|f| error(&f, &cameras))
         .fold(f64::INFINITY, f64::min);
     assert!(nearest < 1.5, "{nearest} px");
+}
+
+#[test]
+fn one_camera_tells_how_high_it_hangs_and_how_it_is_held() {
+    let (cameras, views) = walkers();
+    for (camera, view) in cameras.iter().zip([&views.a, &views.b]) {
+        let held = SingleView::of(view, Some(&camera.matrix()));
+        assert_eq!(held.len(), 1);
+        // Heights of people of 1.6 to 1.9 m.
+        let height = camera.centre().z / 1.75;
+        assert!((held[0].height() / height - 1.0).abs() < 0.15, "{} {height}", held[0].height());
+        let up = camera.rotation() * Vector3::z();
+        let off = held[0].axes().column(2).angle(&up).to_degrees();
+        assert!(off < 2.0, "{off} degrees");
+        // A place of the floor is seen where it is.
+        let foot = camera.project(&Vector3::new(0.3, -0.2, 0.0)).unwrap();
+        let top = camera.project(&Vector3::new(0.3, -0.2, 1.75)).unwrap();
+        let place = held[0].place(&[top, foot]).expect("a whole figure");
+        let seen = held[0].pixel(place).expect("in front of the camera");
+        assert!((seen[0] - foot[0]).hypot(seen[1] - foot[1]) < 1e-6);
+        // What is half as tall is no figure.
+        let waist = camera.project(&Vector3::new(0.3, -0.2, 0.8)).unwrap();
+        assert_eq!(held[0].place(&[waist, foot]), None);
+        // Without a matrix several focal lengths stay, and one is near.
+        let unknown = SingleView::of(view, None);
+        assert!(!unknown.is_empty());
+    }
+}
+
+#[test]
+fn two_maps_of_a_floor_lead_near_the_truth_without_lines_or_tracks() {
+    let (cameras, views) = walkers();
+    // Moments far apart and out of order, so that nothing can be followed.
+    let views = views.chosen(&(0..120).map(|k| k * 47 % 240).collect::<Vec<_>>());
+    let scorer = Scorer::new(&views, 3.0);
+    assert_eq!(TrackModel::new(&views, &scorer).pairs(), 0);
+    let top_view = TopView::new(&views).expect("figures on a floor");
+    let best = ransac(&top_view, 4000, 200, 1, Stage::TopView, &mut Unwatched).unwrap();
+    let best = different(best, 20);
+    assert!(best.len() <= 20);
+    let nearest = best
+        .iter()
+        .filter_map(|s| refine(&views, &top_view.fundamental(&s.model)?, &[8.0, 4.0, 2.0], 2))
+        .map(|f| error(&f, &cameras))
+        .fold(f64::INFINITY, f64::min);
+    assert!(nearest < 1.5, "{nearest} px");
+    // Where it is not known which end is up nothing stands anywhere.
+    assert!(TopView::new(&views.clone().with_upright(false)).is_none());
 }

@@ -6,6 +6,7 @@ use super::floor::{Floor, find_floors};
 use super::floor_epipoles::FloorEpipoles;
 use super::line_model::LineModel;
 use super::ransac::{Estimator, Scored, ransac};
+use super::top_view::{TopView, different};
 use super::track_model::TrackModel;
 use crate::error::Result;
 use crate::frontier::{Scorer, Views};
@@ -28,12 +29,14 @@ pub enum Source {
     Floor,
     /// Silhouettes followed through time.
     Tracks,
+    /// Where figures stand on the floor, by either camera alone.
+    TopView,
 }
 
 impl Source {
     /// Every source.
-    pub(crate) const ALL: [Self; 5] =
-        [Self::BestLines, Self::AllLines, Self::LineInliers, Self::Floor, Self::Tracks];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::BestLines, Self::AllLines, Self::LineInliers, Self::Floor, Self::Tracks, Self::TopView];
 
     /// A word for reports and files.
     pub fn name(self) -> &'static str {
@@ -43,6 +46,7 @@ impl Source {
             Self::LineInliers => "line_inliers",
             Self::Floor => "floor",
             Self::Tracks => "tracks",
+            Self::TopView => "top_view",
         }
     }
 }
@@ -98,6 +102,8 @@ pub struct Draws {
     pub floor: usize,
     /// From tracks, where no camera matrices are known.
     pub tracks: usize,
+    /// Of overlays of two maps of the floor.
+    pub top_view: usize,
 }
 
 /// The frames that hypotheses are made of and scored on.
@@ -115,6 +121,9 @@ const LINE_FITS: usize = 60;
 /// The best hypotheses of a line source and of tracks that go on, and those of each floor.
 const KEPT: usize = 300;
 const KEPT_OF_FLOOR: usize = 100;
+/// The best overlays that go on, and different ones of them that become an `F`.
+const OVERLAYS: usize = 1000;
+const KEPT_OF_TOP_VIEW: usize = 60;
 /// Most floors.
 const FLOORS: usize = 3;
 
@@ -168,6 +177,15 @@ pub fn hypotheses(
     if tracks.pairs() > 0 {
         let times = if frames.train.cameras.is_some() { WITH_CAMERAS } else { 1 };
         add(ransac(&tracks, draws.tracks * times, KEPT, seed, Stage::Tracks, watch)?, Source::Tracks);
+    }
+    if let Some(top_view) = TopView::new(frames.train) {
+        let best = ransac(&top_view, draws.top_view, OVERLAYS, seed, Stage::TopView, watch)?;
+        let fitted = different(best, KEPT_OF_TOP_VIEW).into_par_iter().filter_map(|start| {
+            let model = top_view.fundamental(&start.model)?;
+            let score = frames.scoring.score(&model);
+            Some(Scored { model, score, index: start.index })
+        });
+        add(fitted.collect(), Source::TopView);
     }
     scored.retain(|s| s.score.is_finite());
     scored.sort_by(|p, q| q.score.total_cmp(&p.score));

@@ -32,7 +32,7 @@ impl Default for SearchOptions {
     fn default() -> Self {
         Self {
             seed: 0,
-            draws: Draws { lines: 10_000, floor: 1500, tracks: 20_000 },
+            draws: Draws { lines: 10_000, floor: 1500, tracks: 20_000, top_view: 40_000 },
             scoring_hulls: 700,
             comparing_hulls: 1600,
             starts: 60,
