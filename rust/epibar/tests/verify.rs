@@ -125,9 +125,9 @@ fn it_does_not_matter_which_camera_comes_first() {
     ] {
         assert!(p > 0.1 && (p - q).abs() < 1e-9, "{of}: {p} {q}");
     }
-    // The shifts are not quite the same ones.
+    // The shifts are not quite the same ones, and how many of them are independent is estimated from them.
     for (p, q) in [(there.z, back.z), (there.z_whole, back.z_whole)] {
-        assert!(p > 5.0 && (p / q - 1.0).abs() < 0.05, "{p} {q}");
+        assert!(p.min(q) > 10.0 && (p / q - 1.0).abs() < 0.2, "{p} {q}");
     }
 }
 

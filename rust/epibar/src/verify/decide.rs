@@ -8,8 +8,8 @@ use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
     CLEAN_RADIUS, FLAT, FLAT_BEYOND, HOLDS, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED,
-    MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, REPEATS, RIVAL_Z, SAME,
-    reaches, within,
+    MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, REPEATS, SAME, reaches,
+    within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -115,7 +115,7 @@ fn as_tested(f: &Findings) -> Option<Verdict> {
 }
 
 fn no_rival(f: &Findings) -> Option<Verdict> {
-    let as_likely = |r: &&Rival| !reaches(r.z, RIVAL_Z) || (!f.upright && !within(r.share, MIRROR_SHARE));
+    let as_likely = |r: &&Rival| r.is_undecided() || (!f.upright && !within(r.share, MIRROR_SHARE));
     let near = |r: &&Rival| within(r.distance, f.max_expected_error);
     let rival = f.rivals.iter().filter(as_likely).find(|r| !near(r))?;
     Some(Verdict::new(Kind::Ambiguous, prose::rival(rival)))
@@ -179,7 +179,7 @@ mod tests {
             radius: 1.5,
             best_radius: 1.5,
             expected_error: 0.3,
-            beyond_motion: 0.9,
+            beyond_motion: 0.3,
             rivals: &[],
             scale: 1.0,
             upright: true,
@@ -215,14 +215,14 @@ mod tests {
         let cut = Evidence { z_whole: 0.0, both_ends: 0.01, ..GOOD };
         assert_eq!(kind(&findings(&cut, &walk)), Kind::Accepted);
         assert_eq!(kind(&findings(&GOOD, &walk[..40])), Kind::Undetermined);
-        assert_eq!(kind(&Findings { beyond_motion: 6.1, ..findings(&GOOD, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { beyond_motion: 2.1, ..findings(&GOOD, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
         // Flat motion needs clean outlines, and must be known better beyond itself.
         let flat = Evidence { plane_residual: 0.5, ..GOOD };
         assert_eq!(kind(&Findings { best_radius: 3.0, ..findings(&flat, &walk) }), Kind::Undetermined);
-        assert_eq!(kind(&Findings { beyond_motion: 1.1, ..findings(&flat, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { beyond_motion: 0.4, ..findings(&flat, &walk) }), Kind::Undetermined);
         assert_eq!(
-            kind(&Findings { best_radius: 3.0, beyond_motion: 5.9, ..findings(&GOOD, &walk) }),
+            kind(&Findings { best_radius: 3.0, beyond_motion: 1.9, ..findings(&GOOD, &walk) }),
             Kind::Accepted
         );
         // A strict limit makes no other geometry of one that is half a pixel off.

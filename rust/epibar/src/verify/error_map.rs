@@ -8,7 +8,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use super::covariance::expected_error;
 use super::over_image::{along, cell_centres, larger_median};
+use crate::frontier::volume::Correspondence;
 use crate::geometry::seven_parameters::{Information, SevenParameters, Step};
 use crate::image::ImageSize;
 
@@ -40,6 +42,11 @@ pub struct ErrorMap {
 }
 
 impl Uncertainty {
+    /// Expected error over correspondences, pixels.
+    pub fn over(&self, correspondences: &[Correspondence]) -> f64 {
+        expected_error(&self.at, &self.covariance, correspondences).hypot(self.systematic)
+    }
+
     /// Expected error of points of A, in B, and of points of B, in A.
     pub fn maps(&self) -> [ErrorMap; 2] {
         let (matrix, derivatives, [a, b]) = (self.at.unscaled(), self.at.derivatives(), self.at.sizes());

@@ -1,6 +1,6 @@
 //! Is it true, and how far off may it be?
 //!
-//! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance and [`evidence`] holds what that
+//! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance, by how many shifts are of [`independence`], and [`evidence`] holds what that
 //! gives, [`earlier`] with what other frames gave; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
 //! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
 //! everything and [`turning`] what is known off it, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
@@ -15,6 +15,7 @@ pub mod error_map;
 pub mod evidence;
 mod findings;
 mod halves;
+mod independence;
 mod moved;
 mod over_image;
 pub mod planarity;
@@ -37,15 +38,16 @@ pub use verdict::{Kind, Verdict};
 
 use crate::error::Result;
 use crate::frontier::matches::robust_deviation;
-use crate::frontier::volume::{Correspondence, disagreement, moving_correspondences};
+use crate::frontier::volume::{disagreement, met_correspondences};
 use crate::frontier::{TangentMatch, Views, compare};
+use crate::geometry::seven_parameters::Information;
 use crate::geometry::{Fundamental, SevenParameters};
 use crate::recording::{FramePair, Recording};
 use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
 use crate::search::Found;
 use crate::watch::Watch;
-use covariance::{covariance, expected_error, with_prior};
+use covariance::{covariance, with_prior};
 use decide::decide;
 use earlier::{Earlier, LOOKS};
 use findings::Findings;
@@ -56,7 +58,7 @@ use rivals::{Winner, rivals};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
     CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z, NEIGHBOUR,
-    NEIGHBOUR_SHARE, RIVAL_Z, ROUGH_DEVIATION, SHIFTS, UNEXPLAINED_SHARE, larger, reaches, within,
+    NEIGHBOUR_SHARE, ROUGH_DEVIATION, SHIFTS, larger, reaches, within,
 };
 use throughout::holds;
 use trials::left;
@@ -122,7 +124,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     let matches = compare(views, fundamental, radius).matches;
 
     let fitted = case.found.fitted;
-    let volume = moving_correspondences(views, fundamental, VOLUME, case.seed);
+    let volume = met_correspondences(views, fundamental, &matches, VOLUME, case.seed);
     let apart = |f: &Fundamental| disagreement(&volume, f);
     let alike = case.earlier.filter(|earlier| within(apart(&earlier.fitted), case.max_expected_error));
     let (curve, mut evidence) =
@@ -154,14 +156,17 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
     let of_others = others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max);
-    let of_chance = UNEXPLAINED_SHARE * best_radius * odds_of_chance(&evidence);
-    let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale)).hypot(of_chance);
-    // What outlines are off alike, and what meets by chance, is what lets a geometry turn: one error, seen twice.
+    let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale));
+    // What outlines are off alike is what lets a geometry turn: one error, seen twice.
     let systematic = larger(systematic, of_turned);
-    let fit =
-        Fit { fundamental, matches: &compare(views, fundamental, best_radius).matches, radius: best_radius };
-    let (fit_error, uncertainty) = uncertainty(views, &fit, &volume, block, systematic);
-    let expected_error = (FIT_FACTOR * fit_error).hypot(systematic);
+    let fit = Fit {
+        fundamental,
+        matches: &compare(views, fundamental, best_radius).matches,
+        radius: best_radius,
+        beyond_chance: beyond_chance(&evidence),
+    };
+    let known = known(views, &fit, block, systematic);
+    let expected_error = known.as_ref().map_or(f64::NAN, |k| k.uncertainty.over(&volume));
 
     let verdict = decide(&Findings {
         evidence: &evidence,
@@ -169,12 +174,13 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
         radius,
         best_radius,
         expected_error,
-        beyond_motion: uncertainty.as_ref().map_or(f64::NAN, Uncertainty::beyond_motion),
+        beyond_motion: known.as_ref().map_or(f64::NAN, |k| k.beyond_motion),
         rivals: &rivals,
         scale,
         upright: views.upright,
         max_expected_error: case.max_expected_error,
     });
+    let uncertainty = known.map(|k| k.uncertainty);
     Ok(Verified { verdict, expected_error, evidence, curve, rivals, matches, uncertainty })
 }
 
@@ -226,7 +232,7 @@ fn block_of(case: &Case) -> usize {
 
 /// How far off the solutions are that the evidence cannot tell from the winner, pixels.
 fn undecided(rivals: &[Rival]) -> impl Iterator<Item = f64> {
-    rivals.iter().filter(|r| !reaches(r.z, RIVAL_Z) && r.distance.is_finite()).map(|r| r.distance)
+    rivals.iter().filter(|r| r.is_undecided() && r.distance.is_finite()).map(|r| r.distance)
 }
 
 /// How far off the solutions are that lie near the winner and have nearly its evidence, pixels.
@@ -235,19 +241,17 @@ fn neighbours(rivals: &[Rival], scale: f64) -> impl Iterator<Item = f64> {
     rivals.iter().filter(near).map(|r| r.distance)
 }
 
-/// The share of the tangents that the geometry does not explain, over the share that it explains beyond chance.
-fn odds_of_chance(evidence: &Evidence) -> f64 {
+/// The share of the tangents that the geometry explains and chance does not.
+fn beyond_chance(evidence: &Evidence) -> f64 {
     let Evidence { explained, explained_by_chance, .. } = *evidence;
-    let beyond_chance = (explained - explained_by_chance) / (1.0 - explained_by_chance);
-    let beyond_chance = beyond_chance.clamp(LEAST_EXPLAINED, 1.0);
-    (1.0 - beyond_chance) / beyond_chance
+    ((explained - explained_by_chance) / (1.0 - explained_by_chance)).clamp(LEAST_EXPLAINED, 1.0)
 }
 
 /// Pixels of error that no number of points averages out: outlines that agree only at a wide radius are inconsistent
 /// between the views, and what they share of that stays; exact masks still carry the grid of pixels.
 fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64) -> f64 {
     let rough = robust_deviation(matches);
-    let roughness = if rough.is_nan() { 0.0 } else { rough * rough / (ROUGH_DEVIATION * scale) };
+    let roughness = if rough.is_nan() { 0.0 } else { rough.max(rough * rough / (ROUGH_DEVIATION * scale)) };
     let coarseness = (COARSE_SHARE * (best_radius - CLEAN_RADIUS * scale).max(0.0)).hypot(roughness);
     coarseness.hypot(GRID_ERROR * scale)
 }
@@ -258,26 +262,31 @@ struct Fit<'a> {
     matches: &'a [TangentMatch],
     /// Within which they meet, pixels.
     radius: f64,
+    /// The share of the tangents that meets, and not by chance.
+    beyond_chance: f64,
 }
 
-/// The error that the fit expects over the volume, pixels, NaN where it is not known, and what is known of it elsewhere.
-fn uncertainty(
-    views: &Views,
-    fit: &Fit,
-    volume: &[Correspondence],
-    block: usize,
-    systematic: f64,
-) -> (f64, Option<Uncertainty>) {
-    let Some(at) = SevenParameters::new(fit.fundamental, views.sizes()) else { return (f64::NAN, None) };
-    let of_points = covariance(&at, fit.matches, loss_scale(fit.radius), block);
-    let covariance = of_points.and_then(|of_points| match &views.cameras {
+/// What is known of a geometry.
+struct Known {
+    uncertainty: Uncertainty,
+    /// Half of an image is known no worse than this by the covariance alone, pixels.
+    beyond_motion: f64,
+}
+
+/// `None` where the matches do not determine the geometry.
+fn known(views: &Views, fit: &Fit, block: usize, systematic: f64) -> Option<Known> {
+    let at = SevenParameters::new(fit.fundamental, views.sizes())?;
+    let of_points = covariance(&at, fit.matches, loss_scale(fit.radius), block)?;
+    let with_cameras = |of_points: Information| match &views.cameras {
         Some(cameras) => with_prior(&of_points, &EssentialPrior(cameras).information(&at)),
         None => Some(of_points),
-    });
-    let Some(covariance) = covariance else { return (f64::NAN, None) };
-    let fit_error = expected_error(&at, &covariance, volume);
-    let covariance = covariance * FIT_FACTOR * FIT_FACTOR;
-    (fit_error, Some(Uncertainty { at, covariance, systematic }))
+    };
+    let taken_for_true =
+        Uncertainty { at: at.clone(), covariance: with_cameras(of_points)?, systematic: 0.0 };
+    // What meets by chance would meet under a neighbour as well: it says nothing, and is weighed as if it did.
+    let diluted = with_cameras(of_points / fit.beyond_chance.powi(2))?;
+    let uncertainty = Uncertainty { at, covariance: diluted * FIT_FACTOR * FIT_FACTOR, systematic };
+    Some(Known { uncertainty, beyond_motion: taken_for_true.beyond_motion() })
 }
 
 #[cfg(test)]
@@ -286,14 +295,14 @@ mod tests {
     use crate::hypotheses::Source;
 
     #[test]
-    fn chance_pulls_the_more_the_less_is_explained() {
-        let odds = |explained, explained_by_chance| {
-            odds_of_chance(&Evidence { explained, explained_by_chance, ..Evidence::default() })
+    fn what_is_explained_beyond_chance() {
+        let share = |explained, explained_by_chance| {
+            beyond_chance(&Evidence { explained, explained_by_chance, ..Evidence::default() })
         };
-        assert_eq!(odds(1.0, 0.3), 0.0);
-        assert!((odds(0.65, 0.3) - 1.0).abs() < 1e-12);
-        assert!((odds(0.3, 0.3) - 49.0).abs() < 1e-9 && odds(0.1, 0.3) == odds(0.3, 0.3));
-        assert!(odds(1.0, 1.0).is_nan() && odds(f64::NAN, 0.3).is_nan());
+        assert_eq!(share(1.0, 0.3), 1.0);
+        assert!((share(0.65, 0.3) - 0.5).abs() < 1e-12);
+        assert_eq!([share(0.3, 0.3), share(0.1, 0.3)], [LEAST_EXPLAINED; 2]);
+        assert!(share(1.0, 1.0).is_nan() && share(f64::NAN, 0.3).is_nan());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::thresholds::MIN_COMPARED;
+use super::thresholds::{MIN_COMPARED, RIVAL_SHARE, RIVAL_Z, reaches};
 use crate::frontier::Views;
 use crate::frontier::symmetric::{SymmetricScore, score_by_frame, symmetric_score};
 use crate::frontier::volume::{Correspondence, disagreement};
@@ -25,6 +25,13 @@ pub struct Rival {
     pub distance: f64,
     /// What its hypotheses came from.
     pub source: Source,
+}
+
+impl Rival {
+    /// Whether the evidence does not tell it from the winner; what is not known tells nothing.
+    pub fn is_undecided(&self) -> bool {
+        !reaches(self.z, RIVAL_Z) && !(self.share < RIVAL_SHARE)
+    }
 }
 
 /// The geometry that others are compared with.
@@ -131,6 +138,16 @@ pub fn paired_z(winner: &[f64], rival: &[f64], block: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn little_evidence_is_no_rival_however_few_blocks_there_are() {
+        let matrix = nalgebra::Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let fundamental = Fundamental::from_rank_two(&matrix).unwrap();
+        let undecided =
+            |share, z| Rival { fundamental, share, z, distance: 90.0, source: Source::Tracks }.is_undecided();
+        assert!(undecided(0.6, 1.0) && !undecided(0.37, 1.0) && !undecided(0.9, 3.0));
+        assert!(undecided(f64::NAN, 1.0) && undecided(0.6, f64::NAN));
+    }
 
     #[test]
     fn cameras_tell_rivals_apart_that_the_evidence_does_not() {

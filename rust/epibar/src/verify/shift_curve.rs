@@ -9,7 +9,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::evidence::Evidence;
-use super::thresholds::{MIN_DEVIATION, MIN_SHIFTS};
+use super::independence::independent;
+use super::thresholds::{MIN_DEVIATION, MIN_SHIFTS, reaches};
 use crate::frontier::{ClassScore, Comparer, FrontierScore, Views};
 use crate::geometry::Fundamental;
 use crate::refine::polish;
@@ -45,8 +46,8 @@ pub struct ShiftCurve {
     pub scores: Vec<AtShift>,
     /// As many frames of A elsewhere, at the same shifts but the first.
     pub elsewhere: Vec<Vec<FrontierScore>>,
-    /// How many of the shifts are independent of one another.
-    pub independent: f64,
+    /// How many of the shifts are farther from one another than motion stays.
+    pub apart: f64,
 }
 
 /// Scores `f` on the frames tested at no shift and at about `count` others, none within `stay` frames of it.
@@ -89,7 +90,7 @@ pub fn shift_curve(held_out: &HeldOut, f: &Fundamental, count: usize) -> ShiftCu
     ShiftCurve {
         scores: shifts.iter().zip(&scores).map(|(&shift, of)| AtShift { shift, score: of[0] }).collect(),
         elsewhere: (1..sets.len()).map(|k| scores[1..].iter().map(|of| of[k]).collect()).collect(),
-        independent: span as f64 / (2 * stay) as f64,
+        apart: span as f64 / (2 * stay) as f64,
     }
 }
 
@@ -116,10 +117,10 @@ pub fn cross_validated(views: &Views, f: &Fundamental, held_out: &HeldOut, count
     ShiftCurve { elsewhere: Vec::new(), ..whole }
 }
 
-fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let n = values.clone().count() as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    (mean, values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0))
+fn mean_and_variance(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0))
 }
 
 /// The normal deviate that is as unlikely as Student's `t` with `freedom` degrees of freedom (Wallace 1959).
@@ -154,16 +155,20 @@ impl ShiftCurve {
         // The mean of both ways.
         let of = &|score: &FrontierScore| 0.5 * of(score);
         let Some((first, rest)) = self.scores.split_first() else { return 0.0 };
-        let freedom = (self.independent - 1.0) * (1 + self.elsewhere.len()) as f64;
-        if rest.len() < MIN_SHIFTS || freedom < 1.0 {
+        let here = rest.iter().map(|s| of(&s.score)).collect();
+        let elsewhere = self.elsewhere.iter().map(|scores| scores.iter().map(of).collect());
+        let sets: Vec<Vec<f64>> = std::iter::once(here).chain(elsewhere).collect();
+        // Motion that stays says the same of neighbouring shifts, but what meets under a geometry may be gone long before.
+        let independent = independent(&sets).map_or(self.apart, |shown| shown.max(self.apart));
+        let freedom = (independent - 1.0) * sets.len() as f64;
+        if rest.len() < MIN_SHIFTS || !reaches(freedom, 1.0) {
             return 0.0;
         }
-        let (mean, own) = mean_and_variance(rest.iter().map(|s| of(&s.score)));
-        let others = self.elsewhere.iter().map(|scores| mean_and_variance(scores.iter().map(of)).1);
-        let pooled = (own + others.sum::<f64>()) / (1 + self.elsewhere.len()) as f64;
+        let (mean, own) = mean_and_variance(&sets[0]);
+        let pooled = sets.iter().map(|set| mean_and_variance(set).1).sum::<f64>() / sets.len() as f64;
         let deviation = own.max(pooled).sqrt().max(MIN_DEVIATION);
         // The mean itself is uncertain.
-        let t = (of(&first.score) - mean) / (deviation * (1.0 + 1.0 / self.independent).sqrt());
+        let t = (of(&first.score) - mean) / (deviation * (1.0 + 1.0 / independent).sqrt());
         normal_deviate(t, freedom)
     }
 
