@@ -30,7 +30,7 @@ pub struct Rival {
 impl Rival {
     /// Whether the evidence does not tell it from the winner; what is not known tells nothing.
     pub fn is_undecided(&self) -> bool {
-        !reaches(self.z, RIVAL_Z) && !(self.share < RIVAL_SHARE)
+        !reaches(self.z, RIVAL_Z) && (self.share.is_nan() || self.share >= RIVAL_SHARE)
     }
 }
 
