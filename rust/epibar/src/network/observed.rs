@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::camera::Camera;
-use super::median::median;
 use crate::image::ImageSize;
+use crate::recording::fill::fill;
 use crate::recording::tracker::Links;
 use crate::recording::visible::on_border;
 use crate::recording::{LONG_STEP, Recording};
@@ -35,9 +35,6 @@ pub struct Observed {
     pub fill: f64,
 }
 
-/// Silhouettes of fewer pixels say nothing of their shape.
-const SHAPELY: u32 = 150;
-
 /// A moment among the frames of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
@@ -57,30 +54,6 @@ pub struct Between {
     pub last: u32,
     /// How much the latter counts.
     pub share: f64,
-}
-
-/// Median share of the pixels of a hull that are the silhouette's, of those that are large enough to tell; NaN of none.
-fn fill(recording: &Recording) -> f64 {
-    let silhouettes = &recording.silhouettes;
-    let large = (0..silhouettes.len()).filter(|&hull| silhouettes.area(hull) >= SHAPELY);
-    let share = |hull: usize| f64::from(silhouettes.area(hull)) / pixels_of(silhouettes.hull(hull));
-    median(large.map(share)).unwrap_or(f64::NAN)
-}
-
-/// Pixels in and on a convex polygon with corners at pixels (Pick's theorem).
-fn pixels_of(corners: &[[u16; 2]]) -> f64 {
-    let (mut twice, mut on_edge) = (0i64, 0i64);
-    for (k, p) in corners.iter().enumerate() {
-        let q = corners[(k + 1) % corners.len()];
-        let [x, y, u, v] = [p[0], p[1], q[0], q[1]].map(i64::from);
-        twice += x * v - u * y;
-        let (mut m, mut n) = ((u - x).abs(), (v - y).abs());
-        while n > 0 {
-            (m, n) = (n, m % n);
-        }
-        on_edge += m;
-    }
-    0.5 * twice.abs() as f64 + 0.5 * on_edge as f64 + 1.0
 }
 
 impl Observed {
@@ -110,7 +83,7 @@ impl Observed {
             cut,
             links: Links::new(recording),
             through: None,
-            fill: fill(recording),
+            fill: fill(&recording.silhouettes),
         }
     }
 

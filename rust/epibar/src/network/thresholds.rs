@@ -83,8 +83,7 @@ pub const CONTRADICTS: f64 = 0.3;
 
 // --- outlines and clocks as errors count them ---
 
-/// Silhouettes that fill their hulls to more than this share may be boxes or ellipses that stand for something else.
-pub const CONVEX: f64 = 0.96;
+pub use crate::verify::thresholds::CONVEX;
 /// By how many pixels the outlines of one camera may all be wrong alike in one part of the image, at least.
 pub const OUTLINE_ERROR: f64 = 0.06;
 /// Scatter of tangents of perfect masks, pixels: those of the grid, of two images.

@@ -42,6 +42,7 @@ use crate::frontier::volume::{disagreement, met_correspondences};
 use crate::frontier::{TangentMatch, Views, compare};
 use crate::geometry::seven_parameters::Information;
 use crate::geometry::{Fundamental, SevenParameters};
+use crate::recording::fill::fill;
 use crate::recording::{FramePair, Recording};
 use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
@@ -52,13 +53,13 @@ use decide::decide;
 use earlier::{Earlier, LOOKS};
 use findings::Findings;
 use halves::{Halves, halves};
-use planarity::plane_residual;
+use planarity::{median_width, plane_residual};
 use repetition::repeats;
 use rivals::{Winner, rivals};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
-    CLEAN_RADIUS, COARSE_SHARE, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z, NEIGHBOUR,
-    NEIGHBOUR_SHARE, ROUGH_DEVIATION, SHIFTS, larger, reaches, within,
+    CLEAN_RADIUS, COARSE_SHARE, CONVEX, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z,
+    NEIGHBOUR, NEIGHBOUR_SHARE, ROUGH_DEVIATION, SHIFTS, STANDS_IN, larger, reaches, within,
 };
 use throughout::holds;
 use trials::left;
@@ -156,7 +157,8 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     // A geometry that fewer frames gave is as likely to be the truth as a rival that is not behind.
     let others = undecided(&rivals).chain(neighbours(&rivals, scale));
     let of_others = others.fold(evidence.tested_distance.max(0.0).max(of_halves), f64::max);
-    let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale));
+    let stand_in = of_stand_ins(case);
+    let systematic = of_others.hypot(of_outlines(&matches, best_radius, scale, stand_in));
     // What outlines are off alike is what lets a geometry turn: one error, seen twice.
     let systematic = larger(systematic, of_turned);
     let fit = Fit {
@@ -249,11 +251,18 @@ fn beyond_chance(evidence: &Evidence) -> f64 {
 
 /// Pixels of error that no number of points averages out: outlines that agree only at a wide radius are inconsistent
 /// between the views, and what they share of that stays; exact masks still carry the grid of pixels.
-fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64) -> f64 {
+fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64, stand_in: f64) -> f64 {
     let rough = robust_deviation(matches);
     let roughness = if rough.is_nan() { 0.0 } else { rough.max(rough * rough / (ROUGH_DEVIATION * scale)) };
     let coarseness = (COARSE_SHARE * (best_radius - CLEAN_RADIUS * scale).max(0.0)).hypot(roughness);
-    coarseness.hypot(GRID_ERROR * scale)
+    coarseness.hypot(GRID_ERROR * scale).hypot(stand_in)
+}
+
+/// Pixels by which shapes are wrong that may stand in for something else, as boxes and ellipses do for people; 0 of masks that were cut out.
+fn of_stand_ins(case: &Case) -> f64 {
+    let [p, q] = case.recordings.map(|recording| fill(&recording.silhouettes));
+    let width = 0.5 * (median_width(&case.views.a) + median_width(&case.views.b));
+    if reaches(p, CONVEX) || reaches(q, CONVEX) { STANDS_IN * width } else { 0.0 }
 }
 
 /// A geometry, and the tangents that it was fitted to.

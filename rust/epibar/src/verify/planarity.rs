@@ -101,7 +101,7 @@ impl Matched {
 }
 
 /// Median over the silhouettes of the shorter side of the bounding box, pixels; 0 without any.
-fn median_width(view: &View) -> f64 {
+pub(super) fn median_width(view: &View) -> f64 {
     let mut widths: Vec<f64> = Vec::new();
     for frame in (0..view.frames()).step_by(view.frames().div_ceil(200).max(1)) {
         for hull in view.hulls_of(frame) {
