@@ -113,11 +113,11 @@ def _median(F: Array | None, points: tuple[Array, Array]) -> float:
     return float(np.median(symmetric_epipolar_distance(F, *points)))
 
 
-def from_the_known(a: View, b: View, truth: Array, F: Array | None) -> tuple[Array, float]:
+def from_the_known(a: View, b: View, truth: Array, F: Array | None, essential: bool) -> tuple[Array, float]:
     """Refine the known F where it stands; also returns its evidence as a share of that of another F."""
 
     def examine(F: Array, refined: bool) -> dict[str, Any]:
-        known = a.recording.matrix, b.recording.matrix
+        known = (a.recording.matrix, b.recording.matrix) if essential else None
         cores = a.recording._core, b.recording._core
         return _core.examine(*cores, np.ascontiguousarray(F), 3.0, 0.0, True, refined, known)
 
@@ -126,10 +126,10 @@ def from_the_known(a: View, b: View, truth: Array, F: Array | None) -> tuple[Arr
     return refined["F"], refined["evidence"] / ours if ours > 0 else math.nan
 
 
-def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int) -> Result:
+def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int, essential: bool) -> Result:
     """Calibrate a pair and hold it against the known cameras."""
     started = time.perf_counter()
-    cal = epibar.calibrate(a.recording, b.recording, method=method, seed=seed)
+    cal = epibar.calibrate(a.recording, b.recording, method=method, seed=seed, essential=essential)
     seconds = time.perf_counter() - started
     truth = fundamental_from_cameras(a.posed, b.posed)
     known = matched(a, b, truth, data.radius)
@@ -140,7 +140,7 @@ def measure(name: str, data: Data, a: View, b: View, method: Method, seed: int) 
     if cal.F is not None:
         figures = compare(cal.F, truth, *sizes, volume)
         error, image_error = figures.volume_error, figures.image_error
-    refined, share = from_the_known(a, b, truth, cal.F)
+    refined, share = from_the_known(a, b, truth, cal.F, essential)
     return Result(
         recording=name,
         pair=f"{a.name}-{b.name}",
@@ -199,6 +199,9 @@ def main() -> None:
     parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--pairs", help="only these pairs of cameras, such as cam1-cam2,cam1-cam3")
     add_method(parser)
+    parser.add_argument(
+        "--no-essential", action="store_true", help="camera matrices are used for the lens alone"
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the calibration (default %(default)s)")
     args = parser.parse_args()
     names = present(args)
@@ -219,7 +222,9 @@ def main() -> None:
         for pair in pairs:
             a, b = pair.split("-")
             for method in METHODS[args.method]:
-                results.append(measure(name, data, views[a], views[b], method, args.seed))
+                results.append(
+                    measure(name, data, views[a], views[b], method, args.seed, not args.no_essential)
+                )
                 if args.verbose:
                     print(f"{name} {pair} {method}: {results[-1].reason}", flush=True)
             write_json(args.json, args, results, summaries(results))

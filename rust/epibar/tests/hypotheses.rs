@@ -272,7 +272,8 @@ fn one_camera_tells_how_high_it_hangs_and_how_it_is_held() {
         assert_eq!(held[0].place(&[waist, foot]), None);
         // Without a matrix several focal lengths stay, and one is near.
         let unknown = SingleView::of(view, None);
-        assert!(!unknown.is_empty());
+        assert!(unknown.len() > 1);
+        assert!(unknown.iter().any(|view| (view.height() / height - 1.0).abs() < 0.25));
     }
 }
 

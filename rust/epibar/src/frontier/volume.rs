@@ -3,7 +3,7 @@
 //! Without a metric frame a volume is what both images show of it: a spot inside some silhouette of A and, on its
 //! epipolar line, a spot inside a silhouette of B. While `F` is searched that is [any silhouette](moving_correspondences), at whatever
 //! moment; the pairs then reach beyond the true volume, to depths that nothing had. Once `F` is found, it is one that [met](met_correspondences)
-//! that of A at the same moment.
+//! that of A at the same moment: by any silhouette a pair that was 0.1 px off was 5.3 px from its rivals, at depths that nobody was at.
 
 use std::collections::BTreeMap;
 
@@ -65,6 +65,10 @@ pub fn moving_correspondences(
 
 /// Fewest pairs of silhouettes that tell where things moved.
 const LEAST_MET: usize = 20;
+/// Those that met with both ends tell it by themselves where they are at least this share of all that met.
+const SHARE_OF_WHOLE: f64 = 0.25;
+/// Most tangents that are looked at, evenly over time.
+const MOST_TANGENTS: usize = 8000;
 
 /// About `count` correspondences under `f` inside silhouettes that met, drawn by a seed.
 ///
@@ -78,9 +82,10 @@ pub fn met_correspondences(
     seed: u64,
 ) -> Vec<Correspondence> {
     const SALT: u64 = 0x6D_6574;
-    let met: Vec<[&[[f64; 2]]; 2]> = Some(silhouettes_that_met(views, matches, 2))
-        .filter(|whole| whole.len() >= LEAST_MET)
-        .unwrap_or_else(|| silhouettes_that_met(views, matches, 1));
+    let any = silhouettes_that_met(views, matches, 1);
+    let whole = silhouettes_that_met(views, matches, 2);
+    let tell = whole.len() >= LEAST_MET && whole.len() as f64 >= SHARE_OF_WHOLE * any.len() as f64;
+    let met = if tell { whole } else { any };
     if met.len() < LEAST_MET {
         return moving_correspondences(views, f, count, seed);
     }
@@ -104,7 +109,8 @@ fn silhouettes_that_met<'v>(
     tangents: usize,
 ) -> Vec<[&'v [[f64; 2]]; 2]> {
     let mut counts: BTreeMap<(CommonFrame, usize, usize), usize> = BTreeMap::new();
-    for p in matches {
+    let step = matches.len().div_ceil(MOST_TANGENTS).max(1);
+    for p in matches.iter().filter(|p| p.frame.index().is_multiple_of(step)) {
         let frame = p.frame.index();
         let of = |view: &View, vertex: [f64; 2]| view.hulls_of(frame).position(|hull| hull.contains(&vertex));
         if let (Some(a), Some(b)) = (of(&views.a, p.a), of(&views.b, p.b)) {

@@ -17,8 +17,12 @@ use crate::random::Generator;
 use crate::refine::least_squares::minimise;
 use crate::refine::sampson::SampsonProblem;
 
-/// Frames on which maps are compared.
+/// Frames of which maps are made, evenly over time.
+const MAPPED: usize = 3000;
+/// Frames on which maps are compared, and fewer in crowds: so many figures of A beside so many of B, but for no fewer than the least.
 const COMPARED: usize = 120;
+const COMPARED_FIGURES: usize = 120_000;
+const LEAST_COMPARED: usize = 24;
 /// A preview looks at one of so many of them.
 const PREVIEWED: usize = 6;
 /// Figures at one place are no farther from each other than this, heights of a figure.
@@ -108,8 +112,9 @@ pub struct TopView<'a> {
     views: &'a Views,
     /// How A may see the floor, and how B may.
     maps: [Vec<Map>; 2],
-    /// Frames in which figures are seen by both.
+    /// Frames in which figures are seen by both, and those of them on which maps are compared.
     busy: Vec<usize>,
+    compared: Vec<usize>,
 }
 
 /// The best overlays, of such that lay the maps alike no more than a few: focal lengths that differ give near copies.
@@ -139,7 +144,8 @@ impl<'a> TopView<'a> {
         );
         let seen = |maps: &[Map], t: usize| maps.iter().any(|map| !map.frames[t].is_empty());
         let busy: Vec<usize> = (0..views.frames()).filter(|&t| seen(&a, t) && seen(&b, t)).collect();
-        (!busy.is_empty()).then_some(Self { views, maps: [a, b], busy })
+        let compared = compared(views, &busy);
+        (!busy.is_empty()).then_some(Self { views, maps: [a, b], busy, compared })
     }
 
     /// What the overlay, laid anew where figures stand near each other, makes of the two cameras.
@@ -174,18 +180,12 @@ impl<'a> TopView<'a> {
     fn near(&self, overlay: &Overlay) -> impl Iterator<Item = [&Figure; 2]> {
         let [a, b] = self.maps_of(overlay);
         let overlay = *overlay;
-        self.compared().flat_map(move |t| {
+        self.compared.iter().flat_map(move |&t| {
             a.frames[t].iter().filter_map(move |figure| {
-                let (distance, other) = nearest(&b.frames[t], overlay.sends(figure.place))?;
-                (distance <= NEAR).then_some([figure, other])
+                let (squared, other) = nearest(&b.frames[t], overlay.sends(figure.place))?;
+                (squared <= NEAR * NEAR).then_some([figure, other])
             })
         })
-    }
-
-    /// The frames on which maps are compared.
-    fn compared(&self) -> impl Iterator<Item = usize> {
-        let taken = self.busy.len().min(COMPARED);
-        (0..taken).map(move |k| self.busy[k * self.busy.len() / taken])
     }
 
     /// `F` of two cameras over one floor.
@@ -208,12 +208,23 @@ impl Map {
             let figures = of.hulls_of(frame).filter_map(|hull| extremes(of, hull));
             figures.filter_map(|ends| Some(Figure { place: view.place(&ends)?, ends })).collect()
         };
-        Self { frames: (0..of.frames()).map(standing).collect(), view }
+        let step = of.frames().div_ceil(MAPPED).max(1);
+        let mapped = |frame: usize| if frame.is_multiple_of(step) { standing(frame) } else { Vec::new() };
+        Self { frames: (0..of.frames()).map(mapped).collect(), view }
     }
 }
 
+/// Of frames in which both see figures those on which maps are compared, evenly over time.
+fn compared(views: &Views, busy: &[usize]) -> Vec<usize> {
+    let beside = |&t: &usize| views.a.hulls_of(t).count() * views.b.hulls_of(t).count();
+    let mean = busy.iter().map(beside).sum::<usize>() / busy.len().max(1);
+    let taken = (COMPARED_FIGURES / mean.max(1)).clamp(LEAST_COMPARED, COMPARED).min(busy.len());
+    (0..taken).map(|k| busy[k * busy.len() / taken]).collect()
+}
+
+/// The squared distance of the nearest figure, and which that is.
 fn nearest(figures: &[Figure], at: [f64; 2]) -> Option<(f64, &Figure)> {
-    let distances = figures.iter().map(|f| ((f.place[0] - at[0]).hypot(f.place[1] - at[1]), f));
+    let distances = figures.iter().map(|f| ((f.place[0] - at[0]).powi(2) + (f.place[1] - at[1]).powi(2), f));
     distances.min_by(|p, q| p.0.total_cmp(&q.0))
 }
 
@@ -253,16 +264,17 @@ impl TopView<'_> {
         let (w, h) = (self.views.b.size.width() as f64, self.views.b.size.height() as f64);
         let worth = |t: usize, figure: &Figure| {
             let at = overlay.sends(figure.place);
-            let near = nearest(&b.frames[t], at).map_or(0.0, |n| 1.0 - (n.0 / NEAR).powi(2));
+            let near = nearest(&b.frames[t], at).map_or(0.0, |n| 1.0 - n.0 / (NEAR * NEAR));
             if near > 0.0 {
                 return near - BY_CHANCE;
             }
             let inside = |p: [f64; 2]| p[0] >= 0.0 && p[1] >= 0.0 && p[0] < w && p[1] < h;
             if b.view.pixel(at).is_some_and(inside) { -BY_CHANCE } else { 0.0 }
         };
-        self.compared()
+        self.compared
+            .iter()
             .step_by(step)
-            .flat_map(|t| a.frames[t].iter().map(move |figure| worth(t, figure)))
+            .flat_map(|&t| a.frames[t].iter().map(move |figure| worth(t, figure)))
             .sum()
     }
 }

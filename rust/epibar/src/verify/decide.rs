@@ -104,7 +104,7 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     }
     let flat = !reaches(f.evidence.plane_residual, FLAT);
     let most = if flat { FLAT_BEYOND } else { MAX_BEYOND * f.scale };
-    unless(within(f.beyond_motion, most), Kind::Undetermined, || prose::unknown_beyond(f.beyond_motion))
+    unless(within(f.beyond_motion, most), Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
 }
 
 fn as_tested(f: &Findings) -> Option<Verdict> {
@@ -180,6 +180,7 @@ mod tests {
             best_radius: 1.5,
             expected_error: 0.3,
             beyond_motion: 0.3,
+            possible_beyond: 0.9,
             rivals: &[],
             scale: 1.0,
             upright: true,

@@ -18,6 +18,8 @@ pub struct Findings<'a> {
     pub expected_error: f64,
     /// The error that the covariance alone expects in half of an image, pixels.
     pub beyond_motion: f64,
+    /// What is possible in half of an image by all but what outlines share, pixels.
+    pub possible_beyond: f64,
     /// Other geometries.
     pub rivals: &'a [Rival],
     /// Pixels for one of a 640×480 image.

@@ -1,6 +1,6 @@
 //! Is it true, and how far off may it be?
 //!
-//! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance, by how many shifts are of [`independence`], and [`evidence`] holds what that
+//! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance ([`independence`] counts what its shifts are worth), and [`evidence`] holds what that
 //! gives, [`earlier`] with what other frames gave; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
 //! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
 //! everything and [`turning`] what is known off it, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
@@ -177,6 +177,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
         best_radius,
         expected_error,
         beyond_motion: known.as_ref().map_or(f64::NAN, |k| k.beyond_motion),
+        possible_beyond: known.as_ref().map_or(f64::NAN, |k| k.uncertainty.beyond_motion()),
         rivals: &rivals,
         scale,
         upright: views.upright,
@@ -262,7 +263,8 @@ fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64, stand_in:
 fn of_stand_ins(case: &Case) -> f64 {
     let [p, q] = case.recordings.map(|recording| fill(&recording.silhouettes));
     let width = 0.5 * (median_width(&case.views.a) + median_width(&case.views.b));
-    if reaches(p, CONVEX) || reaches(q, CONVEX) { STANDS_IN * width } else { 0.0 }
+    // Of silhouettes too small to tell it is not known that they are masks.
+    if within(p, CONVEX) && within(q, CONVEX) { 0.0 } else { STANDS_IN * width }
 }
 
 /// A geometry, and the tangents that it was fitted to.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::findings::Findings;
 use super::rivals::Rival;
-use super::thresholds::{FIT_FACTOR, MIN_Z, SOME_Z};
+use super::thresholds::{MIN_Z, SOME_Z};
 
 /// How much suggests something, as a sentence begins.
 fn suggestion(z: f64) -> &'static str {
@@ -32,7 +32,7 @@ pub(super) fn accepted(f: &Findings) -> String {
         f.evidence.z,
         f.expected_error,
     );
-    let beyond = f.evidence.may_turn.max(FIT_FACTOR * f.beyond_motion);
+    let beyond = f.evidence.may_turn.max(f.possible_beyond);
     if beyond > f.max_expected_error {
         let _ = write!(
             accepted,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::thresholds::{MIN_COMPARED, RIVAL_SHARE, RIVAL_Z, reaches};
+use super::thresholds::{MIN_COMPARED, RIVAL_SHARE, RIVAL_Z, reaches, within};
 use crate::frontier::Views;
 use crate::frontier::symmetric::{SymmetricScore, score_by_frame, symmetric_score};
 use crate::frontier::volume::{Correspondence, disagreement};
@@ -28,9 +28,11 @@ pub struct Rival {
 }
 
 impl Rival {
-    /// Whether the evidence does not tell it from the winner; what is not known tells nothing.
+    /// Whether the evidence does not tell it from the winner; what is not known tells nothing. Little evidence says nothing for the winner where
+    /// camera matrices prefer the rival.
     pub fn is_undecided(&self) -> bool {
-        !reaches(self.z, RIVAL_Z) && (self.share.is_nan() || self.share >= RIVAL_SHARE)
+        let hardly_any = reaches(self.z, 0.0) && within(self.share, RIVAL_SHARE);
+        !(reaches(self.z, RIVAL_Z) || hardly_any)
     }
 }
 
@@ -146,6 +148,7 @@ mod tests {
         let undecided =
             |share, z| Rival { fundamental, share, z, distance: 90.0, source: Source::Tracks }.is_undecided();
         assert!(undecided(0.6, 1.0) && !undecided(0.37, 1.0) && !undecided(0.9, 3.0));
+        assert!(undecided(0.51, 0.0) && !undecided(0.5, 0.0) && undecided(0.4, -2.6));
         assert!(undecided(f64::NAN, 1.0) && undecided(0.6, f64::NAN));
     }
 

@@ -159,7 +159,9 @@ impl ShiftCurve {
         let elsewhere = self.elsewhere.iter().map(|scores| scores.iter().map(of).collect());
         let sets: Vec<Vec<f64>> = std::iter::once(here).chain(elsewhere).collect();
         // Motion that stays says the same of neighbouring shifts, but what meets under a geometry may be gone long before.
-        let independent = independent(&sets).map_or(self.apart, |shown| shown.max(self.apart));
+        // One part by itself is too short to tell.
+        let shown = if sets.len() > 1 { independent(&sets) } else { None };
+        let independent = shown.map_or(self.apart, |shown| shown.max(self.apart)).min(rest.len() as f64);
         let freedom = (independent - 1.0) * sets.len() as f64;
         if rest.len() < MIN_SHIFTS || !reaches(freedom, 1.0) {
             return 0.0;
