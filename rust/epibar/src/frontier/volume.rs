@@ -82,10 +82,11 @@ pub fn met_correspondences(
     seed: u64,
 ) -> Vec<Correspondence> {
     const SALT: u64 = 0x6D_6574;
-    let any = silhouettes_that_met(views, matches, 1);
-    let whole = silhouettes_that_met(views, matches, 2);
-    let tell = whole.len() >= LEAST_MET && whole.len() as f64 >= SHARE_OF_WHOLE * any.len() as f64;
-    let met = if tell { whole } else { any };
+    let mut met = silhouettes_that_met(views, matches);
+    let whole = met.iter().filter(|m| m.whole).count();
+    if whole >= LEAST_MET && whole as f64 >= SHARE_OF_WHOLE * met.len() as f64 {
+        met.retain(|m| m.whole);
+    }
     if met.len() < LEAST_MET {
         return moving_correspondences(views, f, count, seed);
     }
@@ -93,7 +94,7 @@ pub fn met_correspondences(
         .filter_map(|k| {
             let mut random = generator(seed.wrapping_add(SALT), k as u64);
             (0..TRIES).find_map(|_| {
-                let [of_a, of_b] = met[random.random_range(0..met.len())];
+                let Met { hulls: [of_a, of_b], .. } = met[random.random_range(0..met.len())];
                 let a = inside(of_a, &mut random);
                 let line = f.line_in_b(&Vector3::new(a[0], a[1], 1.0));
                 on_chord(of_b, &line, random.random()).map(|b| (a, b))
@@ -102,12 +103,15 @@ pub fn met_correspondences(
         .collect()
 }
 
-/// Pairs of silhouettes of which at least so many tangents met.
-fn silhouettes_that_met<'v>(
-    views: &'v Views,
-    matches: &[TangentMatch],
-    tangents: usize,
-) -> Vec<[&'v [[f64; 2]]; 2]> {
+/// A silhouette of A and one of B that met at the same moment.
+struct Met<'v> {
+    hulls: [&'v [[f64; 2]]; 2],
+    /// With both ends.
+    whole: bool,
+}
+
+/// All pairs of silhouettes that met, moment by moment.
+fn silhouettes_that_met<'v>(views: &'v Views, matches: &[TangentMatch]) -> Vec<Met<'v>> {
     let mut counts: BTreeMap<(CommonFrame, usize, usize), usize> = BTreeMap::new();
     let step = matches.len().div_ceil(MOST_TANGENTS).max(1);
     for p in matches.iter().filter(|p| p.frame.index().is_multiple_of(step)) {
@@ -117,11 +121,11 @@ fn silhouettes_that_met<'v>(
             *counts.entry((p.frame, a, b)).or_default() += 1;
         }
     }
-    let often = counts.into_iter().filter(|(_, count)| *count >= tangents);
-    let pair = |(frame, a, b): (CommonFrame, usize, usize)| {
-        Some([views.a.hulls_of(frame.index()).nth(a)?, views.b.hulls_of(frame.index()).nth(b)?])
+    let met = |((frame, a, b), count): ((CommonFrame, usize, usize), usize)| {
+        let hulls = [views.a.hulls_of(frame.index()).nth(a)?, views.b.hulls_of(frame.index()).nth(b)?];
+        Some(Met { hulls, whole: count >= 2 })
     };
-    often.filter_map(|(met, _)| pair(met)).collect()
+    counts.into_iter().filter_map(met).collect()
 }
 
 /// Mean symmetric epipolar distance of correspondences under another geometry, pixels.

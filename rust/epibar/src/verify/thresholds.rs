@@ -78,7 +78,7 @@ pub const PLACE: f64 = 4.0;
 pub const MAX_BEYOND: f64 = 2.0;
 /// A different geometry whose score differs by less than this many standard deviations may be the truth as well.
 pub const RIVAL_Z: f64 = 2.5;
-/// One that has less than this share of the evidence is not the truth, however few blocks of time there are to tell by. Where the truth itself
+/// One that has no more than this share of the evidence is not the truth, however few blocks of time there are to tell by. Where the truth itself
 /// was found and lost, it had 0.75 of the evidence at the least.
 pub const RIVAL_SHARE: f64 = 0.5;
 /// Geometries that differ by less are one, pixels of a 640×480 image.
