@@ -2,6 +2,8 @@
 
 use std::ops::AddAssign;
 
+use crate::geometry::median::deviation;
+
 /// What a silhouette's tangent is the edge of: below a *top* is its object, above a *bottom*.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Class {
@@ -41,12 +43,7 @@ pub struct TangentMatch {
 
 /// Robust standard deviation of the distances, pixels; NaN of no matches.
 pub fn robust_deviation(matches: &[TangentMatch]) -> f64 {
-    let mut distances: Vec<f64> = matches.iter().map(|p| p.distance).collect();
-    if distances.is_empty() {
-        return f64::NAN;
-    }
-    let middle = distances.len() / 2;
-    1.4826 * *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    deviation(matches.iter().map(|p| p.distance)).unwrap_or(f64::NAN)
 }
 
 /// Score of one class of tangents.

@@ -12,6 +12,7 @@ pub mod homography;
 pub mod hull;
 pub mod least_matrix;
 pub mod lens;
+pub mod median;
 pub mod pencil;
 pub mod seven_parameters;
 pub mod tangent;

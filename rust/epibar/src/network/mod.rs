@@ -19,7 +19,7 @@
 //! * `world`: floor, vertical and unit.
 //! * `verdict`, `thresholds`, `prose`: what is said of each camera; the numbers that decide; sentences.
 //! * `result`: what comes out.
-//! * `evenly`, `median`: some of many; the median of some numbers.
+//! * `evenly`: some of many.
 //!
 //! Of a network that stands:
 //!
@@ -63,7 +63,6 @@ mod halves;
 mod input;
 mod join;
 mod joint;
-mod median;
 mod moves;
 mod observed;
 mod optics;

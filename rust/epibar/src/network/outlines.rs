@@ -3,11 +3,11 @@
 //! Masks of one camera may be clean and those of another ragged, or so small that a filter takes the heads off. Tangents
 //! that meet scatter by what the outlines of both cameras are wrong by, each as far as its pixels count.
 
-use super::median::deviation;
 use super::observed::Observed;
 use super::residual::Pair;
 use super::settle::Settled;
 use super::thresholds as limits;
+use crate::geometry::median::deviation;
 
 /// Robust standard deviation of residuals, pixels, of each camera: of those in which its own pixels have the larger share. NaN
 /// of a camera of which there are hardly any.

@@ -6,10 +6,10 @@
 
 use super::camera::Camera;
 use super::joint::{Beliefs, PairMeetings, Problem, standing, weight};
-use super::median::deviation;
 use super::residual::Pair;
 use super::survey::Survey;
 use super::thresholds as limits;
+use crate::geometry::median::deviation;
 
 /// Radii, pixels of a 640×480 image, within which tangents meet: the first, and the least.
 const WIDEST: f64 = 12.0;

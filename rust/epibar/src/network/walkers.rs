@@ -9,9 +9,9 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::camera::Camera;
-use super::median::{deviation, median};
 use super::tangents::{MatchedEnds, Tangents, other_end};
 use super::thresholds as limits;
+use crate::geometry::median::{deviation, median};
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,7 @@
 //! How much of its hull a silhouette fills: 0.5 to 0.9 of people and animals, 1 of boxes, ellipses and balls.
 
 use super::silhouettes::Silhouettes;
+use crate::geometry::median::median;
 
 /// Silhouettes of fewer pixels say nothing of their shape.
 const SHAPELY: u32 = 150;
@@ -12,12 +13,7 @@ pub fn fill(silhouettes: &Silhouettes) -> f64 {
     let large: Vec<usize> =
         (0..silhouettes.len()).filter(|&hull| silhouettes.area(hull) >= SHAPELY).collect();
     let share = |&hull: &usize| f64::from(silhouettes.area(hull)) / pixels_of(silhouettes.hull(hull));
-    let mut shares: Vec<f64> = large.iter().step_by(large.len().div_ceil(MOST).max(1)).map(share).collect();
-    if shares.is_empty() {
-        return f64::NAN;
-    }
-    let middle = shares.len() / 2;
-    *shares.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(large.iter().step_by(large.len().div_ceil(MOST).max(1)).map(share)).unwrap_or(f64::NAN)
 }
 
 /// Pixels in and on a convex polygon with corners at pixels (Pick's theorem).

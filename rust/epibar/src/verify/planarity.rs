@@ -15,6 +15,7 @@ use crate::frontier::{TangentMatch, View, Views};
 use crate::geometry::fundamental::normaliser;
 use crate::geometry::homography::{self, PointMatch, transfer_distance};
 use crate::geometry::hull::shorter_side;
+use crate::geometry::median::median;
 use crate::random::generator;
 
 /// Share of the points that must fit.
@@ -102,12 +103,6 @@ impl Matched {
 
 /// Median over the silhouettes of the shorter side of the bounding box, pixels; 0 without any.
 pub(super) fn median_width(view: &View) -> f64 {
-    let mut widths: Vec<f64> = Vec::new();
-    for frame in (0..view.frames()).step_by(view.frames().div_ceil(200).max(1)) {
-        for hull in view.hulls_of(frame) {
-            widths.push(shorter_side(hull));
-        }
-    }
-    widths.sort_by(f64::total_cmp);
-    widths.get(widths.len() / 2).copied().unwrap_or(0.0)
+    let frames = (0..view.frames()).step_by(view.frames().div_ceil(200).max(1));
+    median(frames.flat_map(|frame| view.hulls_of(frame)).map(shorter_side)).unwrap_or(0.0)
 }
