@@ -199,13 +199,19 @@ def test_completion_scripts(shell, capsys):
     assert "max-expected-error" in script
 
 
-@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
-def test_bash_completes_options_and_choices(tmp_path, capsys):
+@pytest.fixture
+def completed(tmp_path, monkeypatch, capsys):
+    """What bash completes the last of some words to, in a folder with a file and a folder."""
+    if shutil.which("bash") is None:
+        pytest.skip("no bash")
     assert main(["completion", "bash"]) == 0
     script = tmp_path / "completion.bash"
     script.write_text(capsys.readouterr().out)
+    (tmp_path / "here" / "a_folder").mkdir(parents=True)
+    (tmp_path / "here" / "a_file.mp4").touch()
+    monkeypatch.chdir(tmp_path / "here")
 
-    def completed(*words):
+    def complete(*words):
         line = " ".join(["epibar", *words])
         typed = " ".join(f"'{word}'" for word in ("epibar", *words))
         code = (
@@ -215,9 +221,37 @@ def test_bash_completes_options_and_choices(tmp_path, capsys):
         )
         return subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True).stdout.split()
 
+    return complete
+
+
+def test_bash_completes_options_and_choices(completed):
     assert "calibrate" in completed("cal")
     assert completed("calibrate", "--max") == ["--max-expected-error"]
     assert completed("calibrate", "--foreground", "k") == ["knn"]
+
+
+FOLDERS = {"calibrate --out", "demo --out", "check folder", "export folder", "scale folder", "sync folder"}
+FILES = {"VIDEO", "PATH", "FILE.toml", "FILE.npz", "MASK.png", "calibration.json"}
+NEITHER = {None, "N", "N|auto", "N|auto|search", "S", "PX", "M", "FIRST:LAST", "ADDRESS"}
+NEITHER |= {("A", "M"), ("A", "B", "M")}
+
+
+def test_bash_completes_files_only_where_an_option_takes_one(completed):
+    """Every argument and option of every command, those that a newer epibar has included."""
+    for command, action in arguments():
+        if command is None or action.nargs == 0:
+            continue
+        name = next((one for one in action.option_strings if one.startswith("--")), action.dest)
+        words = [name, "a_"] if action.option_strings else ["a_"]
+        before = ["a_folder"] if command == "check" and name == "videos" else []
+        if f"{command} {name}" in FOLDERS:
+            expected = {"a_folder"}
+        elif action.metavar in FILES:
+            expected = {"a_folder", "a_file.mp4"}
+        else:
+            assert action.metavar in NEITHER or action.choices, f"{command} {name}: a path?"
+            expected = set()
+        assert set(completed(command, *before, *words)) == expected, f"{command} {name}"
 
 
 def test_completion_without_its_library(capsys, monkeypatch):
@@ -231,11 +265,18 @@ def test_completion_without_its_library(capsys, monkeypatch):
 PACKAGE = Path(epibar.__file__).parent
 
 
+def arguments():
+    """Commands, None for what is before them, with each of their arguments and options."""
+    parser = build_parser()
+    commands = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
+    yield from ((None, action) for action in parser._actions)
+    for name, command in commands.choices.items():
+        yield from ((name, action) for action in command._actions)
+
+
 def known_options():
     """The options of all commands."""
-    commands = next(a for a in build_parser()._actions if isinstance(a, argparse._SubParsersAction))
-    parsers = [build_parser(), *commands.choices.values()]
-    return {option for one in parsers for action in one._actions for option in action.option_strings}
+    return {option for _, action in arguments() for option in action.option_strings}
 
 
 def named_options():

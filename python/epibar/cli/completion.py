@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Iterator
 
 from .exit_codes import DONE
@@ -18,9 +19,9 @@ DESCRIPTION = (
     "$fpath. tcsh: source it."
 )
 
-FOLDERS = {"DIR"}
-NO_FILES = {"N", "S", "PX", "N|search", "FIRST:LAST", "ADDRESS"}
-"""What options take that is no path."""
+FOLDER = "DIR"
+FILES = re.compile(r"VIDEO|PATH|\w+\.\w+")
+"""What options call a file that they take: these words, and all with a suffix, such as FILE.toml."""
 
 
 def add_options(command: CommandParser) -> None:
@@ -39,11 +40,21 @@ def run(args: argparse.Namespace) -> int:
             "shtab is missing, which writes the script: pip install 'epibar[completion]'"
         ) from error
     for action in _actions(args.whole):
-        if action.choices is None and action.nargs != 0 and str(action.metavar) not in NO_FILES:
-            kind = shtab.DIRECTORY if action.metavar in FOLDERS else shtab.FILE
+        if takes_folder(action) or takes_file(action):
+            kind = shtab.DIRECTORY if takes_folder(action) else shtab.FILE
             setattr(action, "complete", kind)  # noqa: B010 - shtab looks for it
     print(shtab.complete(args.whole, args.shell))
     return DONE
+
+
+def takes_folder(action: argparse.Action) -> bool:
+    """Whether an argument or option takes a folder."""
+    return action.metavar == FOLDER
+
+
+def takes_file(action: argparse.Action) -> bool:
+    """Whether an argument or option takes a file, or a folder of images in the place of one."""
+    return isinstance(action.metavar, str) and FILES.fullmatch(action.metavar) is not None
 
 
 def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
