@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -206,6 +207,30 @@ def test_lengths_are_combined_by_their_accuracy():
     assert again.ground.height == pytest.approx(1.75)
 
 
+def test_five_metres_known_to_a_centimetre():
+    """Half a percent at most, with what is not known of the two places themselves."""
+    net = made_up(refused=(), lost=())
+    good = net.scaled(distance=("cam1", "cam2", 5.0, 0.01))
+    assert 1.645 * 0.002 < good.scale.error < 0.005
+    loose = {
+        name: replace(one, expected={**one.expected, "position": 0.05}) for name, one in net.cameras.items()
+    }
+    assert replace(net, cameras=loose).scaled(distance=("cam1", "cam2", 5.0, 0.01)).scale.error > 0.02
+    # Three of them say more than one, and people next to nothing beside them.
+    given = [(a, b, 5.0 / 2**0.5 * length, 0.01) for a, b, length in net_sides(net)]
+    assert net.scaled(distance=given).scale.error < good.scale.error
+    both = net.scaled(distance=given[0], person_height=0.35 * 5 / 2**0.5 * 1.05)
+    assert both.scale.error == pytest.approx(good.scale.error, rel=0.01)
+    assert both.cameras["cam1"].position[2] == pytest.approx(0.8 * 5 / 2**0.5, rel=0.002)
+
+
+def net_sides(net):
+    """Neighbours on the circle, and how far apart."""
+    names = [*net.cameras, "cam1"]
+    place = {name: camera.position for name, camera in net.cameras.items()}
+    return [(a, b, float(np.linalg.norm(place[a] - place[b]))) for a, b in pairwise(names)]
+
+
 def test_contradictions_are_named():
     with pytest.raises(EpibarError, match=r"2 m between cam1 and cam2 and the height of 1.75 m of people"):
         made_up().scaled(distance=("cam1", "cam2", 2.0), person_height=1.75)
@@ -220,6 +245,7 @@ def test_contradictions_are_named():
         ({"distance": ("cam1", "cam9", 2.0)}, "cam9"),
         ({"distance": 2.0}, "expected"),
         ({"distance": ("cam1", "cam2", 2.0, -1.0)}, "standard error"),
+        ({"distance": ("cam1", "cam2", 2.0, 2.0)}, "less than the length itself"),
         ({"camera_height": ("cam1", math.nan)}, "positive"),
         ({"person_height": "tall"}, "person_height"),
     ],

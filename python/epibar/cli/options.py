@@ -16,6 +16,7 @@ __all__ = [
     "add_length_options",
     "add_output_options",
     "frame_numbers",
+    "length",
     "lengths",
     "offset",
     "positive",
@@ -139,19 +140,31 @@ def seconds(text: str) -> float:
     return _positive_number(text, "seconds")
 
 
-def metres(text: str) -> float:
-    """Read a positive number of metres."""
-    return _positive_number(text, "metres")
+def length(text: str) -> float | tuple[float, float]:
+    """Read a length in metres, with its standard error where that is said: 4.20, 4.20±0.01 or 4.20+-0.01."""
+    metres, says, error = text.replace("+-", "±").partition("±")
+    numbers = [_number(metres), _number(error)] if says else [_number(metres)]
+    if not all(math.isfinite(number) and number > 0 for number in numbers):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a positive number of metres, such as 4.20, or 4.20+-0.01 where its standard "
+            "error is known"
+        )
+    return (numbers[0], numbers[1]) if says else numbers[0]
 
 
 def add_length_options(command: argparse.ArgumentParser) -> None:
     """Add the lengths that give a network its scale."""
-    group = command.add_argument_group("metres: what is known of the scale, any number of them")
+    group = command.add_argument_group(
+        "metres: what is known of the scale, any number of them",
+        # In ASCII, which every terminal can print.
+        "M is metres, 4.20, or metres with their standard error, 4.20+-0.01, where it is another than that "
+        "below",
+    )
     group.add_argument(
         "--person-height",
-        type=metres,
+        type=length,
         metavar="M",
-        help="how tall those who walk are in the median; good to some 3 %%",
+        help="how tall those who walk are in the median, as they walk; good to some 3 %%",
     )
     group.add_argument(
         "--distance",
@@ -167,26 +180,27 @@ def add_length_options(command: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar=("A", "M"),
-        help="of a camera above the floor; may be given again for others",
+        help="of a camera above the floor: measured to 1 %% or 1 cm; may be given again for others",
     )
 
 
 def lengths(args: argparse.Namespace) -> dict[str, Any]:
     """Take the lengths that were given."""
     return {
-        "distance": [(a, b, _metres("--distance", given)) for a, b, given in args.distance],
+        "distance": [(a, b, _length("--distance", given)) for a, b, given in args.distance],
         "person_height": args.person_height,
-        "camera_height": [(a, _metres("--camera-height", given)) for a, given in args.camera_height],
+        "camera_height": [(a, _length("--camera-height", given)) for a, given in args.camera_height],
     }
 
 
-def _metres(option: str, text: str) -> float:
-    number = _number(text)
-    if not (math.isfinite(number) and number > 0):
+def _length(option: str, text: str) -> float | tuple[float, float]:
+    """Read the length among the words of an option of which the others are names."""
+    try:
+        return length(text)
+    except argparse.ArgumentTypeError as error:
         from ..errors import EpibarError
 
-        raise EpibarError(f"{option}: {text!r} is not a positive number of metres")
-    return number
+        raise EpibarError(f"{option}: {error}") from error
 
 
 def positive_pixels(text: str) -> float:

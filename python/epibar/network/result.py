@@ -75,11 +75,12 @@ class Network(NetworkParts):
         ----------
         distance : tuple (str, str, float) or list of such
             Metres between two cameras. Good to 1 %, or 1 cm where that is more; a fourth value is another
-            standard error, metres.
+            standard error, metres: ``("cam1", "cam2", 4.20, 0.01)``.
         person_height : float or tuple (float, float), optional
-            Metres that those who walk measure in the median; good to 3 %, or to the second value, metres.
+            Metres that those who walk measure in the median, as they walk; good to 3 %, or to the second
+            value, metres.
         camera_height : tuple (str, float) or list of such
-            Metres of a camera above the floor; as good as a distance.
+            Metres of a camera above the floor; as good as a distance, or to the third value, metres.
 
         Returns
         -------

@@ -136,8 +136,11 @@ def _metres(what: str, given: Any, share: float, least: float) -> tuple[float, f
         raise EpibarError(f"{what} = {given!r}: expected a positive number of metres")
     if error is None:
         return float(metres), max(share * float(metres), least)
-    if not (is_number(error) and error > 0):
-        raise EpibarError(f"{what} = {given!r}: its standard error must be a positive number of metres")
+    if not (is_number(error) and 0 < error < metres):
+        raise EpibarError(
+            f"{what} = {given!r}: its standard error must be a positive number of metres, and less than the "
+            "length itself"
+        )
     return float(metres), float(error)
 
 
