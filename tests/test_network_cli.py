@@ -180,9 +180,6 @@ def test_the_report_has_the_network_and_its_walkers(masks, again, capsys):
     page = Page(again / "report.html")
     assert page.data["space"]["tracks"] == []
     assert "tracks.csv: no table of tracks" in "".join(page.text)
-    (again / "tracks.csv").unlink()
-    assert main(["scale", str(again), "--person-height", "1.7"]) == 0
-    assert "report.html still shows the network as it was" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -256,6 +256,16 @@ def test_a_refused_pair_looks_refused(opened):
     assert copied(page).startswith("# REFUSED (ambiguous)")
 
 
+def test_a_pair_of_which_a_camera_moved(watched, tmp_path):
+    cameras, pairs = make_report_input()
+    moved = replace(pairs[2].calibration, kind="moved", reason="cam3 moved after the pair was calibrated")
+    path = write_report(tmp_path / "report.html", cameras, [replace(pairs[2], calibration=moved)])
+    said = watched(f"{path.as_uri()}#pair-1", DESKTOP).locator(".verdict").inner_text()
+    assert "A camera has moved since" in said
+    assert "is of before a camera moved" in said
+    assert "No fundamental matrix" not in said
+
+
 def test_a_pair_without_a_matrix_has_no_pointer(opened):
     page = opened(pair=3)
     assert "No fundamental matrix was found" in page.locator(".verdict").inner_text()

@@ -98,10 +98,12 @@ class Update:
 
     def write(self, network: Network, moved: Sequence[str]) -> list[str]:
         """Write the network after some cameras moved; returns warnings."""
+        from ..jobs.stored_report import rewrite_report
         from ..jobs.update_files import write_update
 
         given = self._made.intrinsics if self._made else None
-        return write_update(self._folder, network, moved, self._lenses, given)
+        warnings = write_update(self._folder, network, moved, self._lenses, given)
+        return warnings + rewrite_report(self._folder, network)
 
 
 def _checked(args: Namespace, network: Network, update: Update | None, console: Console) -> int:

@@ -13,7 +13,8 @@ NAME = "scale"
 HELP = "give a calibrated network its metres, after the fact"
 DESCRIPTION = (
     "Bring the network in DIR to metres, by all lengths that are given, weighted by their accuracy. Rewrites "
-    "network.json, cameras.toml, tracks.csv and the network in calibration.json; pairs stay as they are."
+    "network.json, cameras.toml, tracks.csv, report.html and the network in calibration.json; pairs stay as "
+    "they are."
 )
 
 
@@ -30,9 +31,10 @@ def run(args: Namespace) -> int:
     from ..files.calibration_json import read_json
     from ..files.json_file import write_json
     from ..jobs.folder import Folder
-    from ..jobs.inputs import NETWORK_FILE, REPORT
+    from ..jobs.inputs import NETWORK_FILE
     from ..jobs.network_files import write_network
     from ..jobs.network_tables import rescale_tracks
+    from ..jobs.stored_report import rewrite_report
     from ..network import Network
     from ..outcome.run import Run
     from .console import Console
@@ -53,11 +55,7 @@ def run(args: Namespace) -> int:
             console.warning(text)
         rescale_tracks(folder, before, network)
         write_json(result, content)
+        for text in rewrite_report(folder, network):
+            console.warning(text)
     console.joined(network, None)
-    report = result.parent / REPORT
-    if report.exists():
-        console.warning(
-            f"{report} still shows the network as it was: 'epibar calibrate' with the same videos and these "
-            "lengths writes it anew"
-        )
     return DONE

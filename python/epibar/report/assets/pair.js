@@ -68,7 +68,10 @@ const withCode = text => text.split("`").map((part, k) => (k % 2 ? el("code", {}
 
 // F is there to be copied; that of a refused pair must be asked for, and says so wherever it is pasted.
 function matrixBox(pair) {
-  if (pair.F === null) return el("p", { class: "note" }, "No fundamental matrix was found.");
+  if (pair.F === null) {
+    const moved = "The fundamental matrix that was found is of before a camera moved.";
+    return el("p", { class: "note" }, pair.kind === "moved" ? moved : "No fundamental matrix was found.");
+  }
   const rows = pair.F.map(row => `    [${row.join(", ")}],`).join("\n");
   const warning = pair.accepted ? "" : `# REFUSED (${pair.kind}): not to be used\n`;
   const text = `${warning}F = np.array([\n${rows}\n])  # x_b^T F x_a = 0\n`;
