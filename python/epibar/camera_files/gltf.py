@@ -39,7 +39,7 @@ __all__ = ["write_gltf"]
 Z_UP = [-(0.5**0.5), 0.0, 0.0, 0.5**0.5]
 """Quaternion x y z w that turns z into y."""
 Y_DOWN = [1.0, 0.0, 0.0, 0.0]
-"""The same of a world that is the first camera: its -y into y."""
+"""Quaternion x y z w that turns -y into y, where the world is the first camera."""
 
 OPENGL = np.array([1.0, -1.0, -1.0])
 FLOAT, ARRAY_BUFFER, LINES, LINE_STRIP = 5126, 34962, 1, 3

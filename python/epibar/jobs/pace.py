@@ -124,8 +124,8 @@ class _Work:
             self.first = self.first or (self.elapsed, self.share)
 
     @property
-    def told(self) -> tuple[float, float] | None:
-        """Seconds and share since the first share was told."""
+    def progress(self) -> tuple[float, float] | None:
+        """Seconds and share since the first share; None before a second one."""
         if self.first is None or self.share <= self.first[1]:
             return None
         return self.elapsed - self.first[0], self.share - self.first[1]
@@ -254,11 +254,11 @@ class Pace:
         """Whether anything was measured, and something is known of the size of all that is left."""
         for name, stage in self._stages.items():
             of_it = [work for work in self._running.values() if work.stage == name]
-            unknown = any(work.prior is None and work.told is None for work in of_it)
+            unknown = any(work.prior is None and work.progress is None for work in of_it)
             if not stage.ended and (unknown or None in self._ahead[name].values()):
                 return False
         ended = any(stage.ended for stage in self._stages.values())
-        return ended or any(work.told is not None for work in self._running.values())
+        return ended or any(work.progress is not None for work in self._running.values())
 
     def _prior(self, stage: str, prior: float | None) -> float:
         """Prior of a task; where there is none, the mean of others of its stage."""
@@ -323,8 +323,8 @@ class Pace:
             seconds, prior = seconds + stage.seconds, prior + stage.prior
             whole, tasks = whole + stage.prior, tasks + stage.ended
             for work in self._running.values():
-                if work.stage == name and work.told is not None:
-                    spent, share = work.told
+                if work.stage == name and work.progress is not None:
+                    spent, share = work.progress
                     of_it = self._prior(name, work.prior)
                     seconds, prior = seconds + spent, prior + share * of_it
                     whole, tasks = whole + of_it, tasks + 1
@@ -336,9 +336,9 @@ class Pace:
 
 def _left(work: _Work, whole: float, start: float) -> float:
     """Seconds that a task still takes, which takes ``whole`` after a start, as far as others tell."""
-    if work.told is None:
+    if work.progress is None:
         return max(start + whole - work.elapsed, OVERDUE * work.elapsed)
-    spent, share = work.told
+    spent, share = work.progress
     itself = spent / share
     return (1.0 - work.share) * (work.share * itself + (1.0 - work.share) * whole)
 

@@ -30,7 +30,7 @@ BEGINS = {
 ENDS = dict(pairwise(BEGINS.values())) | {BEGINS["settle"]: 1.0}
 
 JOINING = ((0.0, 0.0), (0.4, 0.52), (0.7, 0.81), (0.9, 1.0), (1.0, 1.0))
-"""What joining tells, and the share of its time."""
+"""Shares that joining reports, and those of its time."""
 
 NEVER_ALL = 0.98
 """Of a search that goes on, however many rounds it had."""
@@ -66,8 +66,8 @@ class PairShare:
         return self._share
 
 
-def joining_share(told: float) -> float:
-    """Share of the time of joining all pairs, between those that it tells."""
-    at = min(bisect_right(JOINING, (told, 2.0)), len(JOINING) - 1)
+def joining_share(reported: float) -> float:
+    """Share of the time of joining all pairs that is over, of the share that joining reports."""
+    at = min(bisect_right(JOINING, (reported, 2.0)), len(JOINING) - 1)
     (before, share), (after, end) = JOINING[at - 1], JOINING[at]
-    return min(share + (end - share) * max(told - before, 0.0) / (after - before), 1.0)
+    return min(share + (end - share) * max(reported - before, 0.0) / (after - before), 1.0)

@@ -218,7 +218,8 @@ def people(
         Of everything.
     cameras, walkers : int
     camera_height : (low, high)
-        Metres; `LOW_CAMERAS` is the hard case of DESIGN §6.
+        Metres; `LOW_CAMERAS` is the hard case: at head height all heads lie near the horizon, and the floor
+        alone explains most of what is seen.
     one_path : bool
         Everybody on one straight line, to and fro: leaves F undetermined.
     frames, size, fps, asymmetric, facing, one_camera_only, occluders, dirty, motion_seed
