@@ -13,6 +13,7 @@
 #   make coverage  which lines the tests of either language reach
 #   make bench     speed of every stage, beside its limit and its peers; writes bench.json
 #   make paper     accuracy, in the settings of the paper
+#   make version   is TAG=v1.2.3 the version of the crate and of the package?
 #   make dist      source distribution and wheel, tried in an empty environment
 #   make cross     the wheel for Linux on aarch64, built on any machine
 
@@ -37,7 +38,7 @@ $(shell rm -f $(VENV)/.built)
 endif
 
 .DEFAULT_GOAL := help
-.PHONY: help build demo test readers live fuzz hostile audit docs check semver coverage bench paper dist cross clean
+.PHONY: help build demo test readers live fuzz hostile audit docs check semver coverage bench paper version dist cross clean
 
 help:
 	@sed -n 's/^#   //p' Makefile
@@ -172,11 +173,22 @@ bench: build $(VENV)/.peers
 paper: build
 	$(BIN)/python benchmarks/paper.py
 
+# The package has the version of the crates: maturin takes it from Cargo.toml, unless pyproject.toml says another.
+version:
+	@$(PYTHON) -c 'import sys, tomllib; read = lambda path: tomllib.load(open(path, "rb")); \
+		crate = read("Cargo.toml")["workspace"]["package"]["version"]; \
+		package = read("pyproject.toml")["project"].get("version", crate); \
+		"v" + crate == "v" + package == sys.argv[1] or \
+		sys.exit(f"the tag is {sys.argv[1]!r}, but Cargo.toml says {crate} and the Python package {package}")' "$(TAG)"
+
 # The wheel is built from the source distribution, so that one that lacks a file fails here. The demo then runs
 # outside the repository, where nothing but the wheel can be imported, and without Rust on the path.
 DIST := $(abspath target/dist)
+IN_CRATE := README.md LICENSE-MIT LICENSE-APACHE
 
 dist: $(VENV)/.tools
+	listed=$$(cargo package --list --locked --allow-dirty --package epibar) && for file in $(IN_CRATE); do \
+		echo "$$listed" | grep -qx "$$file" || { echo "the crate would be published without $$file" >&2; exit 1; }; done
 	rm -rf $(DIST)
 	$(BIN)/maturin build --sdist --release --locked --out $(DIST)
 	mkdir $(DIST)/source && tar xf $(DIST)/epibar-*.tar.gz -C $(DIST)/source --strip-components=1
