@@ -18,8 +18,6 @@ ROOMS = (
 
 MOST_AT_THE_TOP = 12
 MOST_LINES = 400
-PATH = re.compile(r"\b(crate|super|self)((?:::\w+)*)(::\{)?")
-"""The beginning of a path, its names, and whether a group of more follows."""
 
 
 def modules():
@@ -32,42 +30,49 @@ def modules():
 
 
 def code(path):
-    """Read a file without its comments and its tests."""
-    text = re.sub(r"//[^\n]*", "", path.read_text())
-    return re.split(r"#\[cfg\(test\)\]\s*mod", text)[0]
+    """Read a file without its comments, its tests, and who may see what."""
+    text = re.sub(r"//[^\n]*|\bpub\(in [\w:]+\)", "", path.read_text())
+    return re.split(r"#\[cfg\(test\)\]\s*(?:pub(?:\(\w+\))? )?mod", text)[0]
 
 
-def first_names(group):
-    """Yield the first name of each member of a group, which is what stands after its brace."""
-    depth, at_start = 0, True
+def members(group):
+    """Yield the paths in a group, those of groups in it included, from what stands after its brace."""
+    outer, before, path = [], [], []
     for token in re.finditer(r"\w+|[{},]", group):
+        if token[0] not in "{},":
+            path.append(token[0])
+            continue
         if token[0] == "{":
-            depth += 1
-        elif token[0] == "}":
-            depth -= 1
-            if depth < 0:
+            outer.append(before)
+            before = path
+        elif len(path) > len(before):
+            yield path
+        if token[0] == "}":
+            if not outer:
                 return
-        elif token[0] == ",":
-            at_start = at_start or depth == 0
-        elif at_start and depth == 0:
-            yield token[0]
-            at_start = False
+            before = outer.pop()
+        path = list(before)
+
+
+def children(name, text):
+    """Which modules a file declares; a path may begin with their names."""
+    return re.findall(r"\bmod (\w+);", text) if name else []
 
 
 def imported(name, text, known):
-    """Yield the modules whose names a module uses."""
+    """Yield the modules whose names a module uses, those that it re-exports included."""
     own = name.split("::")
-    for found in PATH.finditer(text):
+    begins = "|".join(["crate", "super", "self", *children(name, text)])
+    for found in re.finditer(rf"(?<![\w.:])({begins})\b((?:::\w+)*)(::\{{)?", text):
         start, names, group = found.groups()
         if not names and not group:
-            continue  # the value `self`
-        base = {"crate": [], "super": own[:-1], "self": own}[start]
+            continue  # the value `self`, or a variable that is called like a module
+        base = {"crate": [], "super": own[:-1], "self": own}.get(start, [*own, start])
         names = names.split("::")[1:]
         while names[:1] == ["super"]:
             base, names = base[:-1], names[1:]
-        ends = first_names(text[found.end() :]) if group else [None]
-        for end in ends:
-            target = [*base, *names, *([end] if end else [])]
+        for end in members(text[found.end() :]) if group else [[]]:
+            target = [*base, *names, *end]
             while target and "::".join(target) not in known:
                 target = target[:-1]
             if target and target != own:
@@ -137,10 +142,14 @@ def test_the_network_lists_all_its_files():
 
 
 def test_imports_are_found():
-    """In groups, in groups of groups, and through `super`."""
+    """In groups, in groups of groups, through `super`, and where a path begins with a child's name."""
     known = {"a", "a::b", "a::c", "d", "d::e"}
     text = "use crate::d::{X, e::{Y, Z}};\nuse super::c::V;\nfn f(&self) { crate::a::g(self::h()) }"
     assert set(imported("a::b", text, known)) == {"d", "d::e", "a::c", "a"}
+    assert list(imported("a::b", "use super::{c::{self, V}, c::W,};", known)) == ["a::c"] * 3
+    for child in ("use b::X;", "pub use b::{X, Y};", "fn f() { b::g() }"):
+        assert set(imported("a", "mod b;\n" + child, known)) == {"a::b"}
+    assert set(imported("a", "mod b;\nuse crate::d::b::X;\nfn f(b: B) { b.g(b) }", known)) == {"d"}
     found = rooms()
     assert {"matching", "search", "verify", "clock"} <= found["calibrate"]
     assert {room for room, targets in found.items() if "calibrate" in targets} == {"network"}
