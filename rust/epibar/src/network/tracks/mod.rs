@@ -1,9 +1,13 @@
 //! Walkers as tracks over all cameras of a network that stands.
 //!
 //! At every frame of the first camera silhouettes of any two cameras whose tops and bottoms both meet, and which stand on the floor,
-//! are candidates (`sightings`); those that agree in space are one walker (`groups`), whose top and bottom are where the rays of
-//! all of them meet (`triangulate`); and walkers of one moment go on at the next (`linking`). What could be two walkers is left out.
-//! `points` has what comes out.
+//! are candidates; those that agree in space are one walker, whose top and bottom are where the rays of all of them meet; and walkers
+//! of one moment go on at the next. What could be two walkers is left out.
+//!
+//! * `sightings`: the candidates.
+//! * `groups`, `triangulate`: which of them are one walker; where rays meet.
+//! * `linking`: from moment to moment.
+//! * `points`: what comes out.
 
 mod groups;
 mod linking;
@@ -20,14 +24,14 @@ use groups::{Group, Scale, groups};
 use linking::Crowd;
 use sightings::{Eye, Sighting, sightings};
 
-use super::camera::Camera;
-use super::input::INSET;
-use super::joint::{Belief, Beliefs};
-use super::observed::Observed;
-use super::relocate::Placed;
-use super::settle::settle;
-use super::stated::{EXPECTED, Stated};
-use super::survey::Survey;
+use super::given::input::INSET;
+use super::given::stated::{EXPECTED, Stated};
+use super::model::camera::Camera;
+use super::model::joint::{Belief, Beliefs};
+use super::moments::observed::Observed;
+use super::moments::survey::Survey;
+use super::solve::relocate::Placed;
+use super::solve::settle::settle;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::watch::{Stage, Watch, report};
