@@ -12,7 +12,7 @@ use rand::RngExt;
 
 use super::matches::{CommonFrame, TangentMatch};
 use super::views::{View, Views};
-use crate::geometry::hull::on_chord;
+use crate::geometry::hull::{mean_of_three, on_chord};
 use crate::geometry::{Fundamental, symmetric_epipolar_distance};
 use crate::random::{Generator, generator};
 
@@ -34,11 +34,9 @@ fn random_hull<'v>(view: &'v View, random: &mut Generator) -> Option<&'v [[f64; 
     view.hulls_of(frame).nth(random.random_range(0..count))
 }
 
-/// A random mixture of three vertices, which lies inside a convex hull.
+/// A random point inside of a hull.
 fn inside(hull: &[[f64; 2]], random: &mut Generator) -> [f64; 2] {
-    let mut pick = || hull[random.random_range(0..hull.len())];
-    let (p, q, r) = (pick(), pick(), pick());
-    [(p[0] + q[0] + r[0]) / 3.0, (p[1] + q[1] + r[1]) / 3.0]
+    mean_of_three(|| hull[random.random_range(0..hull.len())])
 }
 
 /// About `count` correspondences under `f`, drawn by a seed; fewer where its epipolar lines miss what moved in B.

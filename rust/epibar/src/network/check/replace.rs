@@ -99,7 +99,7 @@ impl<'a> Resolved<'a> {
         if confirmed.len() < limits::CONFIRMED_PAIRS {
             return Err(UNCONFIRMED);
         }
-        told(m, &at, &stored[c], &self.errors[0], c);
+        measure(m, &at, &stored[c], &self.errors[0], c);
         if m.or_zoomed {
             return Err(OR_ZOOMED);
         }
@@ -147,8 +147,8 @@ fn solved_for(found: &Move, beliefs: &Beliefs) -> Beliefs {
     Beliefs { posed: !found.reposed, ..if found.zoomed { freed(beliefs) } else { *beliefs } }
 }
 
-/// The move by the place that all that moved agree on.
-fn told(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, camera: usize) {
+/// How far it moved, by the place that all that moved agree on.
+fn measure(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, camera: usize) {
     let error = |from: usize| pose_error(errors, camera, from);
     if let (Some(turned_error), Some(shifted_error)) = (error(ROTATION), error(POSITION)) {
         found.turned = stored.rotation.angle_to(&at.rotation);

@@ -30,6 +30,6 @@ pub struct TrackSighting {
     pub cameras: [usize; 2],
     /// Raw pixels of the top in either; where a moment falls between two frames, between what they show.
     pub top: [[f64; 2]; 2],
-    /// The same of the bottom.
+    /// Raw pixels of the bottom in either.
     pub foot: [[f64; 2]; 2],
 }

@@ -47,9 +47,9 @@ impl Default for SearchOptions {
 const SPOTS: usize = 120;
 
 /// The fitted frames, and thinner sets of them.
-pub struct Ground<'a> {
+pub struct TrainingSet<'a> {
     /// All fitted frames.
-    pub(super) train: &'a Views,
+    pub(super) all: &'a Views,
     /// Those that score hypotheses.
     pub(super) scoring: Views,
     /// Those that compare refined solutions.
@@ -59,16 +59,16 @@ pub struct Ground<'a> {
     pub(super) options: SearchOptions,
 }
 
-impl<'a> Ground<'a> {
+impl<'a> TrainingSet<'a> {
     /// `subset` gives at most so many of the fitted frames.
-    pub fn new(train: &'a Views, subset: impl Fn(usize) -> Views, options: SearchOptions) -> Self {
-        let per_frame = 0.5 * (train.a.hulls() + train.b.hulls()) as f64 / train.frames().max(1) as f64;
+    pub fn new(all: &'a Views, subset: impl Fn(usize) -> Views, options: SearchOptions) -> Self {
+        let per_frame = 0.5 * (all.a.hulls() + all.b.hulls()) as f64 / all.frames().max(1) as f64;
         let frames = |hulls: usize| (hulls as f64 / per_frame.max(0.1)) as usize;
         Self {
-            train,
+            all,
             scoring: subset(frames(options.scoring_hulls).clamp(60, 300)),
             comparing: subset(frames(options.comparing_hulls).clamp(150, 600)),
-            scale: train.pixel_scale(),
+            scale: all.pixel_scale(),
             options,
         }
     }
