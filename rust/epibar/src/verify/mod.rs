@@ -94,7 +94,7 @@ pub struct Case<'a> {
     pub max_expected_error: f64,
     /// Frames per second of A; NaN where unknown.
     pub frame_rate: f64,
-    /// Seed of every random draw.
+    /// Seed of every random draw but those of [`turning`].
     pub seed: u64,
 }
 
