@@ -14,7 +14,7 @@ use super::matches::{CommonFrame, TangentMatch};
 use super::views::{View, Views};
 use crate::geometry::hull::{mean_of_three, on_chord};
 use crate::geometry::{Fundamental, symmetric_epipolar_distance};
-use crate::random::{Generator, generator};
+use crate::random::{Generator, Stream};
 
 /// A spot in A and a spot in B on its epipolar line, pixels.
 pub type Correspondence = ([f64; 2], [f64; 2]);
@@ -46,10 +46,9 @@ pub fn moving_correspondences(
     count: usize,
     seed: u64,
 ) -> Vec<Correspondence> {
-    const SALT: u64 = 0x70_6F69_6E74;
     (0..count)
         .filter_map(|k| {
-            let mut random = generator(seed.wrapping_add(SALT), k as u64);
+            let mut random = Stream::Points.generator(seed, k as u64);
             let hull = random_hull(&views.a, &mut random)?;
             let a = inside(hull, &mut random);
             let line = f.line_in_b(&Vector3::new(a[0], a[1], 1.0));
@@ -79,7 +78,6 @@ pub fn met_correspondences(
     count: usize,
     seed: u64,
 ) -> Vec<Correspondence> {
-    const SALT: u64 = 0x6D_6574;
     let mut met = silhouettes_that_met(views, matches);
     let whole = met.iter().filter(|m| m.whole).count();
     if whole >= LEAST_MET && whole as f64 >= SHARE_OF_WHOLE * met.len() as f64 {
@@ -90,7 +88,7 @@ pub fn met_correspondences(
     }
     (0..count)
         .filter_map(|k| {
-            let mut random = generator(seed.wrapping_add(SALT), k as u64);
+            let mut random = Stream::Met.generator(seed, k as u64);
             (0..TRIES).find_map(|_| {
                 let Met { hulls: [of_a, of_b], .. } = met[random.random_range(0..met.len())];
                 let a = inside(of_a, &mut random);

@@ -22,7 +22,7 @@ use crate::frontier::Scorer;
 use crate::hypotheses::sources::Frames;
 use crate::hypotheses::{Hypotheses, hypotheses};
 use crate::matching::Candidates;
-use crate::random::GOLDEN;
+use crate::random::seed_of_pass;
 use crate::watch::Watch;
 
 /// Searches with all sources, on the fitted frames alone.
@@ -40,8 +40,7 @@ pub fn search(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn W
         {
             break;
         }
-        // Apart from one another, so that no pass repeats the draws of another.
-        let seed = training.options.seed.wrapping_add((pass as u64).wrapping_mul(GOLDEN));
+        let seed = seed_of_pass(training.options.seed, pass as u64);
         let Hypotheses { scored, floors } =
             hypotheses(&frames, candidates, &training.options.draws, seed, watch)?;
         found.floor = found.floor.or_else(|| floors.into_iter().next());

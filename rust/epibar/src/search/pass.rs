@@ -7,6 +7,7 @@ use super::starts::{Starts, with_refined};
 use super::training_set::TrainingSet;
 use crate::error::Result;
 use crate::hypotheses::Hypothesis;
+use crate::random::seed_of_perturbed;
 use crate::refine::valley::walk;
 use crate::watch::{Stage, Watch, report};
 
@@ -68,7 +69,7 @@ pub(super) fn pass(
         report(watch, Stage::Restart, round as f64 / options.restarts as f64)?;
         let mut moved = Vec::new();
         for (k, solution) in solutions.iter().take(breadth.perturbed).enumerate() {
-            moved.extend(perturbed(training, solution, seed.wrapping_add((round * 100 + k) as u64)));
+            moved.extend(perturbed(training, solution, seed_of_perturbed(seed, round as u64, k as u64)));
         }
         solutions = with_refined(training, solutions, &moved, &PERTURBED_SCHEDULES, breadth.kept);
     }
