@@ -16,10 +16,15 @@ ROOMS = (
 )
 """From tools to jobs: each may import from those before it. The root and `internals` stand above all."""
 
+NETWORK_ROOMS = (
+    *("thresholds", "model", "given", "moments", "solve", "evidence", "result", "case", "prose", "verdict"),
+    *("join", "calibrate", "check", "tracks"),
+)
+"""Those of the room `network`, in the same way; its own file re-exports, and stands above them."""
+
 MOST_AT_THE_TOP = 12
+MOST_IN_THE_NETWORK = 8
 MOST_LINES = 400
-PATH = re.compile(r"\b(crate|super|self)((?:::\w+)*)(::\{)?")
-"""The beginning of a path, its names, and whether a group of more follows."""
 
 
 def modules():
@@ -32,42 +37,49 @@ def modules():
 
 
 def code(path):
-    """Read a file without its comments and its tests."""
-    text = re.sub(r"//[^\n]*", "", path.read_text())
-    return re.split(r"#\[cfg\(test\)\]\s*mod", text)[0]
+    """Read a file without its comments, its tests, and who may see what."""
+    text = re.sub(r"//[^\n]*|\bpub\(in [\w:]+\)", "", path.read_text())
+    return re.split(r"#\[cfg\(test\)\]\s*(?:pub(?:\(\w+\))? )?mod", text)[0]
 
 
-def first_names(group):
-    """Yield the first name of each member of a group, which is what stands after its brace."""
-    depth, at_start = 0, True
+def members(group):
+    """Yield the paths in a group, those of groups in it included, from what stands after its brace."""
+    outer, before, path = [], [], []
     for token in re.finditer(r"\w+|[{},]", group):
+        if token[0] not in "{},":
+            path.append(token[0])
+            continue
         if token[0] == "{":
-            depth += 1
-        elif token[0] == "}":
-            depth -= 1
-            if depth < 0:
+            outer.append(before)
+            before = path
+        elif len(path) > len(before):
+            yield path
+        if token[0] == "}":
+            if not outer:
                 return
-        elif token[0] == ",":
-            at_start = at_start or depth == 0
-        elif at_start and depth == 0:
-            yield token[0]
-            at_start = False
+            before = outer.pop()
+        path = list(before)
+
+
+def children(name, text):
+    """Which modules a file declares; a path may begin with their names."""
+    return re.findall(r"\bmod (\w+);", text) if name else []
 
 
 def imported(name, text, known):
-    """Yield the modules whose names a module uses."""
+    """Yield the modules whose names a module uses, those that it re-exports included."""
     own = name.split("::")
-    for found in PATH.finditer(text):
+    begins = "|".join(["crate", "super", "self", *children(name, text)])
+    for found in re.finditer(rf"(?<![\w.:])({begins})\b((?:::\w+)*)(::\{{)?", text):
         start, names, group = found.groups()
         if not names and not group:
-            continue  # the value `self`
-        base = {"crate": [], "super": own[:-1], "self": own}[start]
+            continue  # the value `self`, or a variable that is called like a module
+        base = {"crate": [], "super": own[:-1], "self": own}.get(start, [*own, start])
         names = names.split("::")[1:]
         while names[:1] == ["super"]:
             base, names = base[:-1], names[1:]
-        ends = first_names(text[found.end() :]) if group else [None]
-        for end in ends:
-            target = [*base, *names, *([end] if end else [])]
+        for end in members(text[found.end() :]) if group else [[]]:
+            target = [*base, *names, *end]
             while target and "::".join(target) not in known:
                 target = target[:-1]
             if target and target != own:
@@ -84,15 +96,22 @@ def imports():
     }
 
 
-def rooms():
+def rooms(inside=""):
+    """Which rooms each imports from: of the crate, or inside of one of its rooms."""
     found = {}
     for name, targets in imports().items():
-        room = found.setdefault(name.split("::")[0], set())
-        room |= {target.split("::")[0] for target in targets}
+        if name.startswith(inside):
+            room = found.setdefault(name.removeprefix(inside).split("::")[0], set())
+            near = [target for target in targets if f"{target}::".startswith(inside)]
+            room |= {target.removeprefix(inside).split("::")[0] for target in near}
     return {room: targets - {room} for room, targets in found.items()}
 
 
-@pytest.mark.parametrize("graph", [imports, rooms])
+def network_rooms():
+    return rooms("network::")
+
+
+@pytest.mark.parametrize("graph", [imports, rooms, network_rooms])
 def test_nothing_is_imported_in_a_circle(graph):
     try:
         TopologicalSorter(graph()).prepare()
@@ -100,10 +119,10 @@ def test_nothing_is_imported_in_a_circle(graph):
         raise AssertionError(f"a circle: {' -> '.join(error.args[1])}") from None
 
 
-def upwards(graph):
-    """What is imported from a room further down in the list, in words."""
-    order = {room: place for place, room in enumerate(ROOMS)}
-    assert graph.keys() <= order.keys(), f"{graph.keys() - order.keys()}: which place have they in ROOMS?"
+def upwards(graph, listed=ROOMS):
+    """What is imported from a room further down in a list, in words."""
+    order = {room: place for place, room in enumerate(listed)}
+    assert graph.keys() <= order.keys(), f"{graph.keys() - order.keys()}: which place have they in the list?"
     return [
         f"{name} imports {target}"
         for name, targets in graph.items()
@@ -112,43 +131,58 @@ def upwards(graph):
     ]
 
 
-def test_nothing_is_imported_upwards():
-    found = rooms()
-    assert set(ROOMS) == found.keys()
-    assert upwards(found) == []
+@pytest.mark.parametrize(("found", "listed"), [(rooms, ROOMS), (network_rooms, NETWORK_ROOMS)])
+def test_nothing_is_imported_upwards(found, listed):
+    assert set(listed) == found().keys()
+    assert upwards(found(), listed) == []
+
+
+def test_imports_upwards_are_found():
     assert upwards({"matching": {"recording", "search"}}) == ["matching imports search"]
     assert upwards({"search": {"internals"}}) == ["search imports internals"]
+    assert upwards({"model": {"thresholds", "given"}}, NETWORK_ROOMS) == ["model imports given"]
+    assert upwards({"model": {"network"}}, NETWORK_ROOMS) == ["model imports network"]
+    found = network_rooms()
+    assert {"result", "case", "evidence", "solve"} <= found["verdict"]
+    assert {room for room, targets in found.items() if "join" in targets} == {"calibrate"}
 
 
-def test_the_architecture_tells_the_order():
+@pytest.mark.parametrize(("whose", "listed"), [("the crate", ROOMS), ("the network", NETWORK_ROOMS)])
+def test_the_architecture_tells_the_order(whose, listed):
     """The rooms that it names in its line on the order stand there as here."""
     page = (ROOT / "docs" / "architecture.md").read_text()
-    told = re.search(r"\*\*Rooms of the crate import downwards only\*\*:(.*?)\. ", page, re.DOTALL)
-    named = [name for name in re.findall(r"`(\w+)(?:\.rs)?`", told[1]) if name in ROOMS]
-    assert named == [room for room in ROOMS if room in named]
+    told = re.search(rf"\*\*Rooms of {whose} import downwards only\*\*:(.*?)\. ", page, re.DOTALL)
+    named = [name for name in re.findall(r"`(\w+)(?:\.rs)?`", told[1]) if name in listed]
+    assert named == [room for room in listed if room in named]
     assert len(named) >= 12
 
 
-def test_the_network_lists_all_its_files():
-    """The list in the comment that opens the room is true: every file once, and none that is not there."""
-    text = (CRATE / "network" / "mod.rs").read_text()
+@pytest.mark.parametrize("room", [path.parent for path in sorted((CRATE / "network").rglob("mod.rs"))])
+def test_the_network_lists_all_its_files(room):
+    """The list in the comment that opens it and each room is true: every file once, and no other."""
+    text = (room / "mod.rs").read_text()
     listed = re.findall(r"`(\w+)`", "".join(re.findall(r"^//! \* (.*?):", text, re.MULTILINE)))
-    assert sorted(listed) == sorted(re.findall(r"^mod (\w+);", text, re.MULTILINE))
+    assert sorted(listed) == sorted(re.findall(r"^(?:pub )?mod (\w+);", text, re.MULTILINE))
 
 
 def test_imports_are_found():
-    """In groups, in groups of groups, and through `super`."""
+    """In groups, in groups of groups, through `super`, and where a path begins with a child's name."""
     known = {"a", "a::b", "a::c", "d", "d::e"}
     text = "use crate::d::{X, e::{Y, Z}};\nuse super::c::V;\nfn f(&self) { crate::a::g(self::h()) }"
     assert set(imported("a::b", text, known)) == {"d", "d::e", "a::c", "a"}
+    assert list(imported("a::b", "use super::{c::{self, V}, c::W,};", known)) == ["a::c"] * 3
+    for child in ("use b::X;", "pub use b::{X, Y};", "fn f() { b::g() }"):
+        assert set(imported("a", "mod b;\n" + child, known)) == {"a::b"}
+    assert set(imported("a", "mod b;\nuse crate::d::b::X;\nfn f(b: B) { b.g(b) }", known)) == {"d"}
     found = rooms()
     assert {"matching", "search", "verify", "clock"} <= found["calibrate"]
     assert {room for room, targets in found.items() if "calibrate" in targets} == {"network"}
 
 
 def test_there_is_little_at_the_top():
-    files = [path.name for path in CRATE.iterdir() if path.is_file()]
-    assert len(files) <= MOST_AT_THE_TOP, files
+    for folder, most in ((CRATE, MOST_AT_THE_TOP), (CRATE / "network", MOST_IN_THE_NETWORK)):
+        files = [path.name for path in folder.iterdir() if path.is_file()]
+        assert len(files) <= most, files
 
 
 def test_files_are_short():
@@ -163,3 +197,4 @@ def test_every_room_is_told_of_in_the_architecture():
         name.removeprefix("rust/epibar/src/").rstrip("/") for name in re.findall(r"`([^`]+)`", "".join(rows))
     }
     assert {path.name for path in CRATE.iterdir()} - told == set()
+    assert {f"network/{path.name}" for path in (CRATE / "network").iterdir() if path.is_dir()} - told == set()

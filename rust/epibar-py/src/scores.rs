@@ -57,7 +57,7 @@ pub fn score_tangents<'py>(
     let (a, b) = (&a.inner, &b.inner);
     let models = fundamentals(&matrices, [a.size(), b.size()])?;
     let scores = enter(py, || {
-        let busy = busy_frames(a, b, &common_frames(a, b, time_offset), frames);
+        let busy = busy_frames(a, b, &common_frames(a, b, time_offset), Some(frames));
         let views = Views::new(a, b, &busy).with_upright(upright);
         Ok(models.par_iter().map(|f| frontier_score(&views, f, radius)).collect::<Vec<_>>())
     })?;

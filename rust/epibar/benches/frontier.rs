@@ -20,7 +20,7 @@ fn frontier(criterion: &mut Criterion) {
     let pairs = pairs(300);
     let mut group = criterion.benchmark_group("frontier");
     for frames in [80, 240] {
-        let views = Views::new(&a, &b, &busy_frames(&a, &b, &pairs, frames));
+        let views = Views::new(&a, &b, &busy_frames(&a, &b, &pairs, Some(frames)));
         group.bench_function(format!("score, {frames} frames"), |bencher| {
             bencher.iter(|| frontier_score(black_box(&views), black_box(&f), 3.0));
         });

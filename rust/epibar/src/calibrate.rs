@@ -13,7 +13,7 @@ use crate::lines::{self, Filmed};
 use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
-use crate::search::{Found, Ground, SearchOptions, search, settle};
+use crate::search::{Found, SearchOptions, TrainingSet, search, settle};
 use crate::verify::earlier::Earlier;
 use crate::verify::split::{self, Fold, Split};
 use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
@@ -99,7 +99,7 @@ struct Pair<'a> {
 impl<'a> Pair<'a> {
     fn new(aligned: &'a Aligned<'a>, common: Vec<FramePair>, options: &'a CalibrateOptions) -> Self {
         let (a, b) = (aligned.a(), aligned.b());
-        let busy = busy_frames(a, b, &common, usize::MAX);
+        let busy = busy_frames(a, b, &common, None);
         let stay = split::stay(a, b, &common);
         Self { aligned, options, common, busy, stay }
     }
@@ -159,13 +159,16 @@ impl<'a> Pair<'a> {
         let defaults = SearchOptions::default();
         let draws = Draws { lines: self.options.draws, ..defaults.draws };
         let some = |limit| {
-            let busy = busy_frames(self.aligned.a(), self.aligned.b(), &seen.split.fitted_busy, limit);
+            let busy = busy_frames(self.aligned.a(), self.aligned.b(), &seen.split.fitted_busy, Some(limit));
             self.views(&busy)
         };
-        let ground =
-            Ground::new(&seen.fitted, some, SearchOptions { seed: self.options.seed, draws, ..defaults });
-        let searched = search(&ground, candidates, watch)?;
-        settle(&ground, &seen.all, searched, watch)
+        let training = TrainingSet::new(
+            &seen.fitted,
+            some,
+            SearchOptions { seed: self.options.seed, draws, ..defaults },
+        );
+        let searched = search(&training, candidates, watch)?;
+        settle(&training, &seen.all, searched, watch)
     }
 
     /// The method of the paper.

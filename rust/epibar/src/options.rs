@@ -42,7 +42,8 @@ const MIN_CANDIDATES: usize = 3;
 pub struct CalibrateOptions {
     /// Which method.
     pub method: Method,
-    /// Seed of every random draw.
+    /// Seed of the random draws of the search, and of the points at which errors are measured. The test whether the geometry may turn
+    /// about a plane draws alike for any seed.
     pub seed: u64,
     /// Which frames belong together.
     pub time_offset: TimeOffset,

@@ -75,7 +75,7 @@ fn views_are_the_frames_asked_for() {
     let late: Vec<FramePair> = (0..299).map(|i| FramePair { a: i + 1, b: i }).collect();
     let total = |pairs: &[FramePair]| frontier_score(&Views::new(a, b, pairs), f, 2.0).total();
     assert!(total(&pairs(300)) > 1.5 * total(&late));
-    let busy = busy_frames(a, b, &pairs(300), 60);
+    let busy = busy_frames(a, b, &pairs(300), Some(60));
     assert!(busy.len() == 60 && busy.is_sorted() && busy.iter().all(|p| p.a == p.b));
     let few = Views::new(a, b, &busy);
     assert_eq!((few.frames(), few.a.frames(), few.b.frames()), (60, 60, 60));

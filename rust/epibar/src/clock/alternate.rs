@@ -195,7 +195,7 @@ impl<'a> Clocks<'a> {
             if pairs.len() < MIN_FRAMES {
                 return f64::NEG_INFINITY;
             }
-            let busy = busy_frames(self.a, self.b, &pairs, FRAMES);
+            let busy = busy_frames(self.a, self.b, &pairs, Some(FRAMES));
             symmetric_score(&aligned.views(&busy), f).total
         };
         let by_score = (-REACH..=REACH).map(|k| (score(k), k));

@@ -122,7 +122,7 @@ impl Fitter<'_> {
     /// The equations of a state: matched tangents whose motion is known.
     fn rows(&self, state: &State, radius: f64) -> Option<Rows> {
         let aligned = Aligned::new(self.a, self.b, self.links, state.clock, self.up);
-        let pairs = busy_frames(self.a, self.b, &aligned.frame_pairs(), FRAMES);
+        let pairs = busy_frames(self.a, self.b, &aligned.frame_pairs(), Some(FRAMES));
         let (first, last) = (pairs.first()?.a, pairs.last()?.a);
         let views = aligned.views(&pairs);
         let scale = views.pixel_scale();

@@ -241,12 +241,17 @@ impl Views {
     }
 }
 
-/// Those pairs of frames in which both cameras see something move, thinned evenly to at most `limit`.
-pub fn busy_frames(a: &Recording, b: &Recording, frame_pairs: &[FramePair], limit: usize) -> Vec<FramePair> {
+/// Those pairs of frames in which both cameras see something move, thinned evenly to at most `limit`, where there is one.
+pub fn busy_frames(
+    a: &Recording,
+    b: &Recording,
+    frame_pairs: &[FramePair],
+    limit: Option<usize>,
+) -> Vec<FramePair> {
     let moving = |recording: &Recording, frame: u32| !recording.silhouettes.hulls(frame as usize).is_empty();
     let busy: Vec<_> = frame_pairs.iter().copied().filter(|p| moving(a, p.a) && moving(b, p.b)).collect();
-    if busy.len() <= limit {
-        return busy;
+    match limit {
+        Some(limit) if busy.len() > limit => (0..limit).map(|k| busy[k * busy.len() / limit]).collect(),
+        _ => busy,
     }
-    (0..limit).map(|k| busy[k * busy.len() / limit]).collect()
 }

@@ -12,9 +12,9 @@ use rand::RngExt;
 
 use super::matches::{CommonFrame, TangentMatch};
 use super::views::{View, Views};
-use crate::geometry::hull::on_chord;
+use crate::geometry::hull::{mean_of_three, on_chord};
 use crate::geometry::{Fundamental, symmetric_epipolar_distance};
-use crate::random::{Generator, generator};
+use crate::random::{Generator, Stream};
 
 /// A spot in A and a spot in B on its epipolar line, pixels.
 pub type Correspondence = ([f64; 2], [f64; 2]);
@@ -34,11 +34,9 @@ fn random_hull<'v>(view: &'v View, random: &mut Generator) -> Option<&'v [[f64; 
     view.hulls_of(frame).nth(random.random_range(0..count))
 }
 
-/// A random mixture of three vertices, which lies inside a convex hull.
+/// A random point inside of a hull.
 fn inside(hull: &[[f64; 2]], random: &mut Generator) -> [f64; 2] {
-    let mut pick = || hull[random.random_range(0..hull.len())];
-    let (p, q, r) = (pick(), pick(), pick());
-    [(p[0] + q[0] + r[0]) / 3.0, (p[1] + q[1] + r[1]) / 3.0]
+    mean_of_three(|| hull[random.random_range(0..hull.len())])
 }
 
 /// About `count` correspondences under `f`, drawn by a seed; fewer where its epipolar lines miss what moved in B.
@@ -48,10 +46,9 @@ pub fn moving_correspondences(
     count: usize,
     seed: u64,
 ) -> Vec<Correspondence> {
-    const SALT: u64 = 0x70_6F69_6E74;
     (0..count)
         .filter_map(|k| {
-            let mut random = generator(seed.wrapping_add(SALT), k as u64);
+            let mut random = Stream::Points.generator(seed, k as u64);
             let hull = random_hull(&views.a, &mut random)?;
             let a = inside(hull, &mut random);
             let line = f.line_in_b(&Vector3::new(a[0], a[1], 1.0));
@@ -81,7 +78,6 @@ pub fn met_correspondences(
     count: usize,
     seed: u64,
 ) -> Vec<Correspondence> {
-    const SALT: u64 = 0x6D_6574;
     let mut met = silhouettes_that_met(views, matches);
     let whole = met.iter().filter(|m| m.whole).count();
     if whole >= LEAST_MET && whole as f64 >= SHARE_OF_WHOLE * met.len() as f64 {
@@ -92,7 +88,7 @@ pub fn met_correspondences(
     }
     (0..count)
         .filter_map(|k| {
-            let mut random = generator(seed.wrapping_add(SALT), k as u64);
+            let mut random = Stream::Met.generator(seed, k as u64);
             (0..TRIES).find_map(|_| {
                 let Met { hulls: [of_a, of_b], .. } = met[random.random_range(0..met.len())];
                 let a = inside(of_a, &mut random);

@@ -20,6 +20,12 @@ pub fn shorter_side(hull: &[[f64; 2]]) -> f64 {
     side(0).min(side(1))
 }
 
+/// A point inside of a convex polygon: the mean of three of its vertices, picked one after the other.
+pub fn mean_of_three(mut vertex: impl FnMut() -> [f64; 2]) -> [f64; 2] {
+    let (p, q, r) = (vertex(), vertex(), vertex());
+    [(p[0] + q[0] + r[0]) / 3.0, (p[1] + q[1] + r[1]) / 3.0]
+}
+
 /// The point a share `at` along the part of the line inside the hull; `None` where the line misses the hull.
 pub fn on_chord(hull: &[[f64; 2]], line: &Homogeneous, at: f64) -> Option<[f64; 2]> {
     let distance = |p: &[f64; 2]| line.x * p[0] + line.y * p[1] + line.z;

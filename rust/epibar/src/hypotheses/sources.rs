@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::frontier::{Scorer, Views};
 use crate::geometry::Fundamental;
 use crate::matching::{Candidate, Candidates};
-use crate::random::Generator;
+use crate::random::{Generator, seed_of_source};
 use crate::watch::{Stage, Watch};
 
 /// Where a hypothesis came from; what is grown from a solution has the source of that.
@@ -154,7 +154,7 @@ pub fn hypotheses(
     ];
     for (pairs, source, stage) in line_sources {
         let estimator = TangentScored { lines: LineModel::new(pairs, sizes), scorer: frames.scoring };
-        let seed = seed.wrapping_add((source as u64 + 1) << 56);
+        let seed = seed_of_source(seed, source as u64);
         add(ransac(&estimator, draws.lines, KEPT, seed, stage, watch)?, source);
     }
     let lines = LineModel::new(candidates.best(), sizes);

@@ -10,6 +10,7 @@ use super::mutual::mutual_matches;
 use crate::error::Result;
 use crate::geometry::LinePair;
 use crate::image::{Line, Segment};
+use crate::random::seed_of_lines;
 use crate::recording::{Barcodes, FramePair, Informative, Recording};
 
 /// How candidates are chosen; the defaults are the paper's numbers.
@@ -96,7 +97,7 @@ fn informative_lines(
     frames: &[u32],
     compared: &[u32],
     options: &CandidateOptions,
-    salt: u64,
+    which: u64,
 ) -> InformativeLines {
     let selected = recording.barcodes.select_frames(frames);
     let rows = selected.informative(&options.informative);
@@ -105,7 +106,7 @@ fn informative_lines(
     let missing = options.densify.saturating_sub(rows.len());
     if missing > 0 {
         let (more, bits) =
-            more_lines(recording, &rows, frames, missing, (recording.seed ^ salt).wrapping_add(options.seed));
+            more_lines(recording, &rows, frames, missing, seed_of_lines(recording.seed, which, options.seed));
         let kept = bits.informative(&options.informative);
         segments.extend(kept.iter().map(|&i| more[i as usize]));
         barcodes.count += kept.len();

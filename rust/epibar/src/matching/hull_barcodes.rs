@@ -10,6 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::bits_of_bytes::{ones_of, word_of};
+use crate::geometry::hull::mean_of_three;
 use crate::image::{Homogeneous, Line};
 use crate::recording::{Barcodes, Silhouettes};
 
@@ -71,15 +72,14 @@ impl Hulls {
         self.frame.len()
     }
 
-    /// The mean of three vertices of one, which lies inside: those that are picked of so many.
+    /// A point inside of one, by three vertices that are picked of so many.
     pub(super) fn inside(&self, hull: usize, mut pick: impl FnMut(usize) -> usize) -> Homogeneous {
         let (first, end) = (self.start[hull] as usize, self.start[hull + 1] as usize);
-        let mut sum = Homogeneous::zeros();
-        for _ in 0..3 {
+        let [x, y] = mean_of_three(|| {
             let vertex = first + pick(end - first);
-            sum += Homogeneous::new(self.vertices_x[vertex], self.vertices_y[vertex], 1.0);
-        }
-        sum / 3.0
+            [self.vertices_x[vertex], self.vertices_y[vertex]]
+        });
+        Homogeneous::new(x, y, 1.0)
     }
 
     fn vertices(&self, hull: usize) -> impl Iterator<Item = (f64, f64)> {

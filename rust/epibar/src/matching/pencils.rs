@@ -10,7 +10,7 @@ use super::correlation::correlation;
 use super::hull_barcodes::{Hulls, barcodes_of};
 use crate::geometry::Fundamental;
 use crate::image::{Homogeneous, ImageSize, Line};
-use crate::random::generator;
+use crate::random::Stream;
 use crate::recording::{Barcodes, FramePair, Recording};
 
 /// Directions of lines that share a table of how far hulls reach.
@@ -27,14 +27,13 @@ pub struct Pencils {
 impl Pencils {
     /// Of some frames, and so many places of each camera, drawn by a seed, in its silhouettes.
     pub fn new(recordings: [&Recording; 2], frames: &[FramePair], places: usize, seed: u64) -> Self {
-        const SALT: u64 = 0x0070_656E_6369_6C73;
         let of = |k: usize, pair: &FramePair| if k == 0 { pair.a } else { pair.b };
         let hulls = [0, 1].map(|k| {
             let frames: Vec<u32> = frames.iter().map(|pair| of(k, pair)).collect();
             Hulls::new(&recordings[k].silhouettes, &frames)
         });
         let places = [0, 1].map(|k| {
-            let mut random = generator(seed.wrapping_add(SALT), k as u64);
+            let mut random = Stream::Pencils.generator(seed, k as u64);
             let count = hulls[k].count();
             let drawn = if count == 0 { 0 } else { places };
             let mut place = || {
@@ -78,6 +77,7 @@ mod tests {
     use nalgebra::Matrix3;
 
     use super::*;
+    use crate::random::generator;
     use crate::recording::{Recorder, RecorderOptions};
 
     /// Squares that jump about, seen by two cameras side by side: their rows are the epipolar lines.

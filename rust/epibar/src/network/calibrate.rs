@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::clocks::{Offsets, agreed, likeness, pair_offsets};
-use super::graph::{ALL_PAIRS, PairFound, all_pairs, chosen};
-use super::input::CameraInput;
+use super::given::clocks::{Offsets, agreed, likeness, pair_offsets};
+use super::given::graph::{ALL_PAIRS, all_pairs, chosen};
+use super::given::input::CameraInput;
+use super::given::pair::PairFound;
 use super::join::join;
 use super::result::Network;
 use crate::calibrate::calibrate_watched;

@@ -1,17 +1,16 @@
 //! What a network is made of, on its way from what is given to the verdict.
 
-use super::camera::Camera;
-use super::clocks::Offsets;
-use super::covariance::Expected;
-use super::graph::PairFound;
-use super::input::CameraInput;
-use super::joint::Beliefs;
-use super::observed::Observed;
+use super::evidence::covariance::Expected;
+use super::evidence::support::{Deviates, Support};
+use super::given::clocks::Offsets;
+use super::given::input::CameraInput;
+use super::given::pair::{PairFound, PairHypotheses};
+use super::model::camera::Camera;
+use super::model::joint::Beliefs;
+use super::moments::observed::Observed;
+use super::moments::walkers::Floor;
 use super::result::CameraStatus;
-use super::solve::Solved;
-use super::start::PairHypotheses;
-use super::support::{Deviates, Support};
-use super::walkers::Floor;
+use super::solve::networks::Solved;
 
 /// What is given.
 pub(super) struct Case<'a> {

@@ -4,21 +4,21 @@
 //! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
 
 use super::case::{Case, Finished, Out};
-use super::clocks::Offsets;
-use super::covariance::{Covariance, Expected, covariance, expected};
-use super::graph::PairFound;
-use super::halves;
-use super::input::CameraInput;
-use super::joint::{Problem, standing};
-use super::outlines::{Shapes, outline_errors};
-use super::principal;
+use super::evidence::covariance::{Covariance, Expected, covariance, expected};
+use super::evidence::halves;
+use super::evidence::outlines::{Shapes, outline_errors};
+use super::evidence::support::Support;
+use super::given::clocks::Offsets;
+use super::given::input::{CameraInput, PRINCIPAL_LEVELS};
+use super::given::pair::PairFound;
+use super::model::joint::{Problem, standing};
+use super::moments::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
-use super::settle::Again;
-use super::solve::{Solved, Solver, settled};
-use super::support::Support;
-use super::survey::{Survey, shared};
+use super::solve::networks::{Solved, Solver, settled};
+use super::solve::principal;
+use super::solve::settle::Again;
+use super::solve::world;
 use super::verdict::{is_rival, worst};
-use super::world;
 use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
 
@@ -139,7 +139,7 @@ impl Case<'_> {
             let shapes = if call.strain > 0.0 { Shapes::Strained } else { Shapes::Convex };
             return Freed { solved: now, support, level: call.level, shapes };
         }
-        if call.level > principal::LEVELS[0] {
+        if call.level > PRINCIPAL_LEVELS[0] {
             let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
             let beliefs = principal::at_level(&now.beliefs, &widths, call.level);
             let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
@@ -174,7 +174,7 @@ impl Case<'_> {
         let (expected, offsets) = match found {
             Some(Covariance { active, matrix: covariance }) => {
                 let offset = |c: usize| {
-                    let place = active.iter().position(|p| *p == (c, super::camera::CLOCK));
+                    let place = active.iter().position(|p| *p == (c, super::model::camera::CLOCK));
                     place.map_or(0.0, |p| covariance[(p, p)].max(0.0).sqrt())
                 };
                 let offsets = (0..self.count()).map(offset).collect();

@@ -1,11 +1,11 @@
 //! What is said of cameras and networks, as sentences.
 
-use super::covariance::Expected;
-use super::graph::PairFound;
-use super::input::CameraInput;
+use super::evidence::covariance::Expected;
+use super::given::input::CameraInput;
+use super::given::pair::PairFound;
 use super::result::{CameraStatus, NetworkCamera, NetworkPair, PairStatus};
+use super::solve::world::Ground;
 use super::thresholds::{MAX_FOCAL, MAX_POSITION, MAX_ROTATION};
-use super::world::Ground;
 
 /// What was found of a camera.
 pub(super) fn of_camera(

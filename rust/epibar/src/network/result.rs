@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::camera::Camera;
-use super::covariance::Expected;
-use super::support::Deviates;
-use super::world::Ground;
+use super::evidence::covariance::Expected;
+use super::evidence::support::Deviates;
+use super::model::camera::Camera;
+use super::solve::world::Ground;
 use crate::image::ImageSize;
 
 /// Many cameras, calibrated together.

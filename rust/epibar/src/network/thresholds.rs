@@ -91,8 +91,8 @@ pub const PIXELS: f64 = 0.5;
 /// The share of the scatter that is common to the outlines of one camera in one part of the image: of what pixels do by
 /// themselves, and of what is more than that.
 pub const OUTLINE_SHARE: [f64; 2] = [0.5, 0.9];
-/// What is common to shapes without a gap between them and their hulls, as a multiple of what they scatter by beyond pixels: ellipses in the
-/// boxes of a detector are wrong by what they stand for, and people in one part of the room all alike.
+/// What is common to shapes without a gap between them and their hulls, as a multiple of what they scatter by more than pixels do: ellipses
+/// in the boxes of a detector are wrong by what they stand for, and people in one part of the room all alike.
 pub const OUTLINE_COARSE: f64 = 2.5;
 /// What is common to them as a multiple of the scatter, where outlines are wrong in the same way everywhere.
 pub const OUTLINE_STRAINED: f64 = 4.0;

@@ -1,18 +1,19 @@
 //! The verdict: what is said of each camera, each pair and the whole.
 
-use super::camera::Camera;
 use super::case::{Case, Finished, Out};
-use super::covariance::Expected;
-use super::graph::{PairFound, all_pairs};
+use super::evidence::covariance::Expected;
+use super::evidence::support::{Deviates, Support, knocked};
+use super::given::graph::all_pairs;
+use super::given::pair::PairFound;
+use super::model::camera::Camera;
+use super::model::residual::Pair;
+use super::moments::survey::Survey;
 use super::prose;
-use super::relocate::Placed;
-use super::residual::Pair;
 use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
-use super::solve::{Solved, gain};
-use super::support::{Deviates, Support, knocked};
-use super::survey::Survey;
+use super::solve::networks::{Solved, gain};
+use super::solve::relocate::Placed;
+use super::solve::world::{self, World};
 use super::thresholds as limits;
-use super::world::{self, World};
 
 /// Whether another network has about the same evidence, and another geometry.
 pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {

@@ -1,7 +1,7 @@
 //! Whether one geometry stands out among those found: the truth announces itself by that.
 
-use super::ground::Ground;
 use super::solution::Solution;
+use super::training_set::TrainingSet;
 use crate::frontier::frontier_score;
 use crate::frontier::symmetric::class_scores;
 use crate::frontier::volume::disagreement;
@@ -10,30 +10,31 @@ use crate::frontier::volume::disagreement;
 const APART: f64 = 5.0;
 
 /// The score of the best other geometry as a share of the best one's.
-pub(super) fn contest(ground: &Ground, solutions: &[Solution]) -> f64 {
+pub(super) fn contest(training: &TrainingSet, solutions: &[Solution]) -> f64 {
     let Some(best) = solutions.first().filter(|best| best.score > 0.0) else { return 1.0 };
-    let spots = ground.spots(&best.fundamental);
-    let rival = solutions.iter().find(|s| disagreement(&spots, &s.fundamental) > APART * ground.scale);
+    let spots = training.spots(&best.fundamental);
+    let rival = solutions.iter().find(|s| disagreement(&spots, &s.fundamental) > APART * training.scale);
     rival.map_or(0.0, |rival| rival.score / best.score)
 }
 
 /// Whether the best solution explains one class of tangents and hardly the other: the floor, with an epipole that
 /// is wrong. Then the truth may not have been found yet.
-pub(super) fn is_one_sided(ground: &Ground, solutions: &[Solution]) -> bool {
+pub(super) fn is_one_sided(training: &TrainingSet, solutions: &[Solution]) -> bool {
     const WEAK: f64 = 0.1;
     let Some(best) = solutions.first() else { return true };
-    let [tops, bottoms] = class_scores(&ground.comparing, &best.fundamental);
+    let [tops, bottoms] = class_scores(&training.comparing, &best.fundamental);
     tops.min(bottoms) < WEAK * tops.max(bottoms)
 }
 
 /// Whether the best solution has what only the truth or its neighbours were seen to have, and yet another has nearly as
 /// much: then neither may be the truth.
-pub(super) fn is_undecided(ground: &Ground, solutions: &[Solution]) -> bool {
+pub(super) fn is_undecided(training: &TrainingSet, solutions: &[Solution]) -> bool {
     /// Score of a tangent: of unrelated cameras 0.08 to 0.2, of true geometries 0.3 and more; where it is much
     /// more, the truth is among those that contest one another.
     const PROMISING: std::ops::Range<f64> = 0.25..0.6;
     const NEARLY: f64 = 0.85;
     let Some(best) = solutions.first() else { return false };
-    let tangents = frontier_score(&ground.comparing, &best.fundamental, ground.coarse_radius()).tangents();
-    PROMISING.contains(&(best.score / tangents.max(1) as f64)) && contest(ground, solutions) > NEARLY
+    let tangents =
+        frontier_score(&training.comparing, &best.fundamental, training.coarse_radius()).tangents();
+    PROMISING.contains(&(best.score / tangents.max(1) as f64)) && contest(training, solutions) > NEARLY
 }

@@ -6,46 +6,45 @@
 //! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames.
 
 mod contest;
-mod ground;
 mod pass;
 mod perturb;
 mod settle;
 mod solution;
 mod starts;
+mod training_set;
 
-pub use ground::{Ground, SearchOptions};
 pub use settle::settle;
 pub use solution::{Found, Searched, Solution};
+pub use training_set::{SearchOptions, TrainingSet};
 
 use crate::error::Result;
 use crate::frontier::Scorer;
 use crate::hypotheses::sources::Frames;
 use crate::hypotheses::{Hypotheses, hypotheses};
 use crate::matching::Candidates;
-use crate::random::GOLDEN;
+use crate::random::seed_of_pass;
 use crate::watch::Watch;
 
 /// Searches with all sources, on the fitted frames alone.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
-pub fn search(ground: &Ground, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Searched> {
-    let scoring = Scorer::new(&ground.scoring, ground.coarse_radius());
-    let frames = Frames { train: ground.train, comparing: &ground.comparing, scoring: &scoring };
+pub fn search(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Searched> {
+    let scoring = Scorer::new(&training.scoring, training.coarse_radius());
+    let frames = Frames { train: training.all, comparing: &training.comparing, scoring: &scoring };
     let mut found = Searched::default();
-    for pass in 0..ground.options.passes {
+    for pass in 0..training.options.passes {
         if pass > 0
-            && !contest::is_one_sided(ground, &found.solutions)
-            && !contest::is_undecided(ground, &found.solutions)
+            && !contest::is_one_sided(training, &found.solutions)
+            && !contest::is_undecided(training, &found.solutions)
         {
             break;
         }
-        // Apart from one another, so that no pass repeats the draws of another.
-        let seed = ground.options.seed.wrapping_add((pass as u64).wrapping_mul(GOLDEN));
+        let seed = seed_of_pass(training.options.seed, pass as u64);
         let Hypotheses { scored, floors } =
-            hypotheses(&frames, candidates, &ground.options.draws, seed, watch)?;
+            hypotheses(&frames, candidates, &training.options.draws, seed, watch)?;
         found.floor = found.floor.or_else(|| floors.into_iter().next());
-        found.solutions = pass::pass(ground, found.solutions, &scored, seed, watch)?;
+        found.solutions = pass::pass(training, found.solutions, &scored, seed, watch)?;
     }
     Ok(found)
 }

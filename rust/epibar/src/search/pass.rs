@@ -1,12 +1,13 @@
 //! One pass of the search: from hypotheses to solutions.
 
 use super::contest::contest;
-use super::ground::Ground;
 use super::perturb::perturbed;
 use super::solution::{Solution, share_of};
 use super::starts::{Starts, with_refined};
+use super::training_set::TrainingSet;
 use crate::error::Result;
 use crate::hypotheses::Hypothesis;
+use crate::random::seed_of_perturbed;
 use crate::refine::valley::walk;
 use crate::watch::{Stage, Watch, report};
 
@@ -42,42 +43,42 @@ const KEPT: usize = 12;
 
 /// From hypotheses to solutions, those known before among them.
 pub(super) fn pass(
-    ground: &Ground,
+    training: &TrainingSet,
     known: Vec<Solution>,
     scored: &[Hypothesis],
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Vec<Solution>> {
-    let options = &ground.options;
+    let options = &training.options;
     report(watch, Stage::Refine, 0.0)?;
     let mut breadth = &USUAL;
     let mut starts =
-        Starts::new(ground, scored, options.own_starts, options.starts, STARTS_APART * ground.scale);
-    let mut solutions = with_refined(ground, known, &starts.from(0), &SCHEDULES, breadth.kept);
-    if contest(ground, &solutions) > CONTESTING {
+        Starts::new(training, scored, options.own_starts, options.starts, STARTS_APART * training.scale);
+    let mut solutions = with_refined(training, known, &starts.from(0), &SCHEDULES, breadth.kept);
+    if contest(training, &solutions) > CONTESTING {
         breadth = &WIDE;
         report(watch, Stage::Refine, 0.3)?;
         let refined = starts.len();
         starts.add(scored.iter(), (WIDE_STARTS * options.starts).saturating_sub(refined));
-        solutions = with_refined(ground, solutions, &starts.from(refined), &SCHEDULES, breadth.kept);
+        solutions = with_refined(training, solutions, &starts.from(refined), &SCHEDULES, breadth.kept);
     }
     for round in 0..options.restarts {
-        if contest(ground, &solutions) < CLEAR {
+        if contest(training, &solutions) < CLEAR {
             break;
         }
         report(watch, Stage::Restart, round as f64 / options.restarts as f64)?;
         let mut moved = Vec::new();
         for (k, solution) in solutions.iter().take(breadth.perturbed).enumerate() {
-            moved.extend(perturbed(ground, solution, seed.wrapping_add((round * 100 + k) as u64)));
+            moved.extend(perturbed(training, solution, seed_of_perturbed(seed, round as u64, k as u64)));
         }
-        solutions = with_refined(ground, solutions, &moved, &PERTURBED_SCHEDULES, breadth.kept);
+        solutions = with_refined(training, solutions, &moved, &PERTURBED_SCHEDULES, breadth.kept);
     }
-    walked(ground, &solutions, breadth, watch)
+    walked(training, &solutions, breadth, watch)
 }
 
 /// Walks on from those that could win, on the frames that compare. What was visited stays as rivals.
 fn walked(
-    ground: &Ground,
+    training: &TrainingSet,
     solutions: &[Solution],
     breadth: &Breadth,
     watch: &mut dyn Watch,
@@ -88,8 +89,8 @@ fn walked(
         if start.score < share_of(solutions[0].score, breadth.worth_walking) {
             break;
         }
-        let visited = walk(&ground.comparing, &start.fundamental, start.score, start.chance);
+        let visited = walk(&training.comparing, &start.fundamental, start.score, start.chance);
         all.extend(visited.into_iter().map(|(fundamental, score)| Solution { fundamental, score, ..*start }));
     }
-    Ok(ground.distinct(all, ground.scale, KEPT))
+    Ok(training.distinct(all, training.scale, KEPT))
 }

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::ground::Ground;
 use super::solution::{Found, Searched, Solution, share_of};
+use super::training_set::TrainingSet;
 use crate::error::Result;
 use crate::frontier::Views;
 use crate::geometry::Fundamental;
@@ -23,19 +23,24 @@ const KEPT: usize = 12;
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
-pub fn settle(ground: &Ground, all: &Views, searched: Searched, watch: &mut dyn Watch) -> Result<Found> {
+pub fn settle(
+    training: &TrainingSet,
+    all: &Views,
+    searched: Searched,
+    watch: &mut dyn Watch,
+) -> Result<Found> {
     report(watch, Stage::Settle, 0.0)?;
-    let fitted = refined_on(ground, ground.train, &searched.solutions, polish);
+    let fitted = refined_on(training, training.all, &searched.solutions, polish);
     report(watch, Stage::Settle, 0.5)?;
     let (fitted, solutions) = rayon::join(
-        || fitted.first().map(|s| polish(ground.train, &s.fundamental)),
-        || followed(ground, all, refined_on(ground, all, &fitted, touch_up)),
+        || fitted.first().map(|s| polish(training.all, &s.fundamental)),
+        || followed(training, all, refined_on(training, all, &fitted, touch_up)),
     );
     Ok(Found { solutions, fitted, floor: searched.floor })
 }
 
 /// What contests the best, and the best itself, polished: a point on the way to the answer is no rival of it.
-fn followed(ground: &Ground, all: &Views, solutions: Vec<Solution>) -> Vec<Solution> {
+fn followed(training: &TrainingSet, all: &Views, solutions: Vec<Solution>) -> Vec<Solution> {
     let contesting = solutions.first().map_or(0.0, |best| share_of(best.score, CONTESTING));
     let ends = solutions
         .into_par_iter()
@@ -44,12 +49,12 @@ fn followed(ground: &Ground, all: &Views, solutions: Vec<Solution>) -> Vec<Solut
             if s.score >= contesting { end() } else { Some(s) }
         })
         .collect();
-    ground.distinct(ends, APART * ground.scale, KEPT)
+    training.distinct(ends, APART * training.scale, KEPT)
 }
 
 /// The best, each refined on `views` by `refine`.
 fn refined_on(
-    ground: &Ground,
+    training: &TrainingSet,
     views: &Views,
     solutions: &[Solution],
     refine: impl Fn(&Views, &Fundamental) -> Fundamental + Sync,
@@ -60,5 +65,5 @@ fn refined_on(
         .filter(|s| s.score >= enough)
         .filter_map(|s| Solution::new(views, refine(views, &s.fundamental), s.source))
         .collect();
-    ground.distinct(finalists, APART * ground.scale, KEPT)
+    training.distinct(finalists, APART * training.scale, KEPT)
 }

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::ground::Ground;
 use super::solution::Solution;
+use super::training_set::TrainingSet;
 use crate::frontier::symmetric::SymmetricScore;
 use crate::frontier::symmetric_score;
 use crate::frontier::volume::{Correspondence, disagreement};
@@ -13,7 +13,7 @@ use crate::refine::refine;
 
 /// Starts that differ from one another.
 pub(super) struct Starts<'a> {
-    ground: &'a Ground<'a>,
+    training: &'a TrainingSet<'a>,
     /// Least distance of two, pixels.
     apart: f64,
     kept: Vec<(Fundamental, Vec<Correspondence>, Source)>,
@@ -23,13 +23,13 @@ impl<'a> Starts<'a> {
     /// The best hypotheses that differ from one another by at least `apart` pixels: first some of each source, then
     /// the best of all.
     pub(super) fn new(
-        ground: &'a Ground<'a>,
+        training: &'a TrainingSet<'a>,
         scored: &[Hypothesis],
         own: usize,
         limit: usize,
         apart: f64,
     ) -> Self {
-        let mut starts = Self { ground, apart, kept: Vec::new() };
+        let mut starts = Self { training, apart, kept: Vec::new() };
         for source in Source::ALL {
             starts.add(scored.iter().filter(|s| s.source == source), own);
         }
@@ -47,7 +47,7 @@ impl<'a> Starts<'a> {
             }
             let f = hypothesis.fundamental;
             if self.kept.iter().all(|(_, spots, _)| disagreement(spots, &f) > self.apart) {
-                self.kept.push((f, self.ground.spots(&f), hypothesis.source));
+                self.kept.push((f, self.training.spots(&f), hypothesis.source));
             }
         }
     }
@@ -68,18 +68,18 @@ impl<'a> Starts<'a> {
 ///
 /// On the comparing frames: on the fewer that score, starts in a crowd of sixteen end elsewhere.
 pub(super) fn with_refined(
-    ground: &Ground,
+    training: &TrainingSet,
     mut solutions: Vec<Solution>,
     starts: &[(Fundamental, Source)],
     schedules: &[&[f64]],
     limit: usize,
 ) -> Vec<Solution> {
-    let views = &ground.comparing;
+    let views = &training.comparing;
     let mut refined: Vec<(SymmetricScore, Fundamental, Source)> = starts
         .par_iter()
         .filter_map(|(f, source)| {
             let tried = schedules.iter().filter_map(|radii| {
-                let radii: Vec<f64> = radii.iter().map(|r| r * ground.scale).collect();
+                let radii: Vec<f64> = radii.iter().map(|r| r * training.scale).collect();
                 let refined = refine(views, f, &radii, 2)?;
                 let score = symmetric_score(views, &refined);
                 score.total.is_finite().then_some((score, refined, *source))
@@ -96,7 +96,7 @@ pub(super) fn with_refined(
         solutions.par_extend(
             some.par_iter().filter_map(|(score, f, source)| Solution::scored(views, *score, *f, *source)),
         );
-        solutions = ground.distinct(solutions, ground.scale, limit);
+        solutions = training.distinct(solutions, training.scale, limit);
     }
     solutions
 }

@@ -5,9 +5,9 @@
 //! Both searches start from nothing, and neither tests on a frame that it was fitted to. Where they give the same geometry the two tests are
 //! one of twice as many frames (cross-fitting); where they do not, each stands for itself, as one of two trials.
 
-use super::Verified;
 use super::shift_curve::ShiftCurve;
 use super::thresholds::{FAINT_Z, MIN_Z, reaches};
+use super::verified::Verified;
 use crate::geometry::Fundamental;
 
 /// How many there are at most.

@@ -5,7 +5,7 @@
 //! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
 //! everything and [`turning`] what is known off it, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
-//! [`trials`] takes account of a searched offset.
+//! [`trials`] takes account of a searched offset. What comes out is in [`verified`].
 
 pub mod covariance;
 pub mod decide;
@@ -29,12 +29,14 @@ mod throughout;
 pub mod trials;
 pub mod turning;
 pub mod verdict;
+pub mod verified;
 
 pub use error_map::{ErrorMap, Uncertainty};
 pub use evidence::Evidence;
 pub use rivals::Rival;
 pub use split::Split;
 pub use verdict::{Kind, Verdict};
+pub use verified::Verified;
 
 use crate::error::Result;
 use crate::frontier::matches::robust_deviation;
@@ -92,26 +94,8 @@ pub struct Case<'a> {
     pub max_expected_error: f64,
     /// Frames per second of A; NaN where unknown.
     pub frame_rate: f64,
-    /// Seed of every random draw.
+    /// Seed of every random draw but those of [`turning`].
     pub seed: u64,
-}
-
-/// What the tests gave.
-pub struct Verified {
-    /// Accepted, or why not.
-    pub verdict: Verdict,
-    /// Pixels; NaN where unknown.
-    pub expected_error: f64,
-    /// The numbers behind the verdict.
-    pub evidence: Evidence,
-    /// Scores with the clocks shifted, on frames kept aside.
-    pub curve: ShiftCurve,
-    /// Other geometries.
-    pub rivals: Vec<Rival>,
-    /// Tangents that meet in all frames.
-    pub matches: Vec<TangentMatch>,
-    /// `None` where the matches do not determine it.
-    pub uncertainty: Option<Uncertainty>,
 }
 
 /// Tests a geometry, fitted to all frames.

@@ -16,7 +16,7 @@ use crate::geometry::fundamental::normaliser;
 use crate::geometry::homography::{self, PointMatch, transfer_distance};
 use crate::geometry::hull::shorter_side;
 use crate::geometry::median::median;
-use crate::random::generator;
+use crate::random::Stream;
 
 /// Share of the points that must fit.
 const SHARE: f64 = 0.8;
@@ -38,7 +38,6 @@ struct Matched {
 /// How far four fifths of the matched points lie from the best homography between the views, in widths of the median
 /// silhouettes; NaN with too few points to tell.
 pub fn plane_residual(views: &Views, points: &[TangentMatch], seed: u64) -> f64 {
-    const SALT: u64 = 0x70_6C_61_6E_65;
     let sizes = views.sizes();
     let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
     let step = points.len().div_ceil(POINTS).max(1);
@@ -55,7 +54,7 @@ pub fn plane_residual(views: &Views, points: &[TangentMatch], seed: u64) -> f64 
     let mut drawn: Vec<(f64, Matrix3<f64>)> = (0..SAMPLES)
         .into_par_iter()
         .filter_map(|k| {
-            let mut random = generator(seed.wrapping_add(SALT), k as u64);
+            let mut random = Stream::Planes.generator(seed, k as u64);
             let count = matched.points.len();
             let drawn: [PointMatch; 4] =
                 std::array::from_fn(|_| matched.points[random.random_range(0..count)]);

@@ -20,7 +20,7 @@ use crate::frontier::{TangentMatch, Views};
 use crate::geometry::fundamental::{denormaliser, normaliser};
 use crate::geometry::homography::{compatible, transfer_distance};
 use crate::geometry::{Fundamental, homography::PointMatch};
-use crate::random::generator;
+use crate::random::Stream;
 use crate::refine::refine;
 
 /// How far apart over the images turned geometries start, pixels of a 640×480 image.
@@ -97,7 +97,6 @@ impl<'f> Plane<'f> {
     /// The one to which half of the matches keep closest, by random samples, which are the same for any seed; `None` where all
     /// samples are degenerate.
     fn new(of: &'f Fundamental, matches: &[TangentMatch], views: &'f Views) -> Option<Self> {
-        const SALT: u64 = 0x74_75_72_6E;
         let sizes = views.sizes();
         let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
         let f = denormaliser(sizes[1]).transpose() * of.matrix() * denormaliser(sizes[0]);
@@ -118,7 +117,7 @@ impl<'f> Plane<'f> {
             Some((*median, homography))
         };
         let sample = |k: u64| {
-            let mut random = generator(SALT, k);
+            let mut random = Stream::Turns.generator(0, k);
             let three: [PointMatch; 3] =
                 std::array::from_fn(|_| points[random.random_range(0..points.len())]);
             of_half(&three)

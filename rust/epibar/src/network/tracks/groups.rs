@@ -6,7 +6,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::TrackSighting;
+use super::points::TrackSighting;
 use super::sightings::{DEVIATIONS, Eye, Sighting, stands};
 use super::triangulate::{Ray, covariance, point};
 

@@ -1,13 +1,21 @@
 //! Walkers as tracks over all cameras of a network that stands.
 //!
 //! At every frame of the first camera silhouettes of any two cameras whose tops and bottoms both meet, and which stand on the floor,
-//! are candidates (`sightings`); those that agree in space are one walker (`groups`), whose top and bottom are where the rays of
-//! all of them meet (`triangulate`); and walkers of one moment go on at the next (`linking`). What could be two walkers is left out.
+//! are candidates; those that agree in space are one walker, whose top and bottom are where the rays of all of them meet; and walkers
+//! of one moment go on at the next. What could be two walkers is left out.
+//!
+//! * `sightings`: the candidates.
+//! * `groups`, `triangulate`: which of them are one walker; where rays meet.
+//! * `linking`: from moment to moment.
+//! * `points`: what comes out.
 
 mod groups;
 mod linking;
+mod points;
 mod sightings;
 mod triangulate;
+
+pub use points::{TrackPoint, TrackSighting};
 
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
@@ -16,14 +24,14 @@ use groups::{Group, Scale, groups};
 use linking::Crowd;
 use sightings::{Eye, Sighting, sightings};
 
-use super::camera::Camera;
-use super::input::INSET;
-use super::joint::{Belief, Beliefs};
-use super::observed::Observed;
-use super::relocate::Placed;
-use super::settle::settle;
-use super::stated::{EXPECTED, Stated};
-use super::survey::Survey;
+use super::given::input::INSET;
+use super::given::stated::{EXPECTED, Stated};
+use super::model::camera::Camera;
+use super::model::joint::{Belief, Beliefs};
+use super::moments::observed::Observed;
+use super::moments::survey::Survey;
+use super::solve::relocate::Placed;
+use super::solve::settle::settle;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::watch::{Stage, Watch, report};
@@ -43,40 +51,6 @@ pub struct TrackingCamera<'r> {
     pub translation: Vector3<f64>,
     /// Offset, seconds, and drift, ppm: t seconds of the network are `t + offset + 1e-6 drift t` here.
     pub clock: (f64, f64),
-}
-
-/// A walker at one moment.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct TrackPoint {
-    /// Seconds of the network's clock.
-    pub time: f64,
-    /// Which track, from 0 in the order of their beginnings.
-    pub track: u32,
-    /// The bottom: a foot, in the network's unit.
-    pub foot: [f64; 3],
-    /// The top.
-    pub top: [f64; 3],
-    /// Which cameras saw both.
-    pub cameras: Vec<bool>,
-    /// Root mean square of what top and bottom are off in these cameras, pixels.
-    pub residual: f64,
-    /// What each two of these cameras saw, at 1000 moments at most that are spread over the time; none at the others.
-    pub sightings: Vec<TrackSighting>,
-}
-
-/// The top and the bottom of a walker in two cameras: frontier points, of which either is one point of the surface.
-///
-/// Two other cameras see another point of the same head, so no top is that of three cameras.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub struct TrackSighting {
-    /// The cameras, the first by number first.
-    pub cameras: [usize; 2],
-    /// Raw pixels of the top in either; where a moment falls between two frames, between what they show.
-    pub top: [[f64; 2]; 2],
-    /// Raw pixels of the bottom in either, as of the top.
-    pub foot: [[f64; 2]; 2],
 }
 
 /// Frames of each camera by which insets are found.

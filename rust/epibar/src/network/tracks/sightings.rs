@@ -4,10 +4,10 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::triangulate::{Ray, covariance};
-use crate::network::camera::Camera;
-use crate::network::ends::{Ends, Seen, ends, wrapped};
-use crate::network::observed::{Between, Observed};
-use crate::network::walkers::triangulated;
+use crate::network::model::camera::Camera;
+use crate::network::moments::ends::{Ends, Seen, ends, wrapped};
+use crate::network::moments::observed::{Between, Observed};
+use crate::network::moments::walkers::triangulated;
 use crate::recording::visible::on_border;
 
 /// Below this share of up in a tangent's normal, top and bottom mean nothing.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::network::camera::Camera;
+use crate::network::model::camera::Camera;
 
 /// Steps of reweighting.
 const STEPS: usize = 8;
@@ -72,8 +72,8 @@ pub fn point(rays: &[Ray], from: Vector3<f64>, scale: f64) -> Option<Vector3<f64
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::camera::tests::odd;
     use super::*;
+    use crate::network::model::camera::tests::odd;
 
     #[test]
     fn one_wrong_ray_of_five_moves_nothing() {

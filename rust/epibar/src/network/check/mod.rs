@@ -1,0 +1,135 @@
+//! New footage against a network that is known: which camera has moved?
+//!
+//! Clocks are found anew, poses stay as they are stored. Then every camera by itself is solved for with all others held, by the whole of
+//! the footage and by its end, for a camera that was knocked while it was filmed agrees as stored with a part of it. What each explains is
+//! compared; the one that clearly explains most is put where it stands now, and the others are asked again, until none moves any more.
+//!
+//! * `stretch`: new footage from some moment on.
+//! * `moves`, `zoom`: another pose of one camera, another focal length, and what that explains.
+//! * `suspects`: which camera moved.
+//! * `replace`: where those that moved stand now.
+//! * `prose`: sentences.
+
+mod moves;
+mod prose;
+mod replace;
+mod stretch;
+mod suspects;
+mod zoom;
+
+use nalgebra::{Matrix3, Vector3};
+
+use prose::{Seen, said};
+use replace::replaced;
+use stretch::FRAMES;
+use suspects::{Footage, judged};
+
+use super::evidence::support::Support;
+use super::given::clocks::Offsets;
+use super::given::input::INSET;
+use super::given::stated::{EXPECTED, Stated};
+use super::model::camera::Camera;
+use super::model::joint::{Belief, Beliefs};
+use super::moments::observed::Observed;
+use super::moments::survey::Survey;
+use super::result::CameraCheck;
+use super::solve::relocate::Placed;
+use super::solve::settle::settle;
+use crate::error::{Error, Result};
+use crate::recording::Recording;
+use crate::watch::Watch;
+
+/// A camera as it is stored, and what it saw since.
+#[derive(Debug, Clone, Copy)]
+pub struct StoredCamera<'r> {
+    /// Name, for messages and results.
+    pub name: &'r str,
+    /// New footage, in raw pixels of the stored lens.
+    pub recording: &'r Recording,
+    /// The camera matrix, pixels.
+    pub matrix: Matrix3<f64>,
+    /// `k₁ k₂ p₁ p₂ k₃` of `OpenCV`; the tangential ones are not used.
+    pub distortions: [f64; 5],
+    /// `R` of `X_c = R X + t`.
+    pub rotation: Matrix3<f64>,
+    /// `t` of `X_c = R X + t`.
+    pub translation: Vector3<f64>,
+}
+
+/// Which of the cameras of a network has moved since it was calibrated.
+///
+/// # Errors
+/// [`Error::Argument`] for fewer than two cameras, for two of one name, and for numbers that no camera has,
+/// [`Error::Interrupted`].
+pub fn check_network(
+    cameras: &[StoredCamera],
+    clocks: &Offsets,
+    watch: &mut dyn Watch,
+) -> Result<Vec<CameraCheck>> {
+    refuse(cameras, clocks)?;
+    let observed: Vec<Observed> = cameras
+        .iter()
+        .map(|c| Observed::new(c.recording).through(&c.stated().camera(c.recording.size())))
+        .collect();
+    let survey = Survey::new(&observed, FRAMES);
+    let (stored, beliefs) = by_new_clocks(cameras, clocks, &survey);
+    let mut judged = judged(&Footage { observed: &observed, beliefs: &beliefs }, &stored, watch)?;
+    let support = Support::on(&survey, &judged.now);
+    let places = replaced(&observed, &stored.cameras, &mut judged, &beliefs);
+    let names: Vec<&str> = cameras.iter().map(|c| c.name).collect();
+    Ok((0..cameras.len())
+        .zip(places)
+        .map(|(c, place)| {
+            let seen = Seen { names: &names, observed: &observed[c], deviate: support.cameras[c].tangents };
+            said(c, &seen, &judged, place)
+        })
+        .collect())
+}
+
+impl StoredCamera<'_> {
+    fn stated(&self) -> Stated<'_> {
+        let Self { matrix, distortions, rotation, translation, .. } = self;
+        Stated { matrix, distortions, rotation, translation }
+    }
+}
+
+fn refuse(cameras: &[StoredCamera], clocks: &Offsets) -> Result<()> {
+    let wrong = |name, value: String, expected| Err(Error::Argument { name, value, expected });
+    if cameras.len() < 2 {
+        return wrong("cameras", cameras.len().to_string(), "at least two cameras of the network");
+    }
+    if clocks.seconds.len() != cameras.len() {
+        return wrong("clocks", clocks.seconds.len().to_string(), "a clock for each camera");
+    }
+    for (i, c) in cameras.iter().enumerate() {
+        if cameras[..i].iter().any(|other| other.name == c.name) {
+            return wrong("cameras", c.name.to_owned(), "names of cameras that differ");
+        }
+        if !c.stated().is_camera() {
+            return wrong("camera", c.name.to_owned(), EXPECTED);
+        }
+    }
+    Ok(())
+}
+
+/// The stored cameras with the clocks and insets of the new footage, and what is believed of each.
+fn by_new_clocks(cameras: &[StoredCamera], clocks: &Offsets, survey: &Survey) -> (Placed, Vec<Beliefs>) {
+    let beliefs: Vec<Beliefs> = (0..cameras.len())
+        .map(|c| Beliefs {
+            intrinsic: [Belief::fixed(0.0); 7],
+            clock: clocks.beliefs(c),
+            inset: INSET,
+            posed: true,
+        })
+        .collect();
+    let stored = |(c, beliefs): (&StoredCamera, &Beliefs)| Camera {
+        offset: beliefs.clock[0].mean,
+        inset: INSET.mean,
+        ..c.stated().camera(c.recording.size())
+    };
+    let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
+    let placed = vec![true; at.len()];
+    let pairs = Placed { cameras: at.clone(), placed: placed.clone() }.pairs();
+    let settled = settle(survey, &at, &beliefs, &pairs, &placed, None);
+    (Placed { cameras: settled.cameras, placed }, beliefs)
+}

@@ -1,0 +1,93 @@
+//! What new footage says of a camera, as a result with its sentence.
+
+use super::moves::Move;
+use super::replace::Replaced;
+use super::suspects::Judged;
+use crate::network::moments::observed::Observed;
+use crate::network::result::{CameraCheck, CheckStatus};
+use crate::network::thresholds as limits;
+
+/// What a camera saw, and how much of it the others saw.
+pub struct Seen<'o> {
+    /// Names of all cameras.
+    pub names: &'o [&'o str],
+    /// Its silhouettes.
+    pub observed: &'o Observed,
+    /// What it has in common with the others, as a normal deviate.
+    pub deviate: f64,
+}
+
+/// The result of one camera.
+pub fn said(camera: usize, seen: &Seen, judged: &Judged, replaced: Replaced) -> CameraCheck {
+    let found = judged.found[camera].as_ref();
+    let rivals: Vec<&str> = judged.rivals[camera].iter().map(|&r| seen.names[r]).collect();
+    let enough = seen.deviate >= limits::CAMERA_DEVIATES;
+    let status = match found {
+        Some(_) if !rivals.is_empty() && enough => CheckStatus::Suspect,
+        Some(_) if judged.moved[camera] && enough => CheckStatus::Moved,
+        Some(_) if enough => CheckStatus::Unmoved,
+        _ => CheckStatus::Unsure,
+    };
+    let seconds = seen.observed.times.last().copied().unwrap_or(0.0);
+    let moved = matches!(status, CheckStatus::Moved | CheckStatus::Suspect);
+    let since = found.filter(|f| moved && f.is_within()).map(|f| f.since * seconds);
+    let of = |value: fn(&Move) -> f64| found.map_or(f64::NAN, value);
+    let reason = match (status, found) {
+        (CheckStatus::Moved, Some(found)) => {
+            let what = of_move("it", found, since);
+            replaced.as_ref().err().map_or_else(|| what.clone(), |why| format!("{what}; {why}"))
+        }
+        (CheckStatus::Suspect, Some(found)) => format!(
+            "it or {} moved, and what was filmed does not tell which; if it was this one, {}",
+            rivals.join(" or "),
+            of_move("it", found, since)
+        ),
+        (CheckStatus::Unmoved, Some(found)) => format!(
+            "it stands as stored: a turn of {:.2} degrees would have been noticed, and a focal length changed by {:.1} %",
+            limits::MOVED * found.turned_error.to_degrees(),
+            100.0 * limits::MOVED * found.focal_error
+        ),
+        _ => {
+            "what moves in it does not agree with the others: too little moved before several cameras, it moved by more than a few degrees, or it shows something else".to_owned()
+        }
+    };
+    CameraCheck {
+        name: seen.names[camera].to_owned(),
+        status,
+        reason,
+        turned: of(|f| f.turned),
+        turned_error: of(|f| f.turned_error),
+        shifted: of(|f| f.shifted),
+        shifted_error: of(|f| f.shifted_error),
+        focal: of(|f| f.focal.exp_m1()),
+        focal_error: of(|f| f.focal_error * f.focal.exp()),
+        deviate: seen.deviate,
+        since,
+        place: replaced.ok().filter(|_| status == CheckStatus::Moved),
+        rivals: if status == CheckStatus::Suspect { judged.rivals[camera].clone() } else { Vec::new() },
+    }
+}
+
+fn of_move(which: &str, found: &Move, since: Option<f64>) -> String {
+    let when = since.map_or_else(|| "before this footage".to_owned(), |s| format!("at about {s:.0} s"));
+    let turned = format!(
+        "turned by {:.2} degrees (to {:.2}), and {:.3} from where it stood (to {:.3})",
+        found.turned.to_degrees(),
+        found.turned_error.to_degrees(),
+        found.shifted,
+        found.shifted_error
+    );
+    let zoomed = format!(
+        "its focal length changed by {:+.2} % (to {:.2} %)",
+        100.0 * found.focal.exp_m1(),
+        100.0 * found.focal_error * found.focal.exp()
+    );
+    match (found.zoomed, found.reposed) {
+        (true, true) => format!("{which} changed {when}: {zoomed}, and it is {turned}"),
+        (true, false) => format!("{which} was zoomed {when}: {zoomed}; it stands and looks as stored"),
+        (false, _) if found.or_zoomed => {
+            format!("{which} moved {when}: it is {turned}; or instead {zoomed}, which explains as much")
+        }
+        (false, _) => format!("{which} moved {when}: it is {turned}"),
+    }
+}

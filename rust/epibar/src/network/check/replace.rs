@@ -1,0 +1,175 @@
+//! Where cameras that moved stand now: all of them solved for at once, with those that did not move held.
+
+use super::moves::{FOCAL, Move, PARTS, deviates, focal_error, freed, pose_error};
+use super::stretch::FRAMES;
+use super::suspects::Judged;
+use crate::network::evidence::covariance::{Covariance, Expected, NINE_IN_TEN, covariance, length_quantile};
+use crate::network::evidence::outlines::{Shapes, outline_errors};
+use crate::network::evidence::support::{Deviates, Support};
+use crate::network::model::camera::{Camera, POSITION, ROTATION};
+use crate::network::model::joint::{Beliefs, Problem};
+use crate::network::moments::observed::Observed;
+use crate::network::moments::survey::Survey;
+use crate::network::result::Place;
+use crate::network::solve::relocate::Placed;
+use crate::network::solve::settle::settle;
+use crate::network::thresholds as limits;
+
+/// The new place of a camera, or why none is given.
+pub type Replaced = Result<Place, &'static str>;
+
+const UNCONFIRMED: &str = "too few cameras that stand confirm its new place";
+const ONE_OF_SEVERAL: &str =
+    "another camera moved of which it is not known which, so its new place is not certain";
+const LEFT_OVER: &str =
+    "its new place leaves something over: a pair by itself agrees clearly better with another one";
+const OR_ZOOMED: &str = "its new place is not certain";
+const STANDS: &str = "it did not move";
+
+/// New places of the cameras that moved, by the footage since the last of them did; what was found of them is told by these.
+pub fn replaced(
+    observed: &[Observed],
+    stored: &[Camera],
+    judged: &mut Judged,
+    beliefs: &[Beliefs],
+) -> Vec<Replaced> {
+    let n = stored.len();
+    if !judged.moved.contains(&true) {
+        return vec![Err(STANDS); n];
+    }
+    if judged.rivals.iter().any(|r| !r.is_empty()) {
+        return vec![Err(ONE_OF_SEVERAL); n];
+    }
+    if judged.moved.iter().filter(|m| !**m).count() < limits::CONFIRMED_PAIRS {
+        return vec![Err(UNCONFIRMED); n];
+    }
+    let Some(solved) = Resolved::of(observed, judged, beliefs) else { return vec![Err(UNCONFIRMED); n] };
+    (0..n).map(|c| solved.place(judged, stored, c)).collect()
+}
+
+/// All that moved, solved for at once.
+struct Resolved<'a> {
+    survey: Survey<'a>,
+    beliefs: Vec<Beliefs>,
+    cameras: Vec<Camera>,
+    /// Errors of the moves, and of the places.
+    errors: [Covariance; 2],
+    pairs: Vec<((usize, usize), Deviates)>,
+}
+
+impl<'a> Resolved<'a> {
+    fn of(observed: &'a [Observed], judged: &Judged, beliefs: &[Beliefs]) -> Option<Self> {
+        let Judged { now, moved, found, .. } = judged;
+        let since = last_move(observed, now, moved, found);
+        let survey = Survey::among(observed, FRAMES, |c, seconds| now.cameras[c].time_of(seconds) >= since);
+        let beliefs: Vec<Beliefs> = (0..moved.len())
+            .map(|c| found[c].filter(|_| moved[c]).map_or(beliefs[c], |m| solved_for(&m, &beliefs[c])))
+            .collect();
+        let pairs: Vec<(usize, usize)> =
+            now.pairs().into_iter().filter(|&(a, b)| moved[a] || moved[b]).collect();
+        let settled = settle(&survey, &now.cameras, &beliefs, &pairs, moved, None);
+        let problem = Problem {
+            pairs: &settled.pairs,
+            beliefs: &beliefs,
+            scale: settled.scale,
+            prior_weight: settled.prior_weight,
+            moving: moved.clone(),
+        };
+        let outlines = outline_errors(&settled, Shapes::of(observed));
+        let errors = |share: f64| {
+            let outlines: Vec<f64> = outlines.iter().map(|error| share * error).collect();
+            covariance(&problem, &settled.cameras, &outlines)
+        };
+        let errors = [errors(limits::OUTLINE_MOVED)?, errors(1.0)?];
+        let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };
+        let pairs = Support::on(&survey, &network).pairs;
+        Some(Self { survey, beliefs, cameras: settled.cameras, errors, pairs })
+    }
+
+    /// The place of a camera, where two that stand confirm it and nothing is left over.
+    fn place(&self, judged: &mut Judged, stored: &[Camera], c: usize) -> Replaced {
+        let moved = judged.moved.clone();
+        let Some(m) = judged.found[c].as_mut().filter(|_| moved[c]) else { return Err(STANDS) };
+        let at = self.cameras[c];
+        let seen: Vec<_> = self.pairs.iter().filter(|((a, b), _)| *a == c || *b == c).collect();
+        let beside = |(a, b): (usize, usize)| if a == c { b } else { a };
+        let confirm = seen.iter().map(|(pair, d)| (beside(*pair), d.tangents));
+        let confirmed: Vec<usize> =
+            confirm.filter(|(o, d)| !moved[*o] && *d >= limits::PAIR_DEVIATES).map(|(o, _)| o).collect();
+        if confirmed.len() < limits::CONFIRMED_PAIRS {
+            return Err(UNCONFIRMED);
+        }
+        measure(m, &at, &stored[c], &self.errors[0], c);
+        if m.or_zoomed {
+            return Err(OR_ZOOMED);
+        }
+        if confirmed.iter().any(|&other| self.leaves_over(c, other)) {
+            return Err(LEFT_OVER);
+        }
+        Ok(Place {
+            matrix: at.matrix(),
+            rotation: at.rotation.into_inner(),
+            translation: at.translation(),
+            zoomed: m.zoomed,
+            reposed: m.reposed,
+            expected: expected(m, &self.errors[1], c),
+            pairs: seen.iter().map(|(pair, d)| (beside(*pair), *d)).collect(),
+        })
+    }
+
+    /// Whether a pair by itself agrees clearly better with another place of its camera than with the one that all pairs agree on.
+    fn leaves_over(&self, camera: usize, other: usize) -> bool {
+        let pair = [(camera.min(other), camera.max(other))];
+        let mut beliefs = self.beliefs.clone();
+        beliefs[camera].posed = false;
+        let moving: Vec<bool> = (0..beliefs.len()).map(|c| c == camera).collect();
+        let alone = settle(&self.survey, &self.cameras, &beliefs, &pair, &moving, None).cameras;
+        let excess =
+            |cameras: &[Camera]| self.survey.excess_by_part::<PARTS>(cameras, &pair, limits::COMPARED);
+        let (by_itself, agreed) = (excess(&alone), excess(&self.cameras));
+        let more: Vec<f64> = by_itself.iter().zip(&agreed).map(|(p, q)| p - q).collect();
+        let share = more.iter().sum::<f64>() / by_itself.iter().sum::<f64>().max(1e-9);
+        deviates(&more) > limits::MOVED_DEVIATES && share > limits::LEFT_OVER
+    }
+}
+
+/// The network's time of the last move that was seen; before all footage where none was.
+fn last_move(observed: &[Observed], now: &Placed, moved: &[bool], found: &[Option<Move>]) -> f64 {
+    let of = |c: usize| {
+        let m = found[c].filter(|m| moved[c] && m.is_within())?;
+        Some(now.cameras[c].time_of(m.since * observed[c].times.last()?))
+    };
+    (0..moved.len()).filter_map(of).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// What changed of a camera is free.
+fn solved_for(found: &Move, beliefs: &Beliefs) -> Beliefs {
+    Beliefs { posed: !found.reposed, ..if found.zoomed { freed(beliefs) } else { *beliefs } }
+}
+
+/// How far it moved, by the place that all that moved agree on.
+fn measure(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, camera: usize) {
+    let error = |from: usize| pose_error(errors, camera, from);
+    if let (Some(turned_error), Some(shifted_error)) = (error(ROTATION), error(POSITION)) {
+        found.turned = stored.rotation.angle_to(&at.rotation);
+        found.shifted = (stored.position - at.position).norm();
+        (found.turned_error, found.shifted_error) = (turned_error, shifted_error);
+    }
+    if let Some(error) = focal_error(errors, camera) {
+        (found.focal, found.focal_error) = (at.log_focal - stored.log_focal, error.max(found.focal_error));
+    }
+}
+
+/// Errors to expect of what was solved for, with all that did not move where it stands; 0 of what was not.
+fn expected(found: &Move, errors: &Covariance, camera: usize) -> Expected {
+    let block = |from: usize| errors.block(camera, from).map_or(0.0, |block| length_quantile(&block));
+    let at = errors.active.iter().position(|p| *p == (camera, FOCAL)).filter(|_| found.zoomed);
+    let focal = |p: usize| NINE_IN_TEN * errors.matrix[(p, p)].max(0.0).sqrt();
+    // What is said of the change is of two focal lengths that are about as well known.
+    let of_change = found.focal_error / std::f64::consts::SQRT_2;
+    Expected {
+        focal: at.map_or(0.0, |p| focal(p).max(of_change)),
+        rotation: block(ROTATION),
+        position: block(POSITION),
+    }
+}

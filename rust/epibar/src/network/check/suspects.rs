@@ -1,0 +1,243 @@
+//! Which camera moved, by what each explains that would have moved by itself.
+//!
+//! A camera that moved spoils its pairs and no others. So for every camera it is asked how much better all pairs agree with the one place
+//! of it that suits them best, the others being held. Where one moved, that one's place restores all that fell; another's restores
+//! its pair with that camera at the most, and spoils pairs that stand. Three cameras of which one moved along the line to another
+//! form a triangle of the same shape: then two explanations are equal, and either may be the true one.
+
+use super::moves::{CLOSE, Case, Move, PARTS, Standing, deviates};
+use super::stretch::Stretch;
+use crate::error::Result;
+use crate::network::model::camera::Camera;
+use crate::network::model::joint::Beliefs;
+use crate::network::moments::observed::Observed;
+use crate::network::moments::survey::summed;
+use crate::network::solve::relocate::Placed;
+use crate::network::solve::settle::settle;
+use crate::network::thresholds as limits;
+use crate::watch::{Stage, Watch, report};
+
+/// What was found of the cameras.
+pub struct Judged {
+    /// The cameras, those that moved where they stand now.
+    pub now: Placed,
+    /// Which moved.
+    pub moved: Vec<bool>,
+    /// For each camera the others that may have moved in place of it, so that it is not known which did.
+    pub rivals: Vec<Vec<usize>>,
+    /// What was found of each camera, beside those that moved.
+    pub found: Vec<Option<Move>>,
+}
+
+/// New footage of a network.
+pub struct Footage<'a> {
+    pub observed: &'a [Observed],
+    pub beliefs: &'a [Beliefs],
+}
+
+/// What all pairs say if one camera moved.
+struct Explanation {
+    camera: usize,
+    found: Move,
+    /// The network before that camera is put elsewhere, with clocks and insets by the pairs that it has no part in.
+    network: Placed,
+    /// Evidence of every pair, part by part.
+    parts: Vec<[f64; PARTS]>,
+}
+
+/// What was found of the cameras that did not move yet, and what each explains, if any moved.
+struct Round {
+    pairs: Vec<(usize, usize)>,
+    found: Vec<Option<Move>>,
+    explained: Vec<Explanation>,
+}
+
+/// Which cameras moved.
+///
+/// # Errors
+/// [`crate::Error::Interrupted`].
+pub fn judged(footage: &Footage, stored: &Placed, watch: &mut dyn Watch) -> Result<Judged> {
+    let n = footage.beliefs.len();
+    let mut so_far = Judged {
+        now: stored.clone(),
+        moved: vec![false; n],
+        rivals: vec![Vec::new(); n],
+        found: vec![None; n],
+    };
+    let mut stretch = Stretch::from(footage.observed, 0.0);
+    let mut round = footage.asked(&stretch, &so_far, watch)?;
+    loop {
+        so_far.take(&round);
+        let leading = round.leading();
+        let suspects: Vec<usize> = leading.iter().map(|e| e.camera).collect();
+        let mut next = None;
+        for explained in leading {
+            let (after, then) = footage.placed(&stretch, &so_far, explained);
+            let rest = footage.asked(&after, &then, watch)?;
+            if suspects.len() > 1 && rest.leading().is_empty() {
+                so_far.now = then.now;
+                so_far.suspect(&suspects);
+                return Ok(so_far);
+            }
+            next = next.or(Some((after, then, rest)));
+        }
+        let Some(after_best) = next else { break };
+        (stretch, so_far, round) = after_best;
+        so_far.rivals[suspects[0]] = suspects[1..].to_vec();
+    }
+    so_far.settle_rivals();
+    Ok(so_far)
+}
+
+impl Judged {
+    /// Keeps what was found of the cameras that did not move.
+    fn take(&mut self, round: &Round) {
+        for (c, found) in round.found.iter().enumerate().filter(|(c, _)| !self.moved[*c]) {
+            self.found[c] = *found;
+        }
+    }
+
+    /// One of these moved.
+    fn suspect(&mut self, cameras: &[usize]) {
+        for &c in cameras {
+            self.moved[c] = false;
+            self.rivals[c] = cameras.iter().copied().filter(|other| *other != c).collect();
+        }
+        self.settle_rivals();
+    }
+
+    /// A camera that moved itself did not move in place of another.
+    fn settle_rivals(&mut self) {
+        for c in (0..self.moved.len()).filter(|&c| self.moved[c]).collect::<Vec<_>>() {
+            let rivals: Vec<usize> = self.rivals[c].iter().copied().filter(|&o| !self.moved[o]).collect();
+            self.rivals[c].clear();
+            if !rivals.is_empty() {
+                self.suspect(&[&[c], &rivals[..]].concat());
+            }
+        }
+    }
+}
+
+impl Footage<'_> {
+    /// What is found of each camera that did not move.
+    fn asked(&self, stretch: &Stretch, so_far: &Judged, watch: &mut dyn Watch) -> Result<Round> {
+        let n = self.beliefs.len();
+        let end = stretch.end();
+        let standing = Standing::of(stretch, &so_far.now);
+        let whole = Case {
+            stretch,
+            fitted: stretch,
+            beliefs: self.beliefs,
+            network: &so_far.now,
+            standing: &standing,
+        };
+        let at_end = Case { fitted: &end, ..whole };
+        let rounds = so_far.moved.iter().filter(|m| **m).count();
+        let mut found = Vec::new();
+        for c in 0..n {
+            report(watch, Stage::Network, (rounds * n + c) as f64 / (n * (n + 1)) as f64)?;
+            found.push(if so_far.moved[c] { None } else { moved(&whole, &at_end, c) });
+        }
+        let mut explained = Vec::new();
+        if found.iter().flatten().any(Move::is_clear) {
+            for (c, found) in found.iter_mut().enumerate() {
+                let Some(found) = found else { continue };
+                let explanation = self.explanation(stretch, so_far, c, found);
+                *found = explanation.found;
+                explained.push(explanation);
+            }
+        }
+        Ok(Round { pairs: standing.pairs, found, explained })
+    }
+
+    /// What all pairs say if a camera moved, of which a move was found beside clocks and insets that it may have spoiled.
+    fn explanation(&self, stretch: &Stretch, so_far: &Judged, camera: usize, found: &Move) -> Explanation {
+        let network = self.without(stretch, &so_far.now, camera);
+        let standing = Standing::of(stretch, &network);
+        let fitted = self.since(found, stretch);
+        let case =
+            Case { stretch, fitted: &fitted, beliefs: self.beliefs, network: &network, standing: &standing };
+        let start = Camera { log_focal: network.cameras[camera].log_focal, ..found.camera };
+        let posed = case.measured(camera, start, &case.beliefs_free(camera));
+        let found = posed.map_or(*found, |posed| case.zoomed(camera, &posed));
+        let there = case.with(camera, found.camera);
+        let new = stretch.all.excess_of_pairs::<PARTS>(&there, &standing.pairs, limits::COMPARED);
+        let part = |p: usize, k: usize| if k >= found.from { new[p][k] } else { standing.parts[p][k] };
+        let parts = (0..new.len()).map(|p| std::array::from_fn(|k| part(p, k))).collect();
+        Explanation { camera, found, network, parts }
+    }
+
+    /// A network with clocks and insets by the pairs that a camera has no part in.
+    fn without(&self, stretch: &Stretch, network: &Placed, camera: usize) -> Placed {
+        let pairs: Vec<(usize, usize)> =
+            network.pairs().into_iter().filter(|&(a, b)| a != camera && b != camera).collect();
+        let others: Vec<bool> = (0..self.beliefs.len()).map(|c| c != camera).collect();
+        let settled = settle(&stretch.all, &network.cameras, self.beliefs, &pairs, &others, Some(CLOSE));
+        Placed { cameras: settled.cameras, placed: network.placed.clone() }
+    }
+
+    /// The network with a camera where it would stand now, and the footage since.
+    fn placed(&self, stretch: &Stretch, so_far: &Judged, explained: &Explanation) -> (Stretch<'_>, Judged) {
+        let Explanation { camera, found, network, .. } = explained;
+        let mut then = Judged {
+            now: network.clone(),
+            moved: so_far.moved.clone(),
+            rivals: so_far.rivals.clone(),
+            found: so_far.found.clone(),
+        };
+        then.now.cameras[*camera] = found.camera;
+        then.moved[*camera] = true;
+        (self.since(found, stretch), then)
+    }
+
+    /// The footage since a move; all of a stretch where it was not filmed.
+    fn since(&self, found: &Move, stretch: &Stretch) -> Stretch<'_> {
+        Stretch::from(self.observed, if found.is_within() { found.since } else { stretch.share(0.0) })
+    }
+}
+
+/// The move of a camera before the footage or in the midst of it.
+fn moved(whole: &Case, at_end: &Case, camera: usize) -> Option<Move> {
+    let of_all = whole.found(camera);
+    let enough = |m: &Move| m.is_clear() && !m.is_within();
+    let within = if of_all.as_ref().is_some_and(enough) { None } else { at_end.found_at_end(camera) };
+    match (of_all, within) {
+        (Some(all), Some(end)) => Some(if all.better >= end.better { all } else { end }),
+        (all, end) => end.or(all),
+    }
+}
+
+impl Round {
+    /// Where a camera clearly moved the one that explains most, and then those that explain about as much.
+    fn leading(&self) -> Vec<&Explanation> {
+        if !self.explained.iter().any(|e| e.found.is_clear()) {
+            return Vec::new();
+        }
+        let mut all: Vec<(f64, &Explanation)> =
+            self.explained.iter().map(|e| (e.parts.iter().flatten().sum::<f64>(), e)).collect();
+        all.sort_by(|p, q| q.0.total_cmp(&p.0));
+        let likely = |e: &Explanation| e.found.gain > limits::MOVED_DEVIATES;
+        let Some(best) = all.iter().map(|(_, e)| *e).find(|e| likely(e)) else { return Vec::new() };
+        let others = all.into_iter().map(|(_, e)| e).filter(|e| e.camera != best.camera);
+        // Of two cameras either explains the same.
+        let rivals = others.filter(|e| self.pairs.len() == 1 || !self.rules_out(best, e));
+        [best].into_iter().chain(rivals).collect()
+    }
+
+    /// Whether so much more speaks for one explanation that the other is not the true one.
+    fn rules_out(&self, best: &Explanation, other: &Explanation) -> bool {
+        let from = best.found.from.min(other.found.from);
+        let more = |of: &dyn Fn(&(usize, usize)) -> bool| -> Vec<f64> {
+            let chosen = |e: &Explanation| -> [f64; PARTS] {
+                summed(self.pairs.iter().zip(&e.parts).filter(|(pair, _)| of(pair)).map(|(_, parts)| parts))
+            };
+            let (one, two) = (chosen(best), chosen(other));
+            (from..PARTS).map(|k| one[k] - two[k]).collect()
+        };
+        // Pairs that stand whatever happened to the best: another that had moved would have spoiled its own.
+        let (all, stand) = (more(&|_| true), more(&|&(a, b)| a != best.camera && b != best.camera));
+        let share = |parts: &[f64]| parts.iter().sum::<f64>() / best.found.better;
+        let clearly = |parts: &[f64], least: f64| deviates(parts) > limits::RULED_OUT && share(parts) > least;
+        clearly(&stand, limits::SPOILED_SHARE) || clearly(&all, limits::RULED_OUT_SHARE)
+    }
+}

@@ -1,0 +1,11 @@
+//! What speaks for a network that was solved for, and how wrong it may be.
+//!
+//! * `support`: what speaks for each camera on moments kept aside.
+//! * `halves`: was a camera turned a little at half time?
+//! * `outlines`: by how much outlines of each camera are wrong.
+//! * `covariance`: errors to expect.
+
+pub mod covariance;
+pub mod halves;
+pub mod outlines;
+pub mod support;

@@ -1,0 +1,257 @@
+//! What speaks for each camera of a network on moments in which the fit had no part.
+//!
+//! The network is fitted once more without some stretches of time. On these its pairs are compared as they are and with
+//! B's moments moved on: people who walk about in both views at other times are what chance has to offer. A camera's score
+//! is the sum over its pairs, and its normal deviate that of Student's t over the shifts, so that what is alike in
+//! neighbouring frames counts for no more than it is worth.
+
+use rayon::prelude::*;
+
+use crate::network::model::camera::Camera;
+use crate::network::moments::observed::Observed;
+use crate::network::moments::survey::{Survey, shared};
+use crate::network::moments::tangents::Score;
+use crate::network::solve::networks::{Solved, settled};
+use crate::network::solve::relocate::Placed;
+use crate::network::solve::settle::Again;
+use crate::network::thresholds as limits;
+use crate::verify::shift_curve::normal_deviate;
+
+/// Frames of each camera that are looked at; those that the network is fitted to are fewer of many cameras.
+const FRAMES: usize = 300;
+
+/// Normal deviates of what was seen on moments kept aside.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Deviates {
+    /// Of the tangents.
+    pub tangents: f64,
+    /// Of whole silhouettes: those of which both ends meet those of one other.
+    pub whole: f64,
+}
+
+/// What speaks for a network.
+#[derive(Debug, Clone)]
+pub struct Support {
+    /// Camera by camera.
+    pub cameras: Vec<Deviates>,
+    /// Pairs of cameras that stand.
+    pub pairs: Vec<((usize, usize), Deviates)>,
+    /// Camera by camera, of all that could meet in its pairs.
+    pub shares: Vec<Share>,
+}
+
+/// What meets beyond chance, of what could.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Share {
+    /// Excess over chance of a tangent.
+    pub excess: f64,
+    /// Of whole silhouettes.
+    pub whole: f64,
+}
+
+impl Share {
+    /// From scores, each that by the true clocks and then those by shifted ones.
+    fn of<'s>(scores: impl Iterator<Item = &'s Vec<Score>>) -> Self {
+        let (mut ends, mut sum) = (0.0, Self::default());
+        for score in scores {
+            let Some((first, rest)) = score.split_first() else { continue };
+            let by_chance =
+                |value: fn(&Score) -> f64| rest.iter().map(value).sum::<f64>() / rest.len() as f64;
+            ends += first.ends as f64;
+            sum.excess += first.excess - by_chance(|s| s.excess);
+            sum.whole += first.whole as f64 - by_chance(|s| s.whole as f64);
+        }
+        let ends = f64::max(ends, 1.0);
+        Self { excess: sum.excess / ends, whole: 2.0 * sum.whole / ends }
+    }
+}
+
+impl Support {
+    /// Pairs of which so much confirms the network that chance does not.
+    pub fn confirmed(&self) -> Vec<(usize, usize)> {
+        self.pairs
+            .iter()
+            .filter(|(_, d)| d.tangents >= limits::PAIR_DEVIATES)
+            .map(|(pair, _)| *pair)
+            .collect()
+    }
+
+    /// Of a network that was solved on all moments.
+    pub fn of(observed: &[Observed], solved: &Solved) -> Self {
+        let aside = Aside::of(observed, &solved.network.cameras);
+        let frames = shared(FRAMES, observed.len());
+        let fitted = Survey::among(observed, frames, |camera, seconds| !aside.has(camera, seconds));
+        let radius = Some(Again::FEWER_MOMENTS.after(&solved.settled));
+        let pairs = solved.network.pairs();
+        let network = settled(&fitted, solved.network.clone(), &solved.beliefs, &pairs, radius).network;
+        let kept = Survey::among(observed, FRAMES, |camera, seconds| aside.has(camera, seconds));
+        Self::on(&kept, &network)
+    }
+
+    /// Of a network on the moments of a survey.
+    pub fn on(survey: &Survey, network: &Placed) -> Self {
+        let pairs = network.pairs();
+        let rays = survey.all_rays(&network.cameras);
+        let scores: Vec<Vec<Score>> = pairs
+            .par_iter()
+            .map(|&(a, b)| {
+                let tangents = survey.tangents(&network.cameras, &rays, a, b);
+                let n = tangents.moments();
+                if n <= limits::SHIFTS {
+                    return vec![Score::default(); limits::SHIFTS + 1];
+                }
+                let scorer = tangents.scorer(limits::COMPARED * survey.scale(a, b));
+                (0..=limits::SHIFTS).map(|k| scorer.score(k * n / (limits::SHIFTS + 1))).collect()
+            })
+            .collect();
+        let deviates = |of: &dyn Fn(&(usize, usize)) -> bool| {
+            let sum = |value: &dyn Fn(&Score) -> f64| -> Vec<f64> {
+                let chosen = || pairs.iter().zip(&scores).filter(|(pair, _)| of(pair));
+                (0..=limits::SHIFTS).map(|k| chosen().map(|(_, s)| value(&s[k])).sum()).collect()
+            };
+            Deviates { tangents: deviate(&sum(&|s| s.excess)), whole: deviate(&sum(&|s| s.whole as f64)) }
+        };
+        Self {
+            cameras: (0..network.cameras.len()).map(|c| deviates(&|p| p.0 == c || p.1 == c)).collect(),
+            pairs: pairs.iter().map(|&pair| (pair, deviates(&|p| *p == pair))).collect(),
+            shares: (0..network.cameras.len())
+                .map(|c| {
+                    let own = pairs.iter().zip(&scores).filter(|(p, _)| p.0 == c || p.1 == c);
+                    Share::of(own.map(|(_, scores)| scores))
+                })
+                .collect(),
+        }
+    }
+}
+
+/// How unlikely the first of some scores is among the others, as a normal deviate; 0 where they do not differ.
+fn deviate(scores: &[f64]) -> f64 {
+    let Some((first, rest)) = scores.split_first() else { return 0.0 };
+    let n = rest.len() as f64;
+    let mean = rest.iter().sum::<f64>() / n;
+    let variance = rest.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    if variance > 0.0 {
+        normal_deviate((first - mean) / (variance * (1.0 + 1.0 / n)).sqrt(), n - 1.0)
+    } else if *first > mean {
+        // Never by chance, and seen.
+        normal_deviate(first - mean, n - 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// Stretches of the network's time that are kept aside.
+struct Aside<'c> {
+    cameras: &'c [Camera],
+    start: f64,
+    length: f64,
+}
+
+impl<'c> Aside<'c> {
+    fn of(observed: &[Observed], cameras: &'c [Camera]) -> Self {
+        let times = observed.iter().zip(cameras).flat_map(|(o, c)| {
+            [o.times.first(), o.times.last()].into_iter().flatten().map(|t| c.time_of(*t)).collect::<Vec<_>>()
+        });
+        let (start, end) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
+        Self { cameras, start, length: ((end - start) / limits::STRETCHES).max(1e-9) }
+    }
+
+    fn has(&self, camera: usize, seconds: f64) -> bool {
+        let stretch = ((self.cameras[camera].time_of(seconds) - self.start) / self.length).floor();
+        stretch.rem_euclid(3.0) == 1.0
+    }
+}
+
+/// The share of its recording at which a camera was knocked, about, of each that sees what the others see only before or only
+/// after some moment: on one side of it less than the first share of its evidence on the other, and than the second share of what pairs keep
+/// that it has no part in.
+pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) -> Vec<Option<f64>> {
+    let pairs = network.pairs();
+    let rays = survey.all_rays(&network.cameras);
+    // Evidence, and what could meet, of each part of the network's time as camera A of the pair has it.
+    let parts: Vec<[(f64, f64); limits::KNOCKED_PARTS]> = pairs
+        .par_iter()
+        .map(|&(a, b)| {
+            let tangents = survey.tangents(&network.cameras, &rays, a, b);
+            let scorer = tangents.scorer(limits::COMPARED * survey.scale(a, b));
+            let mut sums = [(0.0, 0.0); limits::KNOCKED_PARTS];
+            for shift in 0..=limits::KNOCKED_SHIFTS {
+                let by = shift * tangents.moments() / (limits::KNOCKED_SHIFTS + 1);
+                let scores = scorer.by_moment(by);
+                for (k, score) in scores.iter().enumerate() {
+                    let part = &mut sums[k * limits::KNOCKED_PARTS / scores.len()];
+                    if shift == 0 {
+                        part.0 += score.excess;
+                        part.1 += score.ends as f64;
+                    } else {
+                        part.0 -= score.excess / limits::KNOCKED_SHIFTS as f64;
+                    }
+                }
+            }
+            sums
+        })
+        .collect();
+    let sides = |chosen: &dyn Fn(&(usize, usize)) -> bool, boundary: usize| {
+        let mut sums = [(0.0, 0.0); 2];
+        for (_, parts) in pairs.iter().zip(&parts).filter(|(pair, _)| chosen(pair)) {
+            for (k, part) in parts.iter().enumerate() {
+                let side = &mut sums[usize::from(k >= boundary)];
+                side.0 += part.0;
+                side.1 += part.1;
+            }
+        }
+        sums
+    };
+    let kept = |[before, after]: [(f64, f64); 2]| {
+        let rate = |(excess, ends): (f64, f64)| (excess / f64::max(ends, 1.0)).max(0.0);
+        let (p, q) = (rate(before), rate(after));
+        (p.min(q) / p.max(q).max(1e-12), p >= q)
+    };
+    (0..network.cameras.len())
+        .map(|c| {
+            let own = |p: &(usize, usize)| p.0 == c || p.1 == c;
+            let mut worst: Option<(f64, f64)> = None;
+            for boundary in 2..limits::KNOCKED_PARTS - 1 {
+                let of_own = sides(&own, boundary);
+                let (share, stands_before) = kept(of_own);
+                let (others, _) = kept(sides(&|p| !own(p), boundary));
+                let better = of_own[usize::from(!stands_before)].0;
+                let shows = of_own[usize::from(stands_before)].1
+                    > limits::KNOCKED_SHOWS * of_own[usize::from(!stands_before)].1;
+                let found = share < keeps
+                    && share < of_others * others
+                    && others > limits::OTHERS_KEEP
+                    && better > limits::KNOCKED_CLEAR
+                    && shows;
+                if found && worst.is_none_or(|w| share < w.0) {
+                    worst = Some((share, boundary as f64 / limits::KNOCKED_PARTS as f64));
+                }
+            }
+            worst.map(|w| w.1)
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_share_is_beyond_chance_and_of_what_could_meet() {
+        let score = |ends, whole, excess| Score { ends, whole, excess };
+        let one = vec![score(100, 22, 90.0), score(100, 2, 15.0), score(100, 2, 5.0)];
+        let other = vec![score(300, 0, 0.0), score(300, 0, 0.0), score(300, 0, 0.0)];
+        assert_eq!(Share::of([&one].into_iter()), Share { excess: 0.8, whole: 0.4 });
+        assert_eq!(Share::of([&one, &other].into_iter()), Share { excess: 0.2, whole: 0.1 });
+        assert_eq!(Share::of([].into_iter()), Share::default());
+    }
+
+    #[test]
+    fn a_score_like_the_others_has_no_deviate() {
+        assert_eq!(deviate(&[0.0; 9]), 0.0);
+        assert!(deviate(&[3.0, 1.0, 2.0, 3.0, 4.0, 5.0, 2.0, 3.0, 4.0]).abs() < 1.0);
+        assert!(deviate(&[90.0, 1.0, 2.0, 3.0, 4.0, 5.0, 2.0, 3.0, 4.0]) > 4.0);
+        assert!(deviate(&[]) == 0.0);
+    }
+}

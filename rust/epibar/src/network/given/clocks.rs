@@ -1,0 +1,271 @@
+//! The clocks of all cameras, before any geometry is known.
+//!
+//! Clocks belong to cameras, not to pairs: an offset each, so that they agree round every cycle. For some pairs the offset is
+//! found from barcodes, with now and then a wrong one among them; three cameras whose offsets add up to nought vouch for
+//! each other.
+
+use rayon::prelude::*;
+
+use super::graph::{ALL_PAIRS, all_pairs};
+use crate::clock::{find_offset, score_at_offset};
+use crate::error::Result;
+use crate::network::model::joint::Belief;
+use crate::network::thresholds as limits;
+use crate::recording::Recording;
+use crate::watch::{Stage, Unwatched, Watch, report};
+
+/// What the barcodes of a pair say of its clocks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairOffset {
+    /// Index of camera A.
+    pub a: usize,
+    /// Index of camera B.
+    pub b: usize,
+    /// What is at `t` seconds in A, since its first frame, is at about `t + seconds` in B.
+    pub seconds: f64,
+    /// How well the best pairs of lines agree there.
+    pub score: f64,
+    /// How well they agree without an offset; −∞ where too few frames are common then.
+    pub unshifted: f64,
+    /// Score of the best other offset as a share of the best.
+    pub runner_up: f64,
+}
+
+/// Offsets of all cameras.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Offsets {
+    /// For each camera: what is at `t` in the first camera is at `t + seconds` in this one; NaN where nothing tells.
+    pub seconds: Vec<f64>,
+    /// All cameras started together, as far as barcodes tell.
+    pub together: bool,
+    /// They were given, and are not solved for.
+    pub given: bool,
+}
+
+impl Offsets {
+    /// Found offsets, seconds, to a frame or two.
+    pub fn found(seconds: Vec<f64>) -> Self {
+        Self { seconds, together: false, given: false }
+    }
+
+    /// Given offsets, seconds.
+    pub fn given(seconds: Vec<f64>) -> Self {
+        Self { seconds, together: false, given: true }
+    }
+
+    /// What is believed of the offset and the drift of a camera's clock.
+    pub(in crate::network) fn beliefs(&self, camera: usize) -> [Belief; 2] {
+        let seconds = self.seconds[camera];
+        let [offset, drift] = if self.given {
+            [0.0; 2]
+        } else {
+            [if self.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]
+        };
+        [Belief::about(if seconds.is_finite() { seconds } else { 0.0 }, offset), Belief::about(0.0, drift)]
+    }
+}
+
+/// Neighbours that each of more cameras is asked with.
+const NEIGHBOURS: usize = 3;
+/// What an offset weighs whose runner-up has nothing of its score, and one whose runner-up has all.
+const CLEAR: f64 = 1.05;
+const UNCLEAR: f64 = 0.05;
+/// What it weighs where it closes no triangle, against 1 more for each that it closes.
+const ALONE: f64 = 0.2;
+/// Rounds of taking means.
+const ROUNDS: usize = 20;
+
+/// Pairs of `count` cameras whose offsets are asked for.
+pub fn asked(count: usize) -> Vec<(usize, usize)> {
+    let near = |a: usize, b: usize| b - a <= NEIGHBOURS || count - (b - a) <= NEIGHBOURS;
+    all_pairs(count).filter(|&(a, b)| count <= ALL_PAIRS || near(a, b)).collect()
+}
+
+/// What the barcodes of two recordings say of their clocks, within so many seconds; `None` where nothing.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn pair_offset(
+    recordings: [&Recording; 2],
+    [a, b]: [usize; 2],
+    seconds: f64,
+    watch: &mut dyn Watch,
+) -> Result<Option<PairOffset>> {
+    let found = find_offset(recordings[0], recordings[1], seconds, watch)?;
+    let interval = recordings[1].frame_interval();
+    Ok(found.map(|f| PairOffset {
+        a,
+        b,
+        seconds: f.offset * interval,
+        score: f.score,
+        unshifted: f.unshifted,
+        runner_up: f.runner_up.map_or(0.0, |r| r.share),
+    }))
+}
+
+/// Offsets of pairs, those asked for by [`asked`].
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted).
+pub fn pair_offsets(
+    recordings: &[&Recording],
+    seconds: f64,
+    watch: &mut dyn Watch,
+) -> Result<Vec<PairOffset>> {
+    let asked = asked(recordings.len());
+    let mut found = Vec::new();
+    for (i, chunk) in asked.chunks(4).enumerate() {
+        report(watch, Stage::TimeOffset, 4.0 * i as f64 / asked.len() as f64)?;
+        let of = |&(a, b): &(usize, usize)| {
+            pair_offset([recordings[a], recordings[b]], [a, b], seconds, &mut Unwatched)
+        };
+        for offset in chunk.par_iter().map(of).collect::<Result<Vec<_>>>()? {
+            found.extend(offset);
+        }
+    }
+    Ok(found)
+}
+
+/// How well two recordings agree at known offsets of their clocks: how likely they are to show the same.
+///
+/// # Errors
+/// None that input can cause.
+pub fn likeness(a: &Recording, b: &Recording, seconds: f64) -> Result<f64> {
+    score_at_offset(a, b, seconds / b.frame_interval())
+}
+
+/// One offset a camera from those of pairs.
+pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
+    if started_together(pairs) {
+        return Offsets { seconds: vec![0.0; count], together: true, given: false };
+    }
+    let between = |a: usize, b: usize| {
+        pairs.iter().find_map(|p| match (p.a, p.b) {
+            pair if pair == (a, b) => Some(p.seconds),
+            pair if pair == (b, a) => Some(-p.seconds),
+            _ => None,
+        })
+    };
+    // A pair counts by how clear it is by itself, and the more the more triangles it closes.
+    let weight = |p: &PairOffset| {
+        let closes = |c: usize| match (between(p.a, c), between(c, p.b)) {
+            (Some(there), Some(on)) => (there + on - p.seconds).abs() < limits::OFFSETS_AGREE,
+            _ => false,
+        };
+        let triangles = (0..count).filter(|&c| c != p.a && c != p.b && closes(c)).count();
+        p.score.max(0.0) * (CLEAR - p.runner_up).max(UNCLEAR) * (ALONE + triangles as f64)
+    };
+    let mut order: Vec<(f64, &PairOffset)> = pairs.iter().map(|p| (weight(p), p)).collect();
+    order.sort_by(|p, q| q.0.total_cmp(&p.0).then((p.1.a, p.1.b).cmp(&(q.1.a, q.1.b))));
+    let mut seconds = spanning(count, &order);
+    // The mean of all that agree, a few times over.
+    for _ in 0..ROUNDS {
+        for camera in 1..count {
+            let said: Vec<(f64, f64)> = order
+                .iter()
+                .filter_map(|(weight, p)| {
+                    let from = |other: usize, by: f64| Some((seconds[other] + by, *weight));
+                    let said = match camera {
+                        c if c == p.b => from(p.a, p.seconds),
+                        c if c == p.a => from(p.b, -p.seconds),
+                        _ => None,
+                    }?;
+                    ((said.0 - seconds[camera]).abs() < limits::OFFSETS_AGREE).then_some(said)
+                })
+                .collect();
+            let all: f64 = said.iter().map(|s| s.1).sum();
+            if all > 0.0 {
+                seconds[camera] = said.iter().map(|s| s.0 * s.1).sum::<f64>() / all;
+            }
+        }
+    }
+    Offsets { seconds, together: false, given: false }
+}
+
+/// Whether most pairs agree without an offset about as well as with the best, and none of the clear ones contradicts.
+fn started_together(pairs: &[PairOffset]) -> bool {
+    let says_so = |p: &&PairOffset| {
+        p.seconds.abs() < limits::NO_OFFSET || p.unshifted >= limits::NO_OFFSET_SHARE * p.score
+    };
+    !pairs.is_empty()
+        && pairs.iter().filter(says_so).count() as f64 >= limits::NO_OFFSET_PAIRS * pairs.len() as f64
+}
+
+/// Offsets along the tree of the heaviest pairs; NaN where none leads to the first camera.
+fn spanning(count: usize, order: &[(f64, &PairOffset)]) -> Vec<f64> {
+    let mut group: Vec<usize> = (0..count).collect();
+    let mut seconds = vec![0.0; count];
+    for (_, p) in order {
+        let (one, other) = (group[p.a], group[p.b]);
+        if one == other {
+            continue;
+        }
+        let shift = seconds[p.a] + p.seconds - seconds[p.b];
+        for camera in 0..count {
+            if group[camera] == other {
+                group[camera] = one;
+                seconds[camera] += shift;
+            }
+        }
+    }
+    let (first, start) = (group[0], seconds[0]);
+    (0..count).map(|c| if group[c] == first { seconds[c] - start } else { f64::NAN }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn offsets(truth: &[f64], wrong: &[(usize, usize, f64)]) -> Vec<PairOffset> {
+        asked(truth.len())
+            .into_iter()
+            .map(|(a, b)| {
+                let lie = wrong.iter().find(|w| (w.0, w.1) == (a, b)).map(|w| w.2);
+                let noise = 0.02 * (((a * 7 + b * 3) % 5) as f64 - 2.0);
+                PairOffset {
+                    a,
+                    b,
+                    seconds: lie.unwrap_or(truth[b] - truth[a] + noise),
+                    score: if lie.is_some() { 6.0 } else { 5.0 },
+                    unshifted: 1.0,
+                    runner_up: 0.5,
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn cycles_outvote_wrong_pairs() {
+        for count in [3, 4, 6, 9, 20] {
+            let truth: Vec<f64> =
+                (0..count).map(|c| if c == 0 { 0.0 } else { 3.7 * c as f64 - 11.0 }).collect();
+            let all: &[(usize, usize, f64)] = &[(0, 1, 5.5), (1, 3, -9.0)];
+            let wrong = &all[..(count - 3).min(2)];
+            let found = agreed(count, &offsets(&truth, wrong));
+            for (camera, seconds) in found.seconds.iter().enumerate() {
+                assert!(
+                    (seconds - truth[camera]).abs() < 0.15,
+                    "{count} {camera}: {seconds} {}",
+                    truth[camera]
+                );
+            }
+            assert!(!found.together);
+        }
+    }
+
+    #[test]
+    fn cameras_that_started_together_have_no_offset() {
+        let truth = vec![0.0; 5];
+        let found = agreed(5, &offsets(&truth, &[(0, 3, 7.0)]));
+        assert!(found.together && found.seconds.iter().all(|s| *s == 0.0));
+    }
+
+    #[test]
+    fn a_camera_that_nothing_leads_to_has_none() {
+        let pairs: Vec<_> = offsets(&[0.0, 2.0, 5.0, 1.0], &[]).into_iter().filter(|p| p.b != 3).collect();
+        let found = agreed(4, &pairs);
+        assert!(found.seconds[3].is_nan() && (found.seconds[2] - 5.0).abs() < 0.1);
+        assert!(agreed(3, &[]).seconds[0] == 0.0);
+    }
+}

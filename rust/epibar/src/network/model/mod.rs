@@ -1,0 +1,13 @@
+//! What is solved for, and the equations of it.
+//!
+//! * `optics`: where the pixels of a camera look.
+//! * `camera`: a camera, as the numbers that are solved for.
+//! * `residual`: how far two tangents are from meeting.
+//! * `joint`: the joint problem over cameras only.
+//! * `pose`: where one camera stands beside another, by the geometry of their pair.
+
+pub mod camera;
+pub mod joint;
+pub mod optics;
+pub mod pose;
+pub mod residual;

@@ -1,0 +1,15 @@
+//! What cameras saw at the same moments, and what of it meets under given cameras.
+//!
+//! * `observed`: outlines of silhouettes in raw pixels.
+//! * `ends`: the two planes through both cameras between which a silhouette lies.
+//! * `tangents`: epipolar tangents that meet in a pair.
+//! * `walkers`: what stands on the floor.
+//! * `evenly`: some of many moments.
+//! * `survey`: all of that, over all pairs.
+
+pub mod ends;
+pub mod evenly;
+pub mod observed;
+pub mod survey;
+pub mod tangents;
+pub mod walkers;

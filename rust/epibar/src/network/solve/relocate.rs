@@ -1,0 +1,214 @@
+//! Cameras that do not stand, or stand where their pairs contradict, are tried elsewhere.
+//!
+//! The joint problem goes downhill; a camera that entered the wrong valley, because a pair was wrong or two are nearly in
+//! line with a third, stays there. So it is lifted out and put wherever one of its pairs, with any of its geometries, any
+//! length of the baseline and any focal length would have it; what all cameras see together decides, over tangents of
+//! every pair, those that failed by themselves too.
+
+use rayon::prelude::*;
+
+use super::settle::settle;
+use super::start::FOCALS;
+use crate::network::given::graph::all_pairs;
+use crate::network::given::pair::PairHypotheses;
+use crate::network::model::camera::Camera;
+use crate::network::model::joint::Beliefs;
+use crate::network::model::pose::{placed_beside, relative_pose};
+use crate::network::model::residual::Pair;
+use crate::network::moments::survey::{Rays, Survey};
+use crate::network::thresholds as limits;
+
+/// Lengths of the baseline that are tried, in mean distances of the cameras.
+const LENGTHS: [f64; 7] = [0.12, 0.25, 0.5, 0.8, 1.2, 1.8, 3.0];
+/// Focal lengths that are tried of a camera that stands, as multiples of its own.
+const FOCALS_NEAR: [f64; 3] = [0.7, 1.0, 1.4];
+/// Radius within which guesses are compared, pixels of a 640×480 image.
+const RADIUS: f64 = 8.0;
+/// The best guesses, which are solved for.
+const SOLVED: usize = 4;
+
+/// A network with which of its cameras stand.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    /// All cameras.
+    pub cameras: Vec<Camera>,
+    /// Which of them stand.
+    pub placed: Vec<bool>,
+}
+
+impl Placed {
+    /// Pairs among the cameras that stand.
+    pub fn pairs(&self) -> Vec<(usize, usize)> {
+        all_pairs(self.cameras.len()).filter(|&(a, b)| self.placed[a] && self.placed[b]).collect()
+    }
+
+    /// By how much each pair of cameras that stand is turned otherwise in another network, radians.
+    pub fn turns(&self, other: &Self) -> impl Iterator<Item = f64> {
+        let between = |n: &Self, a: usize, b: usize| n.cameras[a].rotation * n.cameras[b].rotation.inverse();
+        self.pairs().into_iter().map(move |(a, b)| between(self, a, b).angle_to(&between(other, a, b)))
+    }
+
+    /// Mean distance between the cameras that stand.
+    fn size(&self) -> f64 {
+        let pairs = self.pairs();
+        let sum: f64 =
+            pairs.iter().map(|&(a, b)| (self.cameras[a].position - self.cameras[b].position).norm()).sum();
+        if pairs.is_empty() { 1.0 } else { sum / pairs.len() as f64 }
+    }
+}
+
+/// Share of the tangents of a camera's pairs that agree with the network, over pairs with cameras that stand; 0 where
+/// there are none.
+pub fn agreement(network: &Placed, pairs: &[PairHypotheses], camera: usize, survey: &Survey) -> f64 {
+    let (mut agreeing, mut all) = (0.0, 0.0);
+    for p in pairs.iter().filter(|p| p.a == camera || p.b == camera) {
+        let other = if p.a == camera { p.b } else { p.a };
+        if !network.placed[other] {
+            continue;
+        }
+        let geometry = Pair::new(&network.cameras[p.a], &network.cameras[p.b]);
+        let within = limits::AGREE * survey.scale(p.a, p.b);
+        let meetings = &p.hypotheses[0].meetings;
+        let near = geometry.agreeing(meetings, within);
+        // A pair with much evidence weighs more.
+        let weight = p.hypotheses[0].score.max(0.0);
+        agreeing += weight * near as f64 / meetings.len().max(1) as f64;
+        all += weight;
+    }
+    if all > 0.0 { agreeing / all } else { 0.0 }
+}
+
+/// Tries every camera elsewhere that does not stand, or that its pairs contradict; the network with all that were improved.
+pub fn relocate(survey: &Survey, network: Placed, beliefs: &[Beliefs], pairs: &[PairHypotheses]) -> Placed {
+    let mut network = network;
+    let mut order: Vec<(f64, usize)> = (0..network.cameras.len())
+        .map(|c| (if network.placed[c] { agreement(&network, pairs, c, survey) } else { -1.0 }, c))
+        .filter(|(share, _)| *share < limits::TRIED_ELSEWHERE)
+        .collect();
+    order.sort_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+    for (_, camera) in order {
+        if let Some(moved) = elsewhere(survey, &network, beliefs, pairs, camera) {
+            network = moved;
+        }
+    }
+    network
+}
+
+/// The network with a camera at the best of all places; `None` where that is no better than where it stands.
+fn elsewhere(
+    survey: &Survey,
+    network: &Placed,
+    beliefs: &[Beliefs],
+    pairs: &[PairHypotheses],
+    camera: usize,
+) -> Option<Placed> {
+    let others: Vec<usize> =
+        (0..network.cameras.len()).filter(|&c| c != camera && network.placed[c]).collect();
+    if others.is_empty() {
+        return None;
+    }
+    let rays = survey.all_rays(&network.cameras);
+    let score = |at: &Camera| excess(survey, network, &rays, camera, at, &others);
+    let mut guesses: Vec<(f64, Camera)> = guesses(network, beliefs, pairs, camera)
+        .into_par_iter()
+        .map(|at| (score(&at), at))
+        .filter(|g| g.0.is_finite())
+        .collect();
+    guesses.sort_by(|p, q| q.0.total_cmp(&p.0));
+    guesses.truncate(SOLVED);
+    let mut placed = network.placed.clone();
+    placed[camera] = true;
+    let mut moving = vec![false; placed.len()];
+    moving[camera] = true;
+    let with: Vec<(usize, usize)> = others.iter().map(|&o| (o.min(camera), o.max(camera))).collect();
+    let mut tried: Vec<(f64, Camera)> = guesses
+        .into_iter()
+        .map(|(_, at)| {
+            let mut cameras = network.cameras.clone();
+            cameras[camera] = at;
+            let solved = settle(survey, &cameras, beliefs, &with, &moving, None).cameras[camera];
+            (score(&solved), solved)
+        })
+        .collect();
+    tried.sort_by(|p, q| q.0.total_cmp(&p.0));
+    let (best, at) = *tried.first()?;
+    let now = if network.placed[camera] { score(&network.cameras[camera]) } else { 0.0 };
+    if !(best > limits::ELSEWHERE_BETTER * now && best > 0.0) {
+        return None;
+    }
+    let mut cameras = network.cameras.clone();
+    cameras[camera] = at;
+    Some(Placed { cameras, placed })
+}
+
+/// Excess over chance of a camera at a place with all others.
+fn excess(
+    survey: &Survey,
+    network: &Placed,
+    rays: &[Rays],
+    camera: usize,
+    at: &Camera,
+    others: &[usize],
+) -> f64 {
+    let mut cameras = network.cameras.clone();
+    cameras[camera] = *at;
+    let mut rays_now: Vec<Rays> = vec![Vec::new(); rays.len()];
+    rays_now[camera] = survey.rays(&cameras, camera);
+    others
+        .iter()
+        .map(|&other| {
+            let (a, b) = (other.min(camera), other.max(camera));
+            let of = |i: usize| if i == camera { &rays_now[i] } else { &rays[i] };
+            survey
+                .tangents_of(&cameras, of(a), of(b), a, b)
+                .scorer(RADIUS * survey.scale(a, b))
+                .score(0)
+                .excess
+        })
+        .sum()
+}
+
+/// Wherever a pair would have a camera.
+fn guesses(network: &Placed, beliefs: &[Beliefs], pairs: &[PairHypotheses], camera: usize) -> Vec<Camera> {
+    let now = network.cameras[camera];
+    let focals: Vec<f64> = if beliefs[camera].has_focal() {
+        vec![now.log_focal]
+    } else if network.placed[camera] {
+        FOCALS_NEAR.map(|f| now.log_focal + f.ln()).to_vec()
+    } else {
+        FOCALS.map(|f| (f * now.size.width as f64).ln()).to_vec()
+    };
+    let size = network.size();
+    let mut found = Vec::new();
+    for p in pairs.iter().filter(|p| p.a == camera || p.b == camera) {
+        let other = if p.a == camera { p.b } else { p.a };
+        if !network.placed[other] {
+            continue;
+        }
+        for hypothesis in &p.hypotheses {
+            for log_focal in &focals {
+                let guess = Camera { log_focal: *log_focal, ..now };
+                let (a, b) = if p.a == camera {
+                    (&guess, &network.cameras[other])
+                } else {
+                    (&network.cameras[other], &guess)
+                };
+                let Some((rotation, t, _)) =
+                    relative_pose(&hypothesis.fundamental, a, b, &hypothesis.meetings)
+                else {
+                    continue;
+                };
+                let (rotation, t) = if p.b == camera {
+                    (rotation, t)
+                } else {
+                    (rotation.inverse(), -(rotation.inverse() * t))
+                };
+                let beside = |length: f64| {
+                    placed_beside(&network.cameras[other], &guess, &rotation, &t, length * size)
+                };
+                found.extend(LENGTHS.map(beside));
+            }
+        }
+    }
+    found
+}

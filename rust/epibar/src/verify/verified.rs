@@ -1,0 +1,26 @@
+//! What comes out of the tests.
+
+use super::error_map::Uncertainty;
+use super::evidence::Evidence;
+use super::rivals::Rival;
+use super::shift_curve::ShiftCurve;
+use super::verdict::Verdict;
+use crate::frontier::TangentMatch;
+
+/// What the tests gave.
+pub struct Verified {
+    /// Accepted, or why not.
+    pub verdict: Verdict,
+    /// Pixels; NaN where unknown.
+    pub expected_error: f64,
+    /// The numbers behind the verdict.
+    pub evidence: Evidence,
+    /// Scores with the clocks shifted, on frames kept aside.
+    pub curve: ShiftCurve,
+    /// Other geometries.
+    pub rivals: Vec<Rival>,
+    /// Tangents that meet in all frames.
+    pub matches: Vec<TangentMatch>,
+    /// `None` where the matches do not determine it.
+    pub uncertainty: Option<Uncertainty>,
+}
