@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from fresh_seeds import networks_asked_for
+from network_worlds import world, worlds_table
 from options import add_networks
 from tables import progress
 
@@ -61,6 +62,7 @@ def run(family: str, seed: int, lines: int) -> dict[str, Any]:
         "left_out": network.left_out,
         "status": {name: camera.status for name, camera in network.cameras.items()},
         "errors": errors(situation, network),
+        "world": world(situation, network),
         "clocks": list(clocks.values()) if situation.cameras[0].name in clocks else [],
         "seconds": [
             recorded - started,
@@ -145,6 +147,8 @@ def main(arguments: Namespace) -> None:
         of_family = sorted((o for o in outcomes if o["family"] == family), key=lambda o: o["seed"])
         if of_family:
             print(row(of_family))
+    if any(o["world"] for o in outcomes):
+        print(f"\nvertical, floor and metres\n\n{worlds_table(outcomes)}")
 
 
 if __name__ == "__main__":

@@ -37,9 +37,16 @@ KNOWLEDGE = {
 """By the names that ``recordings.py`` has for them."""
 HEAD = (
     "| recording | known | accepted | focal %, median, worst | rotation °, of two cameras to each other "
-    "| position, % of the rig | within what is stated (f R C) | vertical ° | s |\n"
-    "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    "| position, % of the rig | within what is stated (f R C) | vertical °, stated "
+    "| metres from people, %, stated | s |\n"
+    "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
 )
+
+METRES = {"wildtrack": 0.01, "pets_cameras": 0.001, "four_people": 0.001}
+"""Metres that one unit of the known cameras measures, where that is known."""
+
+PERSON = 1.75
+"""Metres that people are taken to be tall."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +101,7 @@ def row(name: str, words: str, true: dict[str, Truth], network: Any, seconds: fl
     accepted = sum(camera.accepted for camera in network.cameras.values())
     start = f"| {name} | {words} | {accepted} of {len(true)} |"
     if len(stand) < 2:
-        return f"{start} no camera stands |  |  |  |  | {seconds:.0f} |"
+        return f"{start} no camera stands |  |  |  |  |  | {seconds:.0f} |"
     ours = np.array([-c.rotation.T @ c.translation for c in stand.values()])
     theirs = np.array([true[n].centre for n in stand])
     turns = [c.rotation.T @ true[n].R for n, c in stand.items()]
@@ -131,10 +138,25 @@ def row(name: str, words: str, true: dict[str, Truth], network: Any, seconds: fl
         f"{np.median(relative):.2f}, {max(relative):.2f}",
         f"{100 * np.median(errors[:, 2]):.2f}, {100 * errors[:, 2].max():.2f}",
         f"{within} of {len(stand)}",
-        f"{up:.2f}" if network.ground.source == "floor" else "no floor",
+        f"{up:.2f}, {1.645 * network.ground.vertical_error:.2f}"
+        if network.ground.source == "floor"
+        else "no floor",
+        metres(network, scale * METRES[name]) if name in METRES else "-",
         f"{seconds:.0f}",
     ]
     return f"{start} " + " | ".join(cells) + " |"
+
+
+def metres(network: Any, unit: float) -> str:
+    """How far metres from people are off where a unit of the network measures so many, and what is stated."""
+    try:
+        scaled = network.scaled(person_height=PERSON)
+    except epibar.EpibarError as error:
+        return "refused: " + (
+            "not people" if "says nothing: what moves" in str(error) else "no floor, or no camera"
+        )
+    found = scaled.ground.height / network.ground.height
+    return f"{100 * abs(found / unit - 1):.1f}, {100 * scaled.scale.error:.1f}"
 
 
 def angle_between(one: Any, other: Any) -> float:

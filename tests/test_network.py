@@ -14,6 +14,7 @@ from epibar import EpibarError, KnownCamera, Network, Recording, synthetic
 from epibar.files.json_file import json_text
 from epibar.network import ClockOffsets, find_offsets, join_pairs
 from epibar.network.calibrating import in_metres
+from epibar.network.prose import network_notes
 
 # --- the whole job ---
 
@@ -229,6 +230,53 @@ def net_sides(net):
     names = [*net.cameras, "cam1"]
     place = {name: camera.position for name, camera in net.cameras.items()}
     return [(a, b, float(np.linalg.norm(place[a] - place[b]))) for a, b in pairwise(names)]
+
+
+@pytest.mark.parametrize(
+    ("ground", "named"),
+    [
+        ({"breadth": 0.65}, "0.65 times as broad as it is tall"),
+        ({"diversity": 0.4}, "differs in height by 40 %"),
+    ],
+)
+def test_what_is_not_people_gives_no_metres(ground, named):
+    net = made_up()
+    net = replace(net, ground=replace(net.ground, **ground))
+    with pytest.raises(EpibarError, match=rf"height of 1.75 m of people says nothing: .*{named}.*distance"):
+        net.scaled(person_height=1.75)
+    assert net.scaled(distance=("cam1", "cam2", 2.0)).unit == "metre"
+    note = next(one for one in network_notes(net) if "unit of length" in one)
+    assert "--distance" in note
+    assert "--person-height" not in note
+    people = replace(net, ground=replace(net.ground, breadth=0.4, diversity=0.08))
+    assert people.scaled(person_height=1.75).unit == "metre"
+    assert "--person-height" in " ".join(network_notes(people))
+
+
+def test_the_floor_is_known_to_centimetres(tmp_path):
+    net = made_up()
+    net = replace(net, ground=replace(net.ground, level_error=0.01))
+    metres = net.scaled(person_height=1.75)
+    assert metres.ground.level_error == pytest.approx(0.05)
+    assert "to 5 cm (standard error)" in " ".join(network_notes(metres))
+    assert "standard error)" not in " ".join(network_notes(net)).replace("(standard error 0.2°)", "")
+    # A camera's height above a floor that is known so badly says less.
+    before = made_up().scaled(camera_height=("cam2", 4.2, 0.01)).scale.error
+    assert net.scaled(camera_height=("cam2", 4.2, 0.01)).scale.error > before
+    metres.save(tmp_path / "n.json")
+    assert epibar.Network.load(tmp_path / "n.json").ground == metres.ground
+
+
+def test_networks_of_before_have_neither_breadth_nor_level_error(tmp_path):
+    path = tmp_path / "n.json"
+    made_up().save(path)
+    content = json.loads(path.read_text())
+    for key in ("breadth", "level_error"):
+        del content["ground"][key]
+    path.write_text(json.dumps(content))
+    net = epibar.Network.load(path)
+    assert net.ground.breadth is None
+    assert net.scaled(person_height=1.75).unit == "metre"
 
 
 def test_contradictions_are_named():

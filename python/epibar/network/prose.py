@@ -48,6 +48,14 @@ def _clock(clock: NetworkClock) -> str:
     return f"{clock.offset:+.3f} s" + (f", {clock.drift:+.0f} ppm" if abs(clock.drift or 0.0) >= 0.5 else "")
 
 
+def _level(network: NetworkParts) -> str:
+    """How well the floor's level is known, in metres where there are metres."""
+    error = network.ground.level_error
+    if error is None or network.unit == BASELINE:
+        return ""
+    return f", to {100 * error:.2g} cm (standard error)"
+
+
 def network_notes(network: NetworkParts) -> list[str]:
     """Say what the table leaves open: why cameras are refused, what up and the unit are."""
     notes = [f"{name}: {camera.reason}" for name, camera in network.cameras.items() if not camera.accepted]
@@ -58,12 +66,13 @@ def network_notes(network: NetworkParts) -> list[str]:
     if ground.source == "floor" and ground.vertical_error is not None:
         notes.append(
             f"z is up, from the floor that {ground.figures} figures stand on (standard error "
-            f"{ground.vertical_error:.2g}°), and z = 0 is that floor"
+            f"{ground.vertical_error:.2g}°), and z = 0 is that floor" + _level(network)
         )
     if network.unit == BASELINE:
+        people = ground.source == "floor" and ground.not_people is None
         notes.append(
             f"the unit of length is the distance between {standing[0]} and {standing[1]}; for metres give "
-            "--person-height or --distance"
+            + ("--person-height or --distance" if people else "--distance")
         )
     elif network.scale is not None:
         notes.append(

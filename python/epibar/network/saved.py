@@ -60,6 +60,8 @@ def as_dict(network: NetworkParts) -> dict[str, Any]:
             "vertical_error": network.ground.vertical_error,
             "figures": network.ground.figures,
             "diversity": network.ground.diversity,
+            "breadth": network.ground.breadth,
+            "level_error": network.ground.level_error,
         },
         "cameras": [_camera_dict(camera, network.clocks[name]) for name, camera in network.cameras.items()],
         "pairs": [
@@ -153,6 +155,7 @@ def _network(kind: type[N], content: Mapping[str, Any]) -> N:
             _number(ground, "vertical_error"),
             None if figures is None else int(figures),
             _number(ground, "diversity"),
+            *(_number(ground, key) if key in ground else None for key in ("breadth", "level_error")),
         ),
         radius=_number(content, "radius"),
         scale=None if scale is None else _scale(scale),

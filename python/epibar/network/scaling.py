@@ -72,7 +72,8 @@ def rescaled(
     scale = Scale(NINE_IN_TEN * error, tuple(one.what for one in lengths))
     ground = network.ground
     if ground.height is not None:
-        ground = replace(ground, height=factor * ground.height)
+        level_error = None if ground.level_error is None else factor * ground.level_error
+        ground = replace(ground, height=factor * ground.height, level_error=level_error)
     cameras = {name: _scaled_camera(camera, factor) for name, camera in network.cameras.items()}
     return cameras, ground, scale
 
@@ -182,7 +183,7 @@ def _camera_height(network: NetworkParts, given: Any) -> Length:
     standing = [one.position for one in network.cameras.values() if one.position is not None]
     reach = float(np.linalg.norm((position - np.mean(standing, axis=0))[:2]))
     lean = math.radians(network.ground.vertical_error or 0.0) * reach
-    placed = math.hypot(_deviation(camera), lean) / units
+    placed = math.hypot(_deviation(camera), lean, network.ground.level_error or 0.0) / units
     return Length(what, metres, units, math.hypot(error / metres, placed))
 
 
@@ -190,6 +191,12 @@ def _person_height(network: NetworkParts, given: Any) -> Length:
     metres, error = _metres("person_height", given, STATURE, 0.0)
     what = f"the height of {metres:g} m of people"
     _check_floor(network, what)
+    others = network.ground.not_people
+    if others is not None:
+        raise EpibarError(
+            f"{what} says nothing: {others}. Give the distance between two cameras, or the height of one, "
+            "instead"
+        )
     assert network.ground.height is not None
     if not any(camera.accepted for camera in network.cameras.values()):
         raise EpibarError(f"{what}: no camera is accepted: {network.reason}")

@@ -15,7 +15,14 @@ from .figures import Walkers
 from .film import Clock
 from .generators import HIGH_CAMERAS, LOW_CAMERAS, cubes, people, thin_cubes
 from .information import error_bound
-from .network_errors import CameraError, accepted_cameras, network_errors, pair_error
+from .network_errors import (
+    CameraError,
+    WorldError,
+    accepted_cameras,
+    network_errors,
+    pair_error,
+    world_error,
+)
 from .rigs import field_of_view
 from .scene import Scene, Solids
 from .situations import Answer, Fault, Situation
@@ -38,6 +45,7 @@ __all__ = [
     "Situation",
     "Solids",
     "Walkers",
+    "WorldError",
     "accepted_cameras",
     "cubes",
     "error_bound",
@@ -51,4 +59,5 @@ __all__ = [
     "situation",
     "thin_cubes",
     "true_fundamental",
+    "world_error",
 ]

@@ -67,22 +67,22 @@ def _orientation(true: list[Array], found: list[Array]) -> Array:
     return nearest_rotation(np.array(turns)[near].sum(axis=0))
 
 
-def _placed(true: Array, found: Array) -> Array:
-    """Scale and move (n, 3) found places, already turned, on the true ones, robustly."""
-    best, least = found, np.inf
+def _similarity(true: Array, found: Array) -> tuple[float, Array]:
+    """Scale and shift that move (n, 3) found places, already turned, on the true ones, robustly."""
+    (scale, shift), least = (1.0, np.zeros(3)), np.inf
     for i, j in combinations(range(len(true)), 2):
-        scale = np.linalg.norm(true[i] - true[j]) / max(float(np.linalg.norm(found[i] - found[j])), 1e-12)
-        moved = scale * (found - (found[i] + found[j]) / 2) + (true[i] + true[j]) / 2
-        median = float(np.median(np.linalg.norm(moved - true, axis=1)))
+        s = float(np.linalg.norm(true[i] - true[j])) / max(float(np.linalg.norm(found[i] - found[j])), 1e-12)
+        move = (true[i] + true[j]) / 2 - s * (found[i] + found[j]) / 2
+        median = float(np.median(np.linalg.norm(s * found + move - true, axis=1)))
         if median < least:
-            best, least = moved, median
-    near = np.linalg.norm(best - true, axis=1) <= 3 * least + 1e-9
+            (scale, shift), least = (s, move), median
+    near = np.linalg.norm(scale * found + shift - true, axis=1) <= 3 * least + 1e-9
     if near.sum() < 2:
-        return best
-    ours, theirs = best[near] - best[near].mean(axis=0), true[near] - true[near].mean(axis=0)
-    scale = (ours * theirs).sum() / (ours**2).sum()
-    placed: Array = scale * (best - best[near].mean(axis=0)) + true[near].mean(axis=0)
-    return placed
+        return scale, shift
+    middle, there = found[near].mean(axis=0), true[near].mean(axis=0)
+    ours, theirs = found[near] - middle, true[near] - there
+    scale = float((ours * theirs).sum() / (ours**2).sum())
+    return scale, there - scale * middle
 
 
 def accepted_cameras(network: NetworkParts) -> dict[str, Camera]:
@@ -123,16 +123,50 @@ def network_errors(situation: Situation | Staging, found: Mapping[str, Camera]) 
     estimates = list(found.values())
     turn = _orientation([camera.R for camera in true], [camera.R for camera in estimates])
     centres = np.array([camera.centre for camera in true])
-    placed = _placed(centres, np.array([camera.centre for camera in estimates]) @ turn)
+    turned = np.array([camera.centre for camera in estimates]) @ turn
+    scale, shift = _similarity(centres, turned)
     size = max(np.linalg.norm(one - other) for one, other in combinations(centres, 2))
     return {
         name: CameraError(
             angle_between(estimate.R @ turn, camera.R),
-            float(np.linalg.norm(place - camera.centre) / size),
+            float(np.linalg.norm(scale * place + shift - camera.centre) / size),
             float(np.sqrt(np.prod(np.diag(estimate.K)[:2]) / np.prod(np.diag(camera.K)[:2])) - 1),
         )
-        for name, camera, estimate, place in zip(found, true, estimates, placed, strict=True)
+        for name, camera, estimate, place in zip(found, true, estimates, turned, strict=True)
     }
+
+
+@dataclass(frozen=True)
+class WorldError:
+    """How wrong the world of a network is, over the cameras that stand.
+
+    Attributes
+    ----------
+    vertical : float
+        Angle between its z and the true up, degrees.
+    floor : float
+        Mean distance of its z = 0 from the true floor where things moved, metres.
+    unit : float
+        Metres that one of its units measures in truth.
+    """
+
+    vertical: float
+    floor: float
+    unit: float
+
+
+def world_error(situation: Situation | Staging, found: Mapping[str, Camera]) -> WorldError:
+    """Hold vertical, floor and scale of a network against the truth; cameras as of :func:`network_errors`."""
+    known = {camera.name: camera for camera in situation.cameras}
+    true = [known[name] for name in found]
+    turn = _orientation([camera.R for camera in true], [camera.R for camera in found.values()])
+    centres = np.array([camera.centre for camera in found.values()]) @ turn
+    unit, origin = _similarity(np.array([camera.centre for camera in true]), centres)
+    up = turn[2]
+    beside = situation.volume_points[:, :2] - origin[:2]
+    heights = origin[2] - beside @ up[:2] / up[2]
+    vertical = np.rad2deg(np.arctan2(np.hypot(up[0], up[1]), up[2]))
+    return WorldError(float(vertical), float(np.abs(heights).mean()), unit)
 
 
 def pair_error(situation: Situation, found: Mapping[str, Camera], a: int, b: int) -> float:

@@ -141,11 +141,15 @@ fn dict_of<'py>(py: Python<'py>, network: &Network) -> PyResult<Bound<'py, PyDic
     dict.set_item("radius", network.radius)?;
     let ground = PyDict::new(py);
     ground.set_item("source", network.ground.name())?;
-    if let Ground::Floor { height, vertical_error, figures, diversity, .. } = network.ground {
+    if let Ground::Floor { height, vertical_error, level_error, figures, diversity, breadth, .. } =
+        network.ground
+    {
         ground.set_item("height", height)?;
         ground.set_item("vertical_error", vertical_error.to_degrees())?;
+        ground.set_item("level_error", level_error)?;
         ground.set_item("figures", figures)?;
         ground.set_item("diversity", diversity)?;
+        ground.set_item("breadth", breadth)?;
     }
     dict.set_item("ground", ground)?;
     Ok(dict)

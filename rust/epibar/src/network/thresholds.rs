@@ -169,5 +169,9 @@ pub const ON_FLOOR: f64 = 0.08;
 pub const FLOOR_UNEVEN: f64 = 0.12;
 /// A floor whose normal is further from the mean of the segments than this, radians, is a wall, or none: 34°.
 pub const FLOOR_LEANING: f64 = 0.6;
-/// Figures share errors in time: so many, those of a second, say what one would by itself.
-pub const FIGURES_AS_ONE: f64 = 20.0;
+/// Standard deviation of how far the bottoms that are touched lie above the floor, as a share of the height: 2 cm. On 33 made-up networks of
+/// development with the geometry of their pairs given, floors were 0.1 to 4 cm off, and 6 to 18 cm where cameras were turned too.
+pub const FOOT_ABOVE: f64 = 0.012;
+/// And of how much more it is one standard deviation of the bottoms further on: the vertical of these was 0.02 to 0.5 degrees off where
+/// figures had room, and is below 1.645 times what is stated with this in nine of ten, in four of ten without.
+pub const FOOT_LEANING: f64 = 0.004;

@@ -1,7 +1,7 @@
 //! The verdict: what is said of each camera, each pair and the whole.
 
 use super::case::{Case, Finished, Out};
-use super::evidence::covariance::Expected;
+use super::evidence::covariance::{Expected, NINE_IN_TEN_IN_SPACE};
 use super::evidence::support::{Deviates, Support, knocked};
 use super::given::graph::all_pairs;
 use super::given::pair::PairFound;
@@ -14,6 +14,7 @@ use super::solve::networks::{Solved, gain};
 use super::solve::relocate::Placed;
 use super::solve::world::{self, World};
 use super::thresholds as limits;
+use crate::geometry::median::median;
 
 /// Whether another network has about the same evidence, and another geometry.
 pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
@@ -82,7 +83,10 @@ impl Case<'_> {
     /// What is said of a network.
     pub(super) fn network(&self, finished: &Finished, out: &[Out], rivalled: bool) -> Network {
         let network = &finished.solved.network;
-        let World { cameras: placed, ground, unit } = world::placed(network, finished.floor.as_ref());
+        let rotations = finished.expected.iter().zip(&network.placed).filter(|(_, stands)| **stands);
+        let turned =
+            median(rotations.map(|(e, _)| e.rotation / NINE_IN_TEN_IN_SPACE)).unwrap_or(f64::INFINITY);
+        let World { cameras: placed, ground, unit } = world::placed(network, finished.floor.as_ref(), turned);
         let rig = network
             .pairs()
             .iter()

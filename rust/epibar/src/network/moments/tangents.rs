@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 use super::ends::{End, Ends, Seen, ends, wrapped};
-use super::observed::{Between, Moment};
+use super::observed::{Between, Moment, Observed};
 use crate::network::model::residual::Meeting;
 
 /// Frames of A with the moments of B at which they were seen.
@@ -242,6 +242,23 @@ impl<'a> Tangents<'a> {
             moved(self.a.observed.point(end.point), end.outward, self.a.camera.inset),
             moved(self.motion_of_b(&met.b, side).0, self.end_of_b(&met.b, side).outward, self.b.camera.inset),
         ]
+    }
+
+    /// How broad the silhouettes of A and B are of which two ends met, across the line from one end to the other, over its length.
+    pub fn breadths(&self, one: &MatchedEnds, other: &MatchedEnds) -> [f64; 2] {
+        let (p, q) = (self.pixels(one), self.pixels(other));
+        let across = |observed: &Observed, silhouette: u32, p: [f64; 2], q: [f64; 2]| {
+            let line = [p[0] - q[0], p[1] - q[1]];
+            let square = line[0] * line[0] + line[1] * line[1];
+            let places = observed.range(silhouette).map(|i| {
+                let x = observed.point(i as u32);
+                (line[0] * x[1] - line[1] * x[0]) / square
+            });
+            let (low, high) =
+                places.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+            high - low
+        };
+        [across(self.a.observed, one.a, p[0], q[0]), across(self.b.observed, one.b.first, p[1], q[1])]
     }
 
     /// Meetings as measurements for the joint problem.

@@ -6,12 +6,10 @@
 //! constraints know nothing of this: they tell the vertical, the floor and the
 //! scale.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
 use super::tangents::{MatchedEnds, Tangents, other_end};
-use crate::geometry::median::{deviation, median};
 use crate::network::model::camera::Camera;
-use crate::network::thresholds as limits;
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +18,8 @@ pub struct Figure {
     pub top: [[f64; 2]; 2],
     /// Bottom in A, in B.
     pub bottom: [[f64; 2]; 2],
+    /// Its breadth in A and in B, across the line from bottom to top, over the length of that line.
+    pub breadth: [f64; 2],
 }
 
 /// Figures of a pair of cameras.
@@ -37,6 +37,8 @@ pub struct PairFigures {
 const STEEP: f64 = 0.6;
 /// Rays of a point that differ by less, radians, do not tell how far away it is.
 const NARROW: f64 = 0.05;
+/// Sine of the least angle between what is upright and the ray to it at which its height is seen.
+const UPRIGHT_SEEN: f64 = 0.3;
 
 /// The silhouettes of which both ends meet those of one silhouette of the other camera, top to top.
 pub fn figures(tangents: &Tangents, met: &[MatchedEnds]) -> Vec<Figure> {
@@ -54,8 +56,9 @@ pub fn figures(tangents: &Tangents, met: &[MatchedEnds]) -> Vec<Figure> {
         } else {
             continue;
         };
+        let breadth = tangents.breadths(top, bottom);
         let [top, bottom] = [top, bottom].map(|m| tangents.pixels(m));
-        found.push(Figure { top, bottom });
+        found.push(Figure { top, bottom, breadth });
     }
     found
 }
@@ -76,120 +79,24 @@ pub fn triangulated(a: &Camera, b: &Camera, pixels: [[f64; 2]; 2]) -> Option<Vec
     (s > 0.0 && t > 0.0).then(|| 0.5 * (a.position + p * s + b.position + q * t))
 }
 
-/// Top and bottom of a figure in space.
-pub fn segment(a: &Camera, b: &Camera, figure: &Figure) -> Option<[Vector3<f64>; 2]> {
-    Some([triangulated(a, b, figure.top)?, triangulated(a, b, figure.bottom)?])
-}
-
-/// The plane on which walkers stand, and how tall they are, in the unit of the network.
+/// A figure in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Floor {
-    /// Up, unit length.
-    pub up: Vector3<f64>,
-    /// `up · X` of its points.
-    pub level: f64,
-    /// Height of those who walk on it, their median.
-    pub height: f64,
-    /// Robust standard deviation of bottoms from the floor, over the height.
-    pub unevenness: f64,
-    /// Robust standard deviation of heights over their median.
-    pub diversity: f64,
-    /// Angle between up and the mean of the segments, radians.
-    pub lean: f64,
-    /// Standard deviation of the bottoms along the direction in which they are spread least.
-    pub reach: f64,
-    /// Figures that it rests on.
-    pub figures: usize,
+pub struct Upright {
+    /// Its top.
+    pub top: Vector3<f64>,
+    /// Its bottom.
+    pub bottom: Vector3<f64>,
+    /// How broad it is over its height, the mean of what both cameras see; `None` where one of them sees it from straight above.
+    pub breadth: Option<f64>,
 }
 
-/// Samples of three bottoms.
-const SAMPLES: usize = 300;
-/// Three bottoms nearer to one line tell no plane: twice the area of their triangle, in squares of the median height.
-const LEAST_TRIANGLE: f64 = 0.05;
-/// Rounds of least squares.
-const REFITS: usize = 5;
-
-impl Floor {
-    /// The floor of segments, each a top and a bottom; `None` where they are too few, or have none in common.
-    pub fn of(segments: &[[Vector3<f64>; 2]]) -> Option<Self> {
-        if segments.len() < limits::FLOOR_FIGURES {
-            return None;
-        }
-        let height = median(segments.iter().map(|[t, b]| (t - b).norm()))?;
-        let mean_up: Vector3<f64> = segments.iter().map(|[t, b]| (t - b).normalize()).sum();
-        let mean_up = mean_up.normalize();
-        let mut best: Option<(usize, Vector3<f64>, f64)> = None;
-        for k in 0..SAMPLES {
-            // Three bottoms far apart in the list, each sample other ones.
-            let n = segments.len();
-            let pick = |j: usize| segments[(k * 7919 + j * n / 3 + (k * k + 31 * j) % 97) % n][1];
-            let (p, q, r) = (pick(0), pick(1), pick(2));
-            let normal = (q - p).cross(&(r - p));
-            if normal.norm() < LEAST_TRIANGLE * height * height {
-                continue;
-            }
-            let normal = normal.normalize();
-            let normal = if normal.dot(&mean_up) < 0.0 { -normal } else { normal };
-            let level = normal.dot(&p);
-            let on = segments
-                .iter()
-                .filter(|[_, b]| (normal.dot(b) - level).abs() < limits::ON_FLOOR * height)
-                .count();
-            if best.is_none_or(|b| on > b.0) {
-                best = Some((on, normal, level));
-            }
-        }
-        let (_, mut up, mut level) = best?;
-        for _ in 0..REFITS {
-            (up, level) = refitted(segments, up, level, limits::ON_FLOOR * height)?;
-        }
-        let up = if up.dot(&mean_up) < 0.0 { -up } else { up };
-        let level = median(segments.iter().map(|[_, b]| up.dot(b)))?;
-        let standing: Vec<_> = segments
-            .iter()
-            .filter(|[_, b]| (up.dot(b) - level).abs() < 2.0 * limits::ON_FLOOR * height)
-            .copied()
-            .collect();
-        if standing.len() < limits::FLOOR_FIGURES {
-            return None;
-        }
-        let tall = median(standing.iter().map(|[t, _]| up.dot(t) - level))?;
-        let mean: Vector3<f64> = standing.iter().map(|[t, b]| (t - b) / tall).sum();
-        let middle = standing.iter().map(|s| s[1]).sum::<Vector3<f64>>() / standing.len() as f64;
-        let scatter: Matrix3<f64> =
-            standing.iter().map(|s| (s[1] - middle) * (s[1] - middle).transpose()).sum();
-        let mut spreads: Vec<f64> = scatter.symmetric_eigen().eigenvalues.iter().copied().collect();
-        spreads.sort_by(f64::total_cmp);
-        Some(Self {
-            up,
-            level,
-            height: tall,
-            unevenness: deviation(standing.iter().map(|[_, b]| (up.dot(b) - level) / tall))?,
-            diversity: deviation(standing.iter().map(|[t, _]| (up.dot(t) - level) / tall - 1.0))?,
-            lean: mean.normalize().dot(&up).clamp(-1.0, 1.0).acos(),
-            reach: (spreads[1].max(0.0) / standing.len() as f64).sqrt(),
-            figures: standing.len(),
-        })
-    }
-}
-
-/// The plane by least squares of the bottoms within reach of one.
-fn refitted(
-    segments: &[[Vector3<f64>; 2]],
-    up: Vector3<f64>,
-    level: f64,
-    reach: f64,
-) -> Option<(Vector3<f64>, f64)> {
-    let near: Vec<Vector3<f64>> =
-        segments.iter().map(|s| s[1]).filter(|b| (up.dot(b) - level).abs() < reach).collect();
-    if near.len() < limits::FLOOR_FIGURES / 2 {
-        return None;
-    }
-    let mean = near.iter().sum::<Vector3<f64>>() / near.len() as f64;
-    let scatter: Matrix3<f64> = near.iter().map(|p| (p - mean) * (p - mean).transpose()).sum();
-    let eigen = scatter.symmetric_eigen();
-    let least = eigen.eigenvalues.imin();
-    let normal = eigen.eigenvectors.column(least).into_owned();
-    let normal = if normal.dot(&up) < 0.0 { -normal } else { normal };
-    Some((normal, normal.dot(&mean)))
+/// A figure of two cameras in space; `None` where its top or its bottom is nowhere.
+pub fn upright(a: &Camera, b: &Camera, figure: &Figure) -> Option<Upright> {
+    let (top, bottom) = (triangulated(a, b, figure.top)?, triangulated(a, b, figure.bottom)?);
+    let (along, middle) = ((top - bottom).try_normalize(0.0)?, 0.5 * (top + bottom));
+    // What is upright looks shorter to a camera that looks down on it.
+    let seen = [a, b].map(|camera| along.cross(&(middle - camera.position).normalize()).norm());
+    let breadth = 0.5 * (figure.breadth[0] * seen[0] + figure.breadth[1] * seen[1]);
+    let is_seen = seen[0].min(seen[1]) > UPRIGHT_SEEN && breadth.is_finite();
+    Some(Upright { top, bottom, breadth: is_seen.then_some(breadth) })
 }

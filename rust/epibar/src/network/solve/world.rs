@@ -9,8 +9,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use super::relocate::Placed;
 use crate::network::model::camera::Camera;
 use crate::network::moments::evenly::evenly;
+use crate::network::moments::floor::Floor;
 use crate::network::moments::survey::Survey;
-use crate::network::moments::walkers::{Floor, segment};
+use crate::network::moments::walkers;
 use crate::network::thresholds as limits;
 
 /// Where the vertical of a network comes from.
@@ -24,10 +25,14 @@ pub enum Ground {
         height: f64,
         /// Standard error of its vertical, radians.
         vertical_error: f64,
+        /// Standard error of its level where the figures stand, in the unit of the network.
+        level_error: f64,
         /// Figures that it rests on.
         figures: usize,
         /// Robust standard deviation of the figures' heights over their median.
         diversity: f64,
+        /// Median breadth of the figures over their height.
+        breadth: f64,
     },
     /// From how the cameras are held: z = 0 is the mean height of the cameras.
     Cameras,
@@ -50,13 +55,13 @@ const FIGURES: usize = 4000;
 pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
     let pairs = network.pairs();
     let most = (FIGURES / pairs.len().max(1)).max(20);
-    let mut segments = Vec::new();
+    let mut upright = Vec::new();
     for found in survey.figures(&network.cameras, &pairs, radius) {
         let (a, b) = (&network.cameras[found.a], &network.cameras[found.b]);
         let some = evenly(found.figures.len(), most).map(|k| &found.figures[k]);
-        segments.extend(some.filter_map(|figure| segment(a, b, figure)));
+        upright.extend(some.filter_map(|figure| walkers::upright(a, b, figure)));
     }
-    let floor = Floor::of(&segments)?;
+    let floor = Floor::of(&upright)?;
     (floor.unevenness < limits::FLOOR_UNEVEN && floor.lean < limits::FLOOR_LEANING).then_some(floor)
 }
 
@@ -71,7 +76,9 @@ pub struct World {
 }
 
 /// Cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
-pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
+///
+/// `turned` is by how many radians a camera may be turned against the others, a standard deviation: so may be the floor that they see.
+pub fn placed(network: &Placed, floor: Option<&Floor>, turned: f64) -> World {
     let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
     let of = |c: usize| &network.cameras[stand[c]];
     let up = floor.map_or_else(
@@ -110,12 +117,15 @@ pub fn placed(network: &Placed, floor: Option<&Floor>) -> World {
         })
         .collect();
     let ground = floor.map_or(Ground::Cameras, |floor| {
-        let independent = (floor.figures as f64 / limits::FIGURES_AS_ONE).max(1.0);
+        let away: f64 = stand.iter().map(|&c| (network.cameras[c].position - floor.middle).norm()).sum();
+        let lifted = turned * away / stand.len() as f64;
         Ground::Floor {
             height: floor.height / unit,
-            vertical_error: floor.unevenness * floor.height / floor.reach.max(1e-9) / independent.sqrt(),
+            vertical_error: floor.vertical_error.hypot(turned),
+            level_error: floor.level_error.hypot(lifted) / unit,
             figures: floor.figures,
             diversity: floor.diversity,
+            breadth: floor.breadth,
         }
     });
     World { cameras, ground, unit }

@@ -1,0 +1,214 @@
+//! The floor: the plane on which figures stand, and how well it is known.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::walkers::Upright;
+use crate::geometry::median::{deviation, median};
+use crate::network::thresholds as limits;
+
+/// The plane on which walkers stand, and how tall they are, in the unit of the network.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// Up, unit length.
+    pub up: Vector3<f64>,
+    /// `up · X` of its points.
+    pub level: f64,
+    /// Height of those who walk on it, their median.
+    pub height: f64,
+    /// Robust standard deviation of bottoms from the floor, over the height.
+    pub unevenness: f64,
+    /// Robust standard deviation of heights over their median.
+    pub diversity: f64,
+    /// Median breadth of figures over their height.
+    pub breadth: f64,
+    /// Angle between up and the mean of the segments, radians.
+    pub lean: f64,
+    /// Standard error of up, radians.
+    pub vertical_error: f64,
+    /// Standard error of the level where the figures stand.
+    pub level_error: f64,
+    /// Mean of the bottoms.
+    pub middle: Vector3<f64>,
+    /// Figures that it rests on.
+    pub figures: usize,
+}
+
+/// Samples of three bottoms.
+const SAMPLES: usize = 300;
+/// Three bottoms nearer to one line tell no plane: twice the area of their triangle, in squares of the median height.
+const LEAST_TRIANGLE: f64 = 0.05;
+/// Bottoms that are nearer to each other than about this share of the height are at one place.
+const PLACE: f64 = 1.0;
+/// Rounds of least squares.
+const REFITS: usize = 5;
+
+impl Floor {
+    /// The floor of figures in space; `None` where they are too few, or have none in common.
+    pub fn of(figures: &[Upright]) -> Option<Self> {
+        if figures.len() < limits::FLOOR_FIGURES {
+            return None;
+        }
+        let height = median(figures.iter().map(|f| (f.top - f.bottom).norm()))?;
+        let mean_up: Vector3<f64> = figures.iter().map(|f| (f.top - f.bottom).normalize()).sum();
+        let mean_up = mean_up.normalize();
+        let (mut up, mut level) = most_common(figures, &mean_up, height)?;
+        for _ in 0..REFITS {
+            (up, level) = refitted(figures, up, level, limits::ON_FLOOR * height)?;
+        }
+        let up = if up.dot(&mean_up) < 0.0 { -up } else { up };
+        let level = median(figures.iter().map(|f| up.dot(&f.bottom)))?;
+        let on_it = |f: &&Upright| (up.dot(&f.bottom) - level).abs() < 2.0 * limits::ON_FLOOR * height;
+        let standing: Vec<&Upright> = figures.iter().filter(on_it).collect();
+        if standing.len() < limits::FLOOR_FIGURES {
+            return None;
+        }
+        let tall = median(standing.iter().map(|f| up.dot(&f.top) - level))?;
+        let mean: Vector3<f64> = standing.iter().map(|f| (f.top - f.bottom) / tall).sum();
+        let middle = standing.iter().map(|f| f.bottom).sum::<Vector3<f64>>() / standing.len() as f64;
+        let (vertical_error, level_error) = errors(&standing, &up, &middle, tall)?;
+        Some(Self {
+            up,
+            level,
+            height: tall,
+            unevenness: deviation(standing.iter().map(|f| (up.dot(&f.bottom) - level) / tall))?,
+            diversity: deviation(standing.iter().map(|f| (up.dot(&f.top) - level) / tall - 1.0))?,
+            breadth: median(standing.iter().filter_map(|f| f.breadth))?,
+            lean: mean.normalize().dot(&up).clamp(-1.0, 1.0).acos(),
+            vertical_error,
+            level_error,
+            middle,
+            figures: standing.len(),
+        })
+    }
+}
+
+/// The plane through three bottoms that most others lie on: its normal and level.
+fn most_common(figures: &[Upright], mean_up: &Vector3<f64>, height: f64) -> Option<(Vector3<f64>, f64)> {
+    let mut best: Option<(usize, Vector3<f64>, f64)> = None;
+    for k in 0..SAMPLES {
+        // Three bottoms far apart in the list, each sample other ones.
+        let n = figures.len();
+        let pick = |j: usize| figures[(k * 7919 + j * n / 3 + (k * k + 31 * j) % 97) % n].bottom;
+        let (p, q, r) = (pick(0), pick(1), pick(2));
+        let normal = (q - p).cross(&(r - p));
+        if normal.norm() < LEAST_TRIANGLE * height * height {
+            continue;
+        }
+        let normal = normal.normalize();
+        let normal = if normal.dot(mean_up) < 0.0 { -normal } else { normal };
+        let level = normal.dot(&p);
+        let near = |f: &&Upright| (normal.dot(&f.bottom) - level).abs() < limits::ON_FLOOR * height;
+        let on = figures.iter().filter(near).count();
+        if best.is_none_or(|b| on > b.0) {
+            best = Some((on, normal, level));
+        }
+    }
+    best.map(|(_, normal, level)| (normal, level))
+}
+
+/// Standard errors of the normal of a floor, radians, and of its level where the figures stand; `None` where they stand at three places or
+/// fewer.
+///
+/// How far a bottom is from the floor depends on where it is: which point of a foot an epipolar plane touches, and what the lens is wrong
+/// by. So bottoms at one place say what one would, and the covariance of the plane is that of least squares with errors that are common
+/// to each place ("cluster-robust": Liang and Zeger, Biometrika 1986). All planes through two cameras touch feet from below at a slant, and
+/// so a little above the floor, here more and there less: that is besides.
+fn errors(standing: &[&Upright], up: &Vector3<f64>, middle: &Vector3<f64>, tall: f64) -> Option<(f64, f64)> {
+    let along = up.cross(&Vector3::ith(up.iamin(), 1.0)).normalize();
+    let aside = up.cross(&along);
+    let count = standing.len() as f64;
+    let mut normal_matrix = Matrix3::zeros();
+    let mut places: BTreeMap<[i64; 2], Vector3<f64>> = BTreeMap::new();
+    for figure in standing {
+        let from = figure.bottom - middle;
+        let row = Vector3::new(1.0, along.dot(&from), aside.dot(&from));
+        normal_matrix += row * row.transpose();
+        let place = [row[1], row[2]].map(|x| (x / (PLACE * tall)).floor() as i64);
+        *places.entry(place).or_insert_with(Vector3::zeros) += row * up.dot(&from);
+    }
+    // Three numbers are fitted, so few places scatter less than they are wrong by.
+    let free = places.len().checked_sub(3).filter(|n| *n > 0)?;
+    let few = places.len() as f64 / free as f64;
+    let inverse = normal_matrix.try_inverse()?;
+    let scores: Matrix3<f64> = places.values().map(|score| score * score.transpose()).sum();
+    let covariance = few * inverse * scores * inverse;
+    let scattered = covariance[(1, 1)] + covariance[(2, 2)];
+    let spread =
+        normal_matrix.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigen().eigenvalues.min() / count;
+    let leaning = (limits::FOOT_LEANING * tall).powi(2) / spread;
+    let level = (covariance * normal_matrix).trace() / count + (limits::FOOT_ABOVE * tall).powi(2);
+    Some(((scattered + leaning).sqrt(), level.sqrt()))
+}
+
+/// The plane by least squares of the bottoms within reach of one.
+fn refitted(figures: &[Upright], up: Vector3<f64>, level: f64, reach: f64) -> Option<(Vector3<f64>, f64)> {
+    let near: Vec<Vector3<f64>> =
+        figures.iter().map(|f| f.bottom).filter(|b| (up.dot(b) - level).abs() < reach).collect();
+    if near.len() < limits::FLOOR_FIGURES / 2 {
+        return None;
+    }
+    let mean = near.iter().sum::<Vector3<f64>>() / near.len() as f64;
+    let scatter: Matrix3<f64> = near.iter().map(|p| (p - mean) * (p - mean).transpose()).sum();
+    let eigen = scatter.symmetric_eigen();
+    let least = eigen.eigenvalues.imin();
+    let normal = eigen.eigenvectors.column(least).into_owned();
+    let normal = if normal.dot(&up) < 0.0 { -normal } else { normal };
+    Some((normal, normal.dot(&mean)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::generator;
+    use rand::RngExt;
+
+    /// Walkers of height 1 who stand on the plane `z = 0` of `room`, as many times at each of so many places, with errors of these
+    /// standard deviations that a place has once and each figure anew.
+    fn figures(places: usize, room: f64, errors: [f64; 2], seed: u64) -> Vec<Upright> {
+        let mut rng = generator(7, seed);
+        let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
+        let mut found = Vec::new();
+        for place in 0..places {
+            let (x, y) = (room * normal(), room * normal());
+            let common = errors[0] * normal();
+            for _ in 0..600 / places {
+                let bottom = Vector3::new(x + 0.01 * normal(), y + 0.01 * normal(), common + errors[1] * normal());
+                let breadth = (place % 2 == 0).then_some(0.4);
+                found.push(Upright { top: bottom + Vector3::z(), bottom, breadth });
+            }
+        }
+        found
+    }
+
+    #[test]
+    fn a_floor_is_found_with_its_height_and_breadth() {
+        let floor = Floor::of(&figures(40, 3.0, [0.0, 0.01], 1)).unwrap();
+        assert!(floor.up.angle(&Vector3::z()) < 0.002, "{}", floor.up);
+        assert!(floor.level.abs() < 0.002 && (floor.height - 1.0).abs() < 0.01);
+        assert_eq!(floor.breadth, 0.4);
+        assert_eq!(floor.figures, 600);
+    }
+
+    #[test]
+    fn what_a_place_is_off_by_counts_once() {
+        let mut squares = [0.0; 2];
+        let runs = 40;
+        for seed in 0..runs {
+            let floor = Floor::of(&figures(30, 2.0, [0.02, 0.01], seed)).unwrap();
+            let off = floor.up.angle(&Vector3::z());
+            squares[0] += (off / floor.vertical_error).powi(2) / runs as f64;
+            // As if each figure were by itself: far too little.
+            squares[1] += (off * 2.0 * f64::from(600u16).sqrt() / 0.0224).powi(2) / runs as f64;
+        }
+        assert!((0.3..1.5).contains(&squares[0]), "{squares:?}");
+        assert!(squares[1] > 10.0, "{squares:?}");
+    }
+
+    #[test]
+    fn three_places_tell_no_floor() {
+        assert!(Floor::of(&figures(3, 3.0, [0.0, 0.01], 5)).is_none());
+        assert!(Floor::of(&figures(6, 3.0, [0.0, 0.01], 5)).is_some());
+    }
+}
