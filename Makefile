@@ -142,16 +142,13 @@ semver: $(VENV)/.semver
 	@test -n "$(SINCE)" || echo "there is no release before this one, so there is nothing to compare with; give SINCE=revision"
 	test -z "$(SINCE)" || $(BIN)/cargo-semver-checks semver-checks --package epibar --baseline-rev "$(SINCE)"
 
-# tarpaulin reads what rustc's instrumentation writes by itself, so no LLVM tools of the compiler's version are needed.
-# One thread: several wait for each other at the counters.
-$(VENV)/.tarpaulin: $(VENV)/.created
-	cargo install --quiet --locked --root $(VENV) 'cargo-tarpaulin@^0.37'
+$(VENV)/.coverage: $(VENV)/.created
+	cargo install --quiet --locked --root $(VENV) 'llvm_profparser@^0.15'
 	touch $@
 
-coverage: build $(VENV)/.tarpaulin
+coverage: build $(VENV)/.coverage
 	$(BIN)/python -m pytest -q --cov=epibar --cov-branch --cov-report=term
-	env -u PYO3_BUILD_EXTENSION_MODULE RAYON_NUM_THREADS=1 $(BIN)/cargo-tarpaulin tarpaulin --engine llvm --package epibar --lib --tests --skip-clean \
-		--exclude-files 'rust/epibar-py/*' --out Stdout --target-dir target/coverage --timeout 3600
+	$(BIN)/python benchmarks/rust_coverage.py $(BIN)/cov
 
 $(VENV)/.docs: pyproject.toml $(VENV)/.tools
 	$(BIN)/python -m pip install --group docs
