@@ -48,6 +48,25 @@ impl Placed {
         self.pairs().into_iter().map(move |(a, b)| between(self, a, b).angle_to(&between(other, a, b)))
     }
 
+    /// The network with a camera that stands at a place.
+    #[must_use]
+    pub fn with(&self, camera: usize, at: Camera) -> Self {
+        let mut with = self.clone();
+        with.cameras[camera] = at;
+        with.placed[camera] = true;
+        with
+    }
+
+    /// Cameras that stand beside one.
+    pub fn others(&self, camera: usize) -> Vec<usize> {
+        (0..self.cameras.len()).filter(|&c| c != camera && self.placed[c]).collect()
+    }
+
+    /// Pairs of a camera with others that stand.
+    pub fn pairs_of(&self, camera: usize) -> Vec<(usize, usize)> {
+        self.others(camera).into_iter().map(|o| (o.min(camera), o.max(camera))).collect()
+    }
+
     /// Mean distance between the cameras that stand.
     fn size(&self) -> f64 {
         let pairs = self.pairs();
@@ -102,11 +121,30 @@ fn elsewhere(
     pairs: &[PairHypotheses],
     camera: usize,
 ) -> Option<Placed> {
-    let others: Vec<usize> =
-        (0..network.cameras.len()).filter(|&c| c != camera && network.placed[c]).collect();
-    if others.is_empty() {
+    let (best, at) = *places(survey, network, beliefs, pairs, camera).first()?;
+    let now = if network.placed[camera] { score(survey, network, camera) } else { 0.0 };
+    if !(best > limits::ELSEWHERE_BETTER * now && best > 0.0) {
         return None;
     }
+    Some(network.with(camera, at))
+}
+
+/// Excess over chance of a camera with all others that stand, where it is.
+fn score(survey: &Survey, network: &Placed, camera: usize) -> f64 {
+    let rays = survey.all_rays(&network.cameras);
+    excess(survey, network, &rays, camera, &network.cameras[camera], &network.others(camera))
+}
+
+/// The best places of a camera among those where its pairs with cameras that stand would have it, each solved for with all others held:
+/// excess over chance, and the camera there; the best first.
+pub fn places(
+    survey: &Survey,
+    network: &Placed,
+    beliefs: &[Beliefs],
+    pairs: &[PairHypotheses],
+    camera: usize,
+) -> Vec<(f64, Camera)> {
+    let others = network.others(camera);
     let rays = survey.all_rays(&network.cameras);
     let score = |at: &Camera| excess(survey, network, &rays, camera, at, &others);
     let mut guesses: Vec<(f64, Camera)> = guesses(network, beliefs, pairs, camera)
@@ -116,11 +154,9 @@ fn elsewhere(
         .collect();
     guesses.sort_by(|p, q| q.0.total_cmp(&p.0));
     guesses.truncate(SOLVED);
-    let mut placed = network.placed.clone();
-    placed[camera] = true;
-    let mut moving = vec![false; placed.len()];
+    let mut moving = vec![false; network.placed.len()];
     moving[camera] = true;
-    let with: Vec<(usize, usize)> = others.iter().map(|&o| (o.min(camera), o.max(camera))).collect();
+    let with = network.pairs_of(camera);
     let mut tried: Vec<(f64, Camera)> = guesses
         .into_iter()
         .map(|(_, at)| {
@@ -131,14 +167,7 @@ fn elsewhere(
         })
         .collect();
     tried.sort_by(|p, q| q.0.total_cmp(&p.0));
-    let (best, at) = *tried.first()?;
-    let now = if network.placed[camera] { score(&network.cameras[camera]) } else { 0.0 };
-    if !(best > limits::ELSEWHERE_BETTER * now && best > 0.0) {
-        return None;
-    }
-    let mut cameras = network.cameras.clone();
-    cameras[camera] = at;
-    Some(Placed { cameras, placed })
+    tried
 }
 
 /// Excess over chance of a camera at a place with all others.
