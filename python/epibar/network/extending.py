@@ -81,8 +81,12 @@ def extend(
     search_seconds: float,
     upright: bool = True,
     progress: Progress | None = None,
+    check: NetworkCheck | None = None,
 ) -> Extension:
-    """Find where new cameras stand; see :meth:`epibar.Network.extended`."""
+    """Find where new cameras stand; see :meth:`epibar.Network.extended`.
+
+    ``check`` is one of the same recordings, where it was made already.
+    """
     films = named_recordings(recordings)
     seed = as_whole_number("seed", seed, 0, MAX_SEED)
     reach = as_positive("search_seconds", search_seconds, "seconds")
@@ -92,9 +96,9 @@ def extend(
     knowledge = _known(new, old, known)
     given = given_offsets(list(films), time_offset)
     seconds = None if given is None else dict(zip(films, given.seconds, strict=True))
-    check = check_network(
-        network, old, "auto" if seconds is None else {n: seconds[n] for n in old}, reach, progress
-    )
+    if check is None:
+        clocks: TimeOffset = "auto" if seconds is None else {name: seconds[name] for name in old}
+        check = check_network(network, old, clocks, reach, progress)
     held = [name for name in network.cameras if name in check.cameras and _stands(check, name)]
     if len(held) < LEAST_HELD:
         return Extension(check, {name: _alone(name, one, check) for name, one in new.items()})

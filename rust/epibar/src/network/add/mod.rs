@@ -5,20 +5,22 @@
 //! for and judged by itself, against the stored ones alone: two that filmed another scene together would vouch for each other.
 //!
 //! * `pairs`: which pairs are worth a search.
+//! * `held`: the cameras of the network, and what is given of a new one.
 //! * `newcomer`: where one camera stands, what speaks for it, and by how much that may be wrong.
 
+mod held;
 mod newcomer;
 mod pairs;
 
+use held::{Given, Held};
 use newcomer::Newcomer;
 pub use pairs::pairs_to_add;
 
-use super::check::{StoredCamera, by_new_clocks, refuse, refused};
+use super::check::{StoredCamera, refuse, refused};
 use super::evidence::support::{Deviates, Support};
 use super::given::clocks::Offsets;
-use super::given::input::{CameraInput, Knowledge};
+use super::given::input::CameraInput;
 use super::given::pair::PairFound;
-use super::model::camera::Camera;
 use super::moments::observed::Observed;
 use super::moments::survey::Survey;
 use super::result::{NetworkCamera, NetworkPair, PairStatus, fundamental};
@@ -58,25 +60,15 @@ pub fn add_cameras(
 ) -> Result<Added> {
     refuse_given(stored, added, pairs, clocks)?;
     report(watch, Stage::Network, 0.0)?;
-    let observed: Vec<Observed> = stored
-        .iter()
-        .map(|c| Observed::new(c.recording).through(&c.stated().camera(c.recording.size())))
-        .collect();
-    let (held, beliefs) = by_new_clocks(stored, clocks, &Survey::new(&observed, FRAMES[1]));
-    let held = Held { stored, observed, cameras: held.cameras, beliefs };
+    let held = Held::of(stored, clocks);
     let n = stored.len();
     let mut cameras = Vec::new();
     let mut of_stored = Vec::new();
     for (k, input) in added.iter().enumerate() {
         let mut tell = |share: f64| report(watch, Stage::Network, (k as f64 + share) / added.len() as f64);
         tell(0.0)?;
-        let newcomer = Given { inputs: inputs(stored, input), pairs: own(pairs, n, n + k) };
-        let clocks = Offsets {
-            seconds: [&clocks.seconds[..n], &[clocks.seconds[n + k]]].concat(),
-            together: clocks.together,
-            given: clocks.given,
-        };
-        let (camera, pairs) = Newcomer::new(&held, &newcomer, &clocks).judged(&mut tell)?;
+        let given = Given::of(&held, input, n + k, pairs, clocks);
+        let (camera, pairs) = Newcomer::new(&held, &given).judged(&mut tell)?;
         of_stored.extend(pairs.into_iter().map(|pair| NetworkPair { b: n + k, ..pair }));
         cameras.push(camera);
     }
@@ -84,34 +76,6 @@ pub fn add_cameras(
     pairs.extend(between(&held, added, &cameras));
     pairs.sort_by_key(|p| (p.a, p.b));
     Ok(Added { cameras, pairs })
-}
-
-/// The cameras that are held.
-struct Held<'a> {
-    stored: &'a [StoredCamera<'a>],
-    observed: Vec<Observed>,
-    /// By the clocks and insets of the new footage.
-    cameras: Vec<Camera>,
-    beliefs: Vec<super::model::joint::Beliefs>,
-}
-
-/// What is given of one new camera, counted after the stored ones.
-struct Given<'a> {
-    inputs: Vec<CameraInput<'a>>,
-    pairs: Vec<PairFound>,
-}
-
-/// The stored cameras, and a new one.
-fn inputs<'a>(stored: &'a [StoredCamera], added: &'a CameraInput) -> Vec<CameraInput<'a>> {
-    let known = |c: &StoredCamera| Knowledge::new().matrix(c.matrix).distortions(c.distortions);
-    let held = |c: &'a StoredCamera| CameraInput { name: c.name, recording: c.recording, known: known(c) };
-    stored.iter().map(held).chain([*added]).collect()
-}
-
-/// The pairs of a new camera with stored ones, as if it were the only new one.
-fn own(pairs: &[PairFound], stored: usize, camera: usize) -> Vec<PairFound> {
-    let own = pairs.iter().filter(|p| p.b == camera && p.a < stored);
-    own.map(|p| PairFound { b: stored, ..p.clone() }).collect()
 }
 
 /// Pairs of new cameras, of which neither had a part in where the other stands.

@@ -1,13 +1,12 @@
 //! Where a new camera stands among those that are held, what speaks for it, and by how much that may be wrong.
 
-use super::{Given, Held};
+use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{Case, Out};
 use crate::network::evidence::covariance::{Expected, NINE_IN_TEN, covariance, length_quantile};
 use crate::network::evidence::halves;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::support::{Deviates, Support, knocked};
-use crate::network::given::clocks::Offsets;
 use crate::network::given::input::PRINCIPAL_LEVELS;
 use crate::network::model::camera::{CLOCK, Camera, POSITION, ROTATION};
 use crate::network::model::joint::{Beliefs, Problem};
@@ -15,7 +14,7 @@ use crate::network::moments::survey::{Survey, shared};
 use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair};
 use crate::network::solve::networks::{FRAMES, Solved, gain, settled};
 use crate::network::solve::principal;
-use crate::network::solve::relocate::{Placed, places};
+use crate::network::solve::relocate::{Placed, Tries, places};
 use crate::network::solve::settle::Again;
 use crate::network::thresholds as limits;
 use crate::network::verdict::{outside, stands_out, status_by_errors};
@@ -43,10 +42,10 @@ struct Found {
 }
 
 impl<'a> Newcomer<'a> {
-    /// With its pairs and clocks.
-    pub fn new(held: &'a Held<'a>, given: &'a Given<'a>, clocks: &Offsets) -> Self {
+    /// With what is given of it.
+    pub fn new(held: &'a Held<'a>, given: &'a Given<'a>) -> Self {
         let camera = held.cameras.len();
-        let mut case = Case::new(&given.inputs, &given.pairs, clocks);
+        let mut case = Case::new(&given.inputs, &given.pairs, &given.clocks);
         case.cameras[..camera].copy_from_slice(&held.cameras);
         case.beliefs[..camera].copy_from_slice(&held.beliefs);
         case.observed[..camera].clone_from_slice(&held.observed);
@@ -97,7 +96,8 @@ impl<'a> Newcomer<'a> {
         let Case { cameras, beliefs, hypotheses, .. } = &self.case;
         let placed: Vec<bool> = (0..=self.camera).map(|c| c != self.camera).collect();
         let without = Placed { cameras: cameras.clone(), placed };
-        let tried = places(&few, &without, beliefs, hypotheses, self.camera);
+        let tried = places(&few, &without, beliefs, hypotheses, self.camera, Tries::MANY);
+        if std::env::var("DBG").is_ok() { for (e, at) in &tried { eprintln!("{e:.0} f {:.3} k {:?} pos {:?}", at.log_focal.exp() / at.size.width as f64, at.lens.k, at.position.as_slice()); } }
         tell(0.3)?;
         let Some((excess, best)) = tried.first().filter(|(excess, _)| *excess > 0.0) else {
             return Ok(Err(self.out(CameraStatus::NothingInCommon, None, Deviates::default())));
