@@ -1,4 +1,4 @@
-"""One more camera for a network: what is asked of the compiled module, what is refused, and the real thing."""
+"""One more camera for a network: what the compiled module is asked, what is refused, and the real thing."""
 
 import functools
 import json
@@ -22,19 +22,21 @@ from epibar.lens.cameras_toml import load_cameras
 from epibar.network import KnownCamera, NetworkClock, pair_search
 from epibar.network.core_parts import camera_of
 
+REFUSED = "left out: what moves in it does not move as in the other cameras"
+
 
 class Adding:
-    """Stands for the compiled module's search and answer: cam9 stands where it is told, other names are refused."""
+    """Stands for the compiled module: cam9 stands where it is told, other names are refused."""
 
-    R, t = looking_at((0.7, 0.7, 0.5))
-    place = {
-        "matrix": np.array([[650.0, 0, 319.5], [0, 650.0, 239.5], [0, 0, 1]]),
-        "distortions": np.array([-0.1, 0.0, 0.0, 0.0, 0.0]),
-        "rotation": R,
-        "translation": t,
-        "expected": {"focal": 0.012, "rotation": 0.3, "position": 0.004},
-    }
-    refusal = "left out: what moves in it does not move as in the other cameras"
+    def __init__(self):
+        self.R, t = looking_at((0.7, 0.7, 0.5))
+        self.place = {
+            "matrix": np.array([[650.0, 0, 319.5], [0, 650.0, 239.5], [0, 0, 1]]),
+            "distortions": np.array([-0.1, 0.0, 0.0, 0.0, 0.0]),
+            "rotation": self.R,
+            "translation": t,
+            "expected": {"focal": 0.012, "rotation": 0.3, "position": 0.004},
+        }
 
     def __call__(self, recordings, names, stored, known, pairs, clocks, progress):
         self.names, self.stored, self.known, self.pairs, self.clocks = names, stored, known, pairs, clocks
@@ -49,7 +51,7 @@ class Adding:
                     "name": name,
                     "accepted": ok,
                     "status": "accepted" if ok else "nothing_in_common",
-                    "reason": "calibrated: well" if ok else self.refusal,
+                    "reason": "calibrated: well" if ok else REFUSED,
                     **(self.place if ok else nothing),
                     "deviates": (9.0, 7.0),
                     "clock": (0.25, 20.0) if ok else None,
@@ -83,6 +85,8 @@ def adding(core, monkeypatch):
 
     def searched(rec_a, rec_b, **options):
         stub.searched.append(options)
+        if options["progress"] is not None:
+            options["progress"]("search", 1.0)
         return refused_pair()
 
     monkeypatch.setattr(pair_search, "calibrate", searched)
@@ -183,7 +187,7 @@ def test_a_camera_that_is_refused_is_left_out(adding, caplog):
         same = net.extended(films("cam1", "cam2", "other"), time_offset=0.0)
     assert list(same.cameras) == list(net.cameras)
     assert list(same.pairs) == list(net.pairs)
-    assert f"other was not added: {adding.refusal}" in same.reason
+    assert f"other was not added: {REFUSED}" in same.reason
     assert "other was not added" in caplog.text
 
 
@@ -230,7 +234,10 @@ def folder(tmp_path):
             held.will_write(tmp_path / name)
         net.save(tmp_path / "network.json")
         net.export(tmp_path / "cameras.toml")
-    cameras = [{"name": name, "width": 640, "height": 480, "matrix": None} for name in net.cameras]
+    cameras = [
+        {"name": name, "width": 640, "height": 480, "matrix": None, "index": k}
+        for k, name in enumerate(net.cameras)
+    ]
     content = {"format": 1, "cameras": cameras, "pairs": [], "intrinsics": None, "network": net.as_dict()}
     write_json(tmp_path / "calibration.json", content)
     for k, name in enumerate(("cam1", "cam2", "cam3", "cam9", "other")):
@@ -292,7 +299,7 @@ def test_for_programs(core, adding, folder, capsys):
     assert result["updated"] == ["cam2"]
     assert result["added"].keys() == {"cam9"}
     assert result["added"]["cam9"]["matrix"][0][0] == 650.0
-    assert result["not_added"] == {"other": adding.refusal}
+    assert result["not_added"] == {"other": REFUSED}
     assert "cam2 had no part in that" in printed.err
     assert adding.names == ["cam1", "cam3", "cam9", "other"]
     now = epibar.Network.load(folder / "network.json")
@@ -303,7 +310,7 @@ def test_for_programs(core, adding, folder, capsys):
 def test_nothing_is_written_where_nothing_is_added(adding, folder, capsys):
     before = written(folder)
     assert run(folder, ("cam1", "cam2", "other"), "--update") == 4
-    assert f"other was not added: {adding.refusal}" in capsys.readouterr().out
+    assert f"other was not added: {REFUSED}" in capsys.readouterr().out
     assert written(folder) == before
 
 

@@ -211,14 +211,13 @@ class Network(NetworkParts):
         Examples
         --------
         >>> import epibar
-        >>> net = epibar.Network.load("calibrated/network.json")
-        >>> names = ["cam1", "cam2", "cam9"]
-        >>> more = net.extended({name: epibar.Recording.load(f"{name}.npz") for name in names})
-        >>> if "cam9" in more.cameras:
-        ...     camera = more.cameras["cam9"]
+        >>> net = epibar.Network.load("network.json")  # of cam1 and cam2
+        >>> films = {name: epibar.Recording.load(f"{name}.npz") for name in ["cam1", "cam2", "cam3"]}
+        >>> more = net.extended(films)
+        >>> if "cam3" in more.cameras:
+        ...     camera = more.cameras["cam3"]
         ...     K, R, t = camera.matrix, camera.rotation, camera.translation
-        ... else:
-        ...     print(more.reason)
+        >>> why_not = more.reason
         """
         found = extend(
             self,

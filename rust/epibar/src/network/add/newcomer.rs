@@ -97,7 +97,6 @@ impl<'a> Newcomer<'a> {
         let placed: Vec<bool> = (0..=self.camera).map(|c| c != self.camera).collect();
         let without = Placed { cameras: cameras.clone(), placed };
         let tried = places(&few, &without, beliefs, hypotheses, self.camera, Tries::MANY);
-        if std::env::var("DBG").is_ok() { for (e, at) in &tried { eprintln!("{e:.0} f {:.3} k {:?} pos {:?}", at.log_focal.exp() / at.size.width as f64, at.lens.k, at.position.as_slice()); } }
         tell(0.3)?;
         let Some((excess, best)) = tried.first().filter(|(excess, _)| *excess > 0.0) else {
             return Ok(Err(self.out(CameraStatus::NothingInCommon, None, Deviates::default())));
