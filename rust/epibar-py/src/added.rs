@@ -55,9 +55,8 @@ pub fn add_cameras<'py>(
         .collect::<epibar::Result<_>>()
         .map_err(|error| to_python_error(&error))?;
     let clocks = offsets(clocks);
-    let added = watched(py, progress, |watch| {
-        epibar::network::add_cameras(&held, &new, &pairs, &clocks, watch)
-    })?;
+    let added =
+        watched(py, progress, |watch| epibar::network::add_cameras(&held, &new, &pairs, &clocks, watch))?;
     let dict = PyDict::new(py);
     let cameras = added.cameras.iter().map(|c| camera(py, c)).collect::<PyResult<Vec<_>>>()?;
     dict.set_item("cameras", cameras)?;

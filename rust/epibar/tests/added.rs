@@ -118,8 +118,7 @@ fn a_stranger_is_refused_and_so_is_one_that_ran_backwards() {
 #[test]
 fn what_cannot_be_added_to_is_refused() {
     let (scene, cameras) = (Scene::new(2, FRAMES, 33), cameras());
-    let recordings: Vec<Recording> =
-        cameras.iter().map(|c| recorded(&scene, c, |f| f as f64)).collect();
+    let recordings: Vec<Recording> = cameras.iter().map(|c| recorded(&scene, c, |f| f as f64)).collect();
     let held = stored(&cameras[..3], &recordings, exact());
     let input = |name| CameraInput { name, recording: &recordings[3], known: Knowledge::new() };
     let of = |stored: &[StoredCamera], new: CameraInput, pairs: &[PairFound], seconds: &[f64]| {
@@ -130,7 +129,16 @@ fn what_cannot_be_added_to_is_refused() {
     assert!(of(&held, input("cam2"), &[], &[0.0; 4]).contains("differ"));
     assert!(of(&held, input("new"), &[], &[0.0; 3]).contains("clock for each"));
     assert!(of(&held, input("new"), &[], &[0.0, f64::NAN, 0.0, 0.0]).contains("every stored camera"));
-    assert!(add_cameras(&held[..2], &[input("new")], &[pair(0, 3, &cameras)], &Offsets::found(vec![0.0; 3]), &mut Unwatched).is_err());
+    assert!(
+        add_cameras(
+            &held[..2],
+            &[input("new")],
+            &[pair(0, 3, &cameras)],
+            &Offsets::found(vec![0.0; 3]),
+            &mut Unwatched
+        )
+        .is_err()
+    );
     let films: Vec<&Recording> = recordings.iter().collect();
     let offsets = Offsets::found(vec![0.0; 4]);
     assert_eq!(pairs_to_add(&films, 3, &offsets).unwrap(), [(0, 3), (1, 3), (2, 3)]);

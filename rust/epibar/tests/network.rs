@@ -5,9 +5,9 @@ mod common;
 use common::cameras::Camera;
 use common::flying::Scene;
 use epibar::network::{
-    CameraCheck, CameraInput, CameraStatus, CheckStatus, Expected, Ground, Knowledge, Network, NetworkOptions,
-    NetworkTime, Offsets, PairFound, PairStatus, StoredCamera, calibrate_network, check_network, join,
-    pairs_to_search,
+    CameraCheck, CameraInput, CameraStatus, CheckStatus, Expected, Ground, Knowledge, Network,
+    NetworkOptions, NetworkTime, Offsets, PairFound, PairStatus, StoredCamera, calibrate_network,
+    check_network, join, pairs_to_search,
 };
 use epibar::{Recorder, RecorderOptions, Recording, Unwatched};
 use nalgebra::{Matrix3, Rotation3};

@@ -4,8 +4,8 @@ use arbitrary::{Result, Unstructured};
 use epibar::internals::{barcodes_of_segments, mutual_matches};
 use epibar::nalgebra::{Matrix3, Rotation3, Vector3};
 use epibar::network::{
-    Aspect, CameraInput, Expected, Knowledge, NetworkOptions, NetworkTime, Offsets, StoredCamera, TrackingCamera,
-    calibrate_network, check_network, walker_tracks,
+    Aspect, CameraInput, Expected, Knowledge, NetworkOptions, NetworkTime, Offsets, StoredCamera,
+    TrackingCamera, calibrate_network, check_network, walker_tracks,
 };
 use epibar::{
     Barcodes, CalibrateOptions, CameraMatrices, ExamineOptions, Fundamental, ImageSize, Method, Recorder,

@@ -54,12 +54,16 @@ impl<'a> Given<'a> {
     ) -> Self {
         let n = held.stored.len();
         let known = |c: &StoredCamera| Knowledge::new().matrix(c.matrix).distortions(c.distortions);
-        let input = |c: &StoredCamera<'a>| CameraInput { name: c.name, recording: c.recording, known: known(c) };
+        let input =
+            |c: &StoredCamera<'a>| CameraInput { name: c.name, recording: c.recording, known: known(c) };
         let own = pairs.iter().filter(|p| p.b == camera && p.a < n);
         Self {
             inputs: held.stored.iter().map(input).chain([*added]).collect(),
             pairs: own.map(|p| PairFound { b: n, ..p.clone() }).collect(),
-            clocks: Offsets { seconds: [&clocks.seconds[..n], &[clocks.seconds[camera]]].concat(), ..*clocks },
+            clocks: Offsets {
+                seconds: [&clocks.seconds[..n], &[clocks.seconds[camera]]].concat(),
+                ..*clocks
+            },
         }
     }
 }

@@ -88,10 +88,7 @@ impl<'a> Newcomer<'a> {
     }
 
     /// The camera where it stands, or why it does not.
-    fn found(
-        &self,
-        tell: &mut dyn FnMut(f64) -> Result<()>,
-    ) -> Result<std::result::Result<Found, Out>> {
+    fn found(&self, tell: &mut dyn FnMut(f64) -> Result<()>) -> Result<std::result::Result<Found, Out>> {
         let [few, some] = FRAMES.map(|frames| Survey::new(&self.case.observed, frames));
         let Case { cameras, beliefs, hypotheses, .. } = &self.case;
         let placed: Vec<bool> = (0..=self.camera).map(|c| c != self.camera).collect();
@@ -106,7 +103,7 @@ impl<'a> Newcomer<'a> {
         let mut stand: Vec<(f64, Solved)> = [best]
             .into_iter()
             .chain(others.map(|(_, at)| at))
-            .map(|at| self.settled(&some, without.with(self.camera, *at), beliefs, None))
+            .map(|at| on_all_pairs(&some, without.with(self.camera, *at), beliefs, None))
             .map(|solved| (self.evidence(&some, &solved.network), solved))
             .collect();
         stand.sort_by(|p, q| q.0.total_cmp(&p.0));
@@ -162,17 +159,6 @@ impl<'a> Newcomer<'a> {
         pairs.filter(|(_, b)| *b == self.camera).map(|(a, _)| a).collect()
     }
 
-    fn settled(
-        &self,
-        survey: &Survey,
-        network: Placed,
-        beliefs: &[Beliefs],
-        from: Option<f64>,
-    ) -> Solved {
-        let pairs = network.pairs();
-        settled(survey, network, beliefs, &pairs, from)
-    }
-
     /// The camera over all frames, with its principal point as far from the middle as the tangents call for, and errors to expect.
     fn finished(&self, some: &Survey, now: Solved, support: Support) -> Found {
         let shapes = Shapes::of(&self.case.observed);
@@ -184,7 +170,7 @@ impl<'a> Newcomer<'a> {
         let freed = shapes == Shapes::Masks && call.level > PRINCIPAL_LEVELS[0];
         let (now, support) = if freed {
             let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
-            let free = self.settled(some, now.network.clone(), &stated, radius);
+            let free = on_all_pairs(some, now.network.clone(), &stated, radius);
             let support = Support::of(&self.case.observed, &free);
             (free, support)
         } else {
@@ -208,7 +194,8 @@ impl<'a> Newcomer<'a> {
         let of_held = self.typical(&support);
         let (expected, offset_error) = errors.map_or((Expected::UNKNOWN, f64::NAN), |errors| {
             // NaN where it was not solved for, which it was of a camera that is new.
-            let block = |from: usize| errors.block(self.camera, from).map_or(f64::NAN, |b| length_quantile(&b));
+            let block =
+                |from: usize| errors.block(self.camera, from).map_or(f64::NAN, |b| length_quantile(&b));
             let focal = NINE_IN_TEN * errors.deviation(self.camera, FOCAL);
             let expected = Expected::new(
                 // A focal length that is given is as good as whoever gave it says.
@@ -233,8 +220,15 @@ impl<'a> Newcomer<'a> {
     }
 }
 
+/// A network with the tangents of all its pairs found anew.
+fn on_all_pairs(survey: &Survey, network: Placed, beliefs: &[Beliefs], from: Option<f64>) -> Solved {
+    let pairs = network.pairs();
+    settled(survey, network, beliefs, &pairs, from)
+}
+
 /// The largest distance between two cameras that stand.
 fn rig(network: &Placed) -> f64 {
-    let distance = |(a, b): (usize, usize)| (network.cameras[a].position - network.cameras[b].position).norm();
+    let distance =
+        |(a, b): (usize, usize)| (network.cameras[a].position - network.cameras[b].position).norm();
     network.pairs().into_iter().map(distance).fold(0.0, f64::max)
 }
