@@ -197,9 +197,10 @@ impl<'a> Newcomer<'a> {
             let block =
                 |from: usize| errors.block(self.camera, from).map_or(f64::NAN, |b| length_quantile(&b));
             let focal = NINE_IN_TEN * errors.deviation(self.camera, FOCAL);
+            // One that is given and held is as good as whoever gave it says.
+            let is_held = stated[self.camera].intrinsic[FOCAL].deviation == 0.0;
             let expected = Expected::new(
-                // A focal length that is given is as good as whoever gave it says.
-                if focal > 0.0 { focal.hypot(of_held.focal) } else { 0.0 },
+                if is_held { 0.0 } else { focal.hypot(of_held.focal) },
                 block(ROTATION).hypot(of_held.rotation),
                 block(POSITION).hypot(of_held.position),
             );
