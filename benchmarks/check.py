@@ -132,7 +132,7 @@ def calibrated_network(made: Any, lines: int) -> Any:
     """What is made of the first frames, nothing known of the cameras but the geometry of pairs."""
     from epibar import _core
     from epibar.network.core_result import network_of
-    from epibar.network.joining import knowledge_of
+    from epibar.network.knowledge import knowledge_of
 
     films = {
         film.camera.name: recorded(film, 0, CALIBRATED, 7 * k, lines) for k, film in enumerate(made.films)

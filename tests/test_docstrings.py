@@ -6,11 +6,14 @@ import pkgutil
 import shutil
 
 import cv2
+import numpy as np
 import pytest
 
 import epibar
 from epibar import synthetic
 from epibar.lens import Intrinsics, write_cameras
+from epibar.network import Ground, NetworkCamera, NetworkClock, NetworkPair
+from epibar.network.parts import NetworkPairs
 
 SIZE, FRAMES, LINES = (320, 240), 250, 2000
 NEEDS = {"epibar.live": "rerun", "epibar.plot": "matplotlib", "epibar.export": "pycolmap"}
@@ -28,7 +31,7 @@ def examples():
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """Three videos and recordings, the known cameras, a run of all, and what it kept of two."""
+    """Three videos and recordings, the known cameras, a run of all, what it kept of two, a network of two."""
     folder = tmp_path_factory.mktemp("examples")
     scene = synthetic.people(seed=5, cameras=3, walkers=5, frames=FRAMES, size=SIZE, asymmetric=True)
     cameras, videos = [], []
@@ -42,7 +45,24 @@ def folder(tmp_path_factory):
     epibar.calibrate_all(videos, folder / "calibrated", lines=LINES)
     for kept in (folder / "calibrated").glob("*/*.npz"):
         shutil.copy(kept, folder)
+    of_two(scene).save(folder / "network.json")
     return folder
+
+
+def of_two(scene):
+    """The true network of the first two cameras."""
+    expected = {"focal": 0.001, "rotation": 0.1, "position": 0.01}
+    cameras = {
+        name: NetworkCamera(
+            *(name, camera.size, True, "accepted", "true", camera.K, np.zeros(5), camera.R, camera.t),
+            expected,
+        )
+        for name, camera in zip(("cam1", "cam2"), scene.cameras, strict=False)
+    }
+    clocks = {name: NetworkClock(0.0, 0.0, 0.0) for name in cameras}
+    F = np.eye(3) / 3**0.5
+    pairs = NetworkPairs([NetworkPair("cam1", "cam2", True, "confirmed", F)])
+    return epibar.Network(cameras, pairs, clocks, True, "the true one", "metre", Ground("cameras"))
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ __all__ = [
     "Mixture",
     "Recorder",
     "Recording",
+    "add_cameras",
     "barcodes",
     "calibrate",
     "check_network",
@@ -21,6 +22,7 @@ __all__ = [
     "join_network",
     "match_barcodes",
     "motion_lines",
+    "pairs_to_add",
     "pairs_to_search",
     "positions",
     "score_lines",
@@ -174,6 +176,18 @@ def join_network(
     clocks: tuple[list[float], bool, bool],
     progress: Callable[[str, float], None] | None,
 ) -> dict[str, Any]: ...
+def add_cameras(
+    recordings: Sequence[Recording],
+    names: Sequence[str],
+    stored: Sequence[Mapping[str, Any]],
+    known: Sequence[Mapping[str, Any]],
+    pairs: Sequence[Mapping[str, Any]],
+    clocks: tuple[list[float], bool, bool],
+    progress: Callable[[str, float], None] | None,
+) -> dict[str, Any]: ...
+def pairs_to_add(
+    recordings: Sequence[Recording], stored: int, clocks: tuple[list[float], bool, bool]
+) -> list[tuple[int, int]]: ...
 def pairs_to_search(
     recordings: Sequence[Recording], clocks: tuple[list[float], bool, bool]
 ) -> list[tuple[int, int]]: ...

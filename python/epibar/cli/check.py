@@ -11,7 +11,7 @@ from .options import CommandParser, add_output_options, offset, seconds
 from .recording_options import add_recording_options, record_options
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Collection, Mapping, Sequence
     from pathlib import Path
 
     from ..jobs.folder import Folder
@@ -26,11 +26,12 @@ if TYPE_CHECKING:
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
 NAME = "check"
-HELP = "has a camera moved? A minute of new footage against a calibrated network"
+HELP = "has a camera moved? A minute of new footage against a calibrated network; adds one more camera"
 DESCRIPTION = (
     "Tell which cameras of the network in DIR have moved since it was calibrated, from new footage of two "
     "cameras or more in which something moves; a minute or so. A camera is found by the name of the file "
-    "without its suffix. Nothing in DIR is changed, unless --update asks for it."
+    "without its suffix. Nothing in DIR is changed, unless --update asks for it: then cameras that moved are "
+    "put where they stand now, and cameras that the network does not have are added to it."
 )
 
 
@@ -39,7 +40,8 @@ def add_options(command: CommandParser) -> None:
     command.epilog = CHECK_EXPLANATION
     command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
     command.add_videos(
-        "one per camera, named as when it was calibrated: a video, a folder of images, or a saved recording"
+        "one per camera, named as when it was calibrated, or by a new name: a video, a folder of images, or "
+        "a saved recording"
     )
     group = command.add_argument_group("when the cameras were started")
     group.add_argument(
@@ -60,7 +62,13 @@ def add_options(command: CommandParser) -> None:
     command.add_argument(
         "--update",
         action="store_true",
-        help="put cameras that moved where they stand now, in the network in DIR; all else stays as it is",
+        help="put cameras that moved where they stand now, in the network in DIR, and add those that it does "
+        "not have; all else stays as it is",
+    )
+    command.add_argument(
+        "--any-way-up",
+        action="store_true",
+        help="a camera that is to be added may be upside down or on its side",
     )
     add_recording_options(command, several=True)
     add_output_options(command, json="print the result as one JSON object on stdout, all else on stderr")
@@ -97,7 +105,7 @@ class Update:
         self._lenses = self._made.lenses(intrinsics) if self._made else {}
 
     def write(self, network: Network, moved: Sequence[str]) -> list[str]:
-        """Write the network after some cameras moved; returns warnings."""
+        """Write the network after some cameras moved or were added; returns warnings."""
         from ..jobs.stored_report import rewrite_report
         from ..jobs.update_files import write_update
 
@@ -109,50 +117,71 @@ class Update:
 def _checked(args: Namespace, network: Network, update: Update | None, console: Console) -> int:
     """Check the network, and update it where that is asked for."""
     from dataclasses import replace
-    from pathlib import Path
 
+    from ..errors import EpibarError
     from ..files.json_file import json_text
     from ..network.checking import UNSURE, CameraCheck
     from ..network.updating import update_notes
+    from .adding import Additions, known_lenses
 
-    cameras = _cameras(args, network, Path(args.folder))
+    videos = _videos(args)
+    additions = Additions(
+        network, videos, known_lenses(args.intrinsics, set(videos) - network.cameras.keys()), bool(update)
+    )
+    cameras = _cameras(args, network, videos, additions.names if update else ())
     recordings, failed = _recorded(cameras, args, console)
+    old = {name: one for name, one in recordings.items() if name in network.cameras}
+    if len(old) < 2:
+        raise EpibarError("fewer than two cameras could be recorded, so none can be checked; see above")
+    clocks = _clocks(args, recordings)
     check = network.check(
-        recordings,
-        _clocks(args, recordings),
-        lambda stage, share: console.step(stage, share),
-        search_seconds=args.search_seconds,
+        old, clocks, lambda stage, share: console.step(stage, share), search_seconds=args.search_seconds
     )
     updated = [name for name, one in check.cameras.items() if one.place is not None] if update else []
-    code = exit_code(check, failed, updated)
-    unread = {name: CameraCheck(name, UNSURE, f"not recorded: {why}") for name, why in failed.items()}
+    network_now = network.updated(check)
+    found = check
+    unread = {
+        name: CameraCheck(name, UNSURE, f"not recorded: {why}")
+        for name, why in failed.items()
+        if name in network.cameras
+    }
     left_out = {name: why for name, why in check.left_out.items() if name not in failed}
     check = replace(check, cameras={**check.cameras, **unread}, left_out=left_out)
     console.checked(check, network)
+    additions.failed(failed)
     if update is not None:
-        for text in update.write(network.updated(check), updated) if updated else ():
+        network_now = additions.extended(network_now, found, recordings, clocks, args, console)
+        for text in update.write(network_now, updated) if updated or additions.added else ():
             console.warning(text)
-        for text in update_notes(check):
+        for text in update_notes(check) if updated or not additions.added else ():
             console.result(text)
+    additions.tell(console)
+    code = exit_code(found, failed, updated, set(additions.not_added) - failed.keys())
     if args.json:
-        console.json(json_text({**check.as_dict(), **({"updated": updated} if update else {})}))
+        told = check.as_dict()
+        told["ok"] = told["ok"] and not additions.not_added
+        console.json(json_text({**told, **({"updated": updated} if update else {}), **additions.as_dict()}))
     return code
 
 
-def exit_code(check: NetworkCheck, failed: Mapping[str, str], updated: Sequence[str] = ()) -> int:
-    """Exit code of what was checked; ``failed`` could not be, ``updated`` is put where it stands now."""
-    if check.unsure or check.suspects or set(check.moved) - set(updated):
+def exit_code(
+    check: NetworkCheck,
+    failed: Mapping[str, str],
+    updated: Sequence[str] = (),
+    not_added: Collection[str] = (),
+) -> int:
+    """Exit code of what was checked; ``failed`` could not be, ``updated`` is put where it stands now.
+
+    ``not_added`` are cameras that were filmed and that the network has not.
+    """
+    if check.unsure or check.suspects or set(check.moved) - set(updated) or not_added:
         return MOVED
     return PARTLY if failed else DONE
 
 
-def _cameras(args: Namespace, network: Network, folder: Path) -> list[CameraInput]:
-    """Return what is to be recorded; all that can be refused is refused before any work."""
-    from dataclasses import replace
-
+def _videos(args: Namespace) -> dict[str, str]:
+    """Videos by the names of their cameras."""
     from ..errors import EpibarError
-    from ..jobs.inputs import camera_inputs
-    from ..network.checking import cameras_to_check
     from ..sources.source import source_name
 
     videos: dict[str, str] = {}
@@ -166,10 +195,27 @@ def _cameras(args: Namespace, network: Network, folder: Path) -> list[CameraInpu
             f"--time-offset {args.time_offset:g} with {len(videos)} cameras does not say whose it is; "
             "use 0 or auto"
         )
-    chosen, _ = cameras_to_check(network, videos)
+    return videos
+
+
+def _cameras(
+    args: Namespace, network: Network, videos: Mapping[str, str], new: Sequence[str]
+) -> list[CameraInput]:
+    """Return what is to be recorded; all that can be refused is refused before any work."""
+    from dataclasses import replace
+    from pathlib import Path
+
+    from ..jobs.inputs import camera_inputs
+    from ..network.checking import cameras_to_check
+
+    old = [name for name in videos if name in network.cameras]
+    if len(old) < 2:
+        network.refuse_unknown(videos)
+    chosen, _ = cameras_to_check(network, old)
     cameras = camera_inputs(videos, background=args.background, ignore=args.ignore, spelt=_option)
-    lenses = _lenses(folder, args.intrinsics, chosen)
-    return [replace(one, intrinsics=lenses.get(one.name)) for one in cameras if one.name in chosen]
+    lenses = _lenses(Path(args.folder), args.intrinsics, chosen)
+    recorded = (*chosen, *new)
+    return [replace(one, intrinsics=lenses.get(one.name)) for one in cameras if one.name in recorded]
 
 
 def _lenses(folder: Path, given: str | None, names: list[str]) -> Mapping[str, Intrinsics]:
@@ -178,12 +224,14 @@ def _lenses(folder: Path, given: str | None, names: list[str]) -> Mapping[str, I
     from ..lens.cameras_toml import find_camera, load_cameras
     from ..outcome.run import Run
 
+    made = Run.load(folder) if (folder / "calibration.json").exists() else None
     if given is not None:
         known = load_cameras(given)
-        return {name: find_camera(known, name, None) for name in names}
-    if not (folder / "calibration.json").exists():
+        # One that was added later was recorded with its lens.
+        of_run = names if made is None else [name for name in names if name in made.by_name]
+        return {name: find_camera(known, name, None) for name in of_run}
+    if made is None:
         return {}
-    made = Run.load(folder)
     try:
         return made.lenses()
     except EpibarError as error:
@@ -211,8 +259,6 @@ def _recorded(
             continue
         console.recorded(camera.name, recording, taken)
         recordings[camera.name] = recording
-    if len(recordings) < 2:
-        raise EpibarError("fewer than two cameras could be recorded, so none can be checked; see above")
     return recordings, failed
 
 

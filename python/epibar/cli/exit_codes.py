@@ -21,7 +21,9 @@ UNUSABLE = 2
 PARTLY = 3
 """Some cameras or pairs could not be done; the others are written."""
 MOVED = 4
-"""A camera has moved, or cannot be judged. Not 1, with which Python ends on a bug: no news of a camera."""
+"""A camera has moved, cannot be judged, or is none of the network's.
+
+Not 1, with which Python ends on a bug: no news of a camera."""
 INTERRUPTED = 130
 
 EXPLANATION = (
@@ -30,10 +32,10 @@ EXPLANATION = (
 )
 
 CHECK_EXPLANATION = (
-    "Exit codes: 0 done, and no camera has moved; 4 a camera has moved, or cannot be judged; 2 unusable "
-    "input, nothing was checked; 3 a video could not be read, and no other camera has moved; 130 "
-    "interrupted. With --update a camera that was updated counts as one that has not moved. A scheduled job "
-    "should tell of anything but 0."
+    "Exit codes: 0 done, and no camera has moved; 4 a camera has moved, cannot be judged, or is none of the "
+    "network's; 2 unusable input, nothing was checked; 3 a video could not be read, and no other camera has "
+    "moved; 130 interrupted. With --update a camera that was updated counts as one that has not moved, and "
+    "one that was added as one of the network's. A scheduled job should tell of anything but 0."
 )
 
 

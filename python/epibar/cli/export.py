@@ -154,6 +154,9 @@ def _followed(folder: Path, run: Run, network: Network, console: Console) -> Wal
     for name, camera in network.cameras.items():
         if not camera.accepted:
             continue
+        if name not in run.by_name:
+            console.warning(f"without walkers in {name}, which was added after they were recorded")
+            continue
         kinds = {pair.kind for pair in run.pairs if name in (pair.a, pair.b)}
         if kinds == {MOVED_KIND}:
             console.warning(f"without walkers in {name}, which moved after it was recorded")

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from ..arguments import MAX_SEED, as_positive, as_whole_number
-from ..calibration import Calibration, calibrate
 from ..errors import EpibarError
-from ..recording import Recording
-from .joining import join_pairs, knowledge_of
-from .knowledge import KnownCamera, has_focal
+from .joining import join_pairs
+from .knowledge import KnownCamera, has_focal, knowledge_of
 from .offsets import SEARCH_SECONDS, ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
-from .pair_search import calibrate_unsynchronised, offsets_of_pair
+from .pair_search import calibrate_unsynchronised, offsets_of_pair, search_pairs
 from .recordings import Recordings, named_recordings
 from .result import Network
 from .scaling import check_lengths
+from .stages import Progress, stages
 
 __all__ = ["calibrate_network", "in_metres"]
-
-Progress = Callable[[str, float], None]
 
 
 def calibrate_network(
@@ -88,7 +86,7 @@ def calibrate_network(
     knowledge = knowledge_of(cameras, known)
     check_lengths(names, distances, person_height)
     offsets = given_offsets(names, time_offset)
-    tell = _stages(progress)
+    tell = stages(progress)
     if len(names) == 2 and not all(map(has_focal, knowledge)):
         # No search can help: the core says what is missing.
         return join_pairs(cameras, {}, offsets or ClockOffsets((0.0, 0.0)), known=known)
@@ -99,44 +97,10 @@ def calibrate_network(
         offsets, pairs = offsets_of_pair(films[1], pair), {(names[0], names[1]): pair}
     else:
         offsets = offsets or find_offsets(films, search_seconds, tell("clocks"))
-        pairs = _pairs(cameras, offsets, tell, seed=seed, upright=upright)
+        chosen, of_pair = pairs_to_search(films, offsets), partial(tell, "pairs")
+        pairs = search_pairs(cameras, chosen, offsets, of_pair, seed=seed, upright=upright)
     network = join_pairs(cameras, pairs, offsets, known=known, progress=tell("network"))
     return in_metres(network, distances, person_height)
-
-
-def _pairs(
-    cameras: Mapping[str, Recording],
-    offsets: ClockOffsets,
-    tell: Callable[..., Progress | None],
-    **options: Any,
-) -> dict[tuple[str, str], Calibration]:
-    """Calibrate the pairs that are worth a search, each by itself."""
-    names, films = list(cameras), list(cameras.values())
-    chosen = pairs_to_search(films, offsets)
-    found = {}
-    for done, (a, b) in enumerate(chosen):
-        frames = offsets.between(films, a, b)
-        assert frames is not None
-        found[names[a], names[b]] = calibrate(
-            films[a],
-            films[b],
-            time_offset=frames,
-            sharpen_offset=offsets.sharpen,
-            progress=tell("pairs", done, len(chosen)),
-            **options,
-        )
-    return found
-
-
-def _stages(progress: Progress | None) -> Callable[..., Progress | None]:
-    """Make functions that tell how far a stage is, of which so many parts are done."""
-
-    def tell(stage: str, done: int = 0, of: int = 1) -> Progress | None:
-        if progress is None:
-            return None
-        return lambda _, share: progress(stage, (done + share) / of)
-
-    return tell
 
 
 def in_metres(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
@@ -30,6 +31,9 @@ __all__ = [
 ]
 
 UNMOVED, MOVED, SUSPECT, UNSURE = "unmoved", "moved", "suspect", "unsure"
+
+EXPECTED = ("focal", "rotation", "position")
+"""What errors are stated of."""
 
 SAME_MATRIX = 1e-9
 """By how much two camera matrices may differ and be one, of each element."""
@@ -283,7 +287,7 @@ def stored_camera(camera: NetworkCamera, recording: Recording) -> dict[str, Any]
         "distortions": distortions.tolist(),
         "rotation": camera.rotation.tolist(),
         "translation": camera.translation.tolist(),
-        "expected": dict(camera.expected or {}),
+        "expected": {key: (camera.expected or {}).get(key, math.inf) for key in EXPECTED},
     }
 
 

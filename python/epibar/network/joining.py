@@ -2,41 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from typing import Any
 
 from .. import _core
 from ..arguments import core_errors
 from ..calibration import Calibration
 from ..errors import EpibarError
-from ..recording import Recording
 from .core_result import network_of
-from .knowledge import KnownCamera, known_of
+from .knowledge import KnownCamera, knowledge_of
 from .offsets import ClockOffsets
+from .pair_search import pair_to_core
 from .recordings import Recordings, named_recordings
 from .result import Network
 
-__all__ = ["join_pairs", "knowledge_of"]
-
-RIVALS = 3
-"""Other geometries of a pair that go along, at most."""
-
-RIVAL_SHARE = 0.5
-"""Share of the winner's score that such a one has at least."""
-
-
-def knowledge_of(
-    recordings: Mapping[str, Recording], known: Mapping[str, KnownCamera] | None
-) -> list[dict[str, Any]]:
-    """Return what is known of each camera, as the compiled module takes it."""
-    known = known or {}
-    for name, one in known.items():
-        if name not in recordings:
-            raise EpibarError(f"known has {name!r}, but the cameras are {', '.join(recordings)}")
-        if not isinstance(one, KnownCamera):
-            raise EpibarError(f"known[{name!r}] is a {type(one).__name__}, expected a KnownCamera")
-    return [known_of(name, one, known.get(name)) for name, one in recordings.items()]
+__all__ = ["join_pairs"]
 
 
 def join_pairs(
@@ -88,25 +67,9 @@ def join_pairs(
         if a >= b:
             raise EpibarError(f"calibrations have key {key!r}: the two in the order of the recordings")
         if calibration.F is not None:
-            pairs.append(_pair(a, b, calibration))
+            pairs.append(pair_to_core(a, b, calibration))
     with core_errors():
         found = _core.join_network(
             [one._core for one in cameras.values()], names, knowledge, pairs, offsets.to_core(), progress
         )
     return network_of(found, cameras)
-
-
-def _pair(a: int, b: int, calibration: Calibration) -> dict[str, Any]:
-    """Return a pair as the compiled module takes it."""
-    rivals = [rival for rival in calibration.rivals if (rival.get("evidence_share") or 0) > RIVAL_SHARE]
-    geometries = [(calibration.F, 1.0)] + [(rival["F"], rival["evidence_share"]) for rival in rivals[:RIVALS]]
-    z = float(calibration.evidence.get("z", 0.0))
-    return {
-        "a": a,
-        "b": b,
-        "geometries": [([list(map(float, row)) for row in F], float(share)) for F, share in geometries],
-        "offset": float(calibration.time_offset),
-        "frames_per_frame": float(calibration.timing.frames_per_frame),
-        "z": z if math.isfinite(z) else 0.0,
-        "accepted": calibration.accepted,
-    }

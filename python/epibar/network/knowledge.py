@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -12,7 +13,7 @@ from ..arguments import as_camera_matrix, as_numbers, as_positive, is_number
 from ..errors import EpibarError
 from ..recording import Recording
 
-__all__ = ["KnownCamera"]
+__all__ = ["KnownCamera", "has_focal", "knowledge_of"]
 
 TANGENTIAL = 1e-2
 """Largest p1 and p2 that are taken for none: silhouettes go through a lens that has none."""
@@ -120,6 +121,19 @@ def known_of(name: str, recording: Recording, known: KnownCamera | None) -> dict
             "known"
         )
     return KnownCamera(matrix=recording.matrix).to_core(name)
+
+
+def knowledge_of(
+    recordings: Mapping[str, Recording], known: Mapping[str, KnownCamera] | None
+) -> list[dict[str, Any]]:
+    """Return what is known of each camera, as the compiled module takes it."""
+    known = known or {}
+    for name, one in known.items():
+        if name not in recordings:
+            raise EpibarError(f"known has {name!r}, but the cameras are {', '.join(recordings)}")
+        if not isinstance(one, KnownCamera):
+            raise EpibarError(f"known[{name!r}] is a {type(one).__name__}, expected a KnownCamera")
+    return [known_of(name, one, known.get(name)) for name, one in recordings.items()]
 
 
 def has_focal(knowledge: dict[str, Any]) -> bool:

@@ -13,7 +13,7 @@ from ..clocks import frame_interval
 from ..errors import EpibarError
 from ..recording import Recording
 
-__all__ = ["ClockOffsets", "find_offsets", "pairs_to_search"]
+__all__ = ["ClockOffsets", "find_offsets", "given_offsets", "pairs_to_add", "pairs_to_search"]
 
 SEARCH_SECONDS = 30.0
 """How far either way an offset is looked for, unless it is said."""
@@ -120,6 +120,15 @@ def pairs_to_search(recordings: Sequence[Recording], offsets: ClockOffsets) -> l
     """Places a < b of the pairs worth a search: all of few cameras, of many those that see the same."""
     with core_errors():
         pairs = _core.pairs_to_search([one._core for one in recordings], offsets.to_core())
+    return [pair for pair in pairs if _overlap(recordings, offsets, *pair)]
+
+
+def pairs_to_add(
+    recordings: Sequence[Recording], stored: int, offsets: ClockOffsets
+) -> list[tuple[int, int]]:
+    """Places a < b of the pairs of a stored and a new camera worth a search; the stored ones come first."""
+    with core_errors():
+        pairs = _core.pairs_to_add([one._core for one in recordings], stored, offsets.to_core())
     return [pair for pair in pairs if _overlap(recordings, offsets, *pair)]
 
 

@@ -16,6 +16,8 @@ from ..files.json_file import read_json_object, write_json
 from ..geometry.correspondences import FrontierPoints
 from ..lens.intrinsics import Intrinsics
 from .checking import NetworkCheck, Progress, check_network
+from .extending import extend, with_added
+from .knowledge import KnownCamera
 from .offsets import SEARCH_SECONDS, TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
 from .recordings import Recordings
@@ -155,6 +157,82 @@ class Network(NetworkParts):
         """
         cameras, pairs = moved_parts(self, check)
         return replace(self, cameras=cameras, pairs=pairs)
+
+    def extended(
+        self,
+        recordings: Recordings,
+        seed: int = 0,
+        time_offset: TimeOffset = "auto",
+        known: Mapping[str, KnownCamera] | None = None,
+        progress: Progress | None = None,
+        *,
+        search_seconds: float = SEARCH_SECONDS,
+        upright: bool = True,
+    ) -> Network:
+        """Return the network with one more camera, or several, by footage that all of them filmed together.
+
+        Cameras of the network are held as they are stored; those that moved since, or cannot be judged, as
+        :meth:`check` tells, have no part in it. Of a new one the focal length, lens, rotation, position and
+        clock are solved for, in the world of the network: its floor, its vertical and its unit. Two cameras
+        of the network must confirm it on moments kept aside. One that cannot be relied on is not added:
+        ``reason`` says why, and so does the log. What is expected of a new camera are its own errors, and the
+        root mean square of what the cameras that confirm it are expected to be wrong by, added as
+        independent. Its clock is that of the new footage, against the stored clock of the first camera that
+        was held: of use where all were started as when the network was made.
+
+        Parameters
+        ----------
+        recordings : mapping of str to Recording, or sequence of Recording
+            By the names of the cameras, over the same time; a minute or two. Names that the network has are
+            its cameras, of which at least two are needed, recorded as for :meth:`check`; the others are new.
+        seed : int
+            Of every random draw of the search.
+        time_offset : "auto", float, or mapping of str to float
+            Of the clocks of these recordings, as :func:`epibar.calibrate_network` takes it.
+        known : mapping of str to KnownCamera, optional
+            What is known of new cameras whose lens was not taken out.
+        progress : callable, optional
+            Called with the name of the stage, "clocks", "check", "pairs" or "network", and the share of it
+            that is done.
+        search_seconds : float
+            How far either way an offset is looked for.
+        upright : bool
+            All cameras are the right way up, see :func:`epibar.calibrate`.
+
+        Returns
+        -------
+        Network
+
+        Raises
+        ------
+        EpibarError
+            No camera is new; fewer than two accepted ones of the network have a recording; or one of these is
+            of another size or camera matrix.
+
+        Examples
+        --------
+        >>> import epibar
+        >>> net = epibar.Network.load("network.json")  # of cam1 and cam2
+        >>> films = {name: epibar.Recording.load(f"{name}.npz") for name in ["cam1", "cam2", "cam3"]}
+        >>> more = net.extended(films)
+        >>> if "cam3" in more.cameras:
+        ...     camera = more.cameras["cam3"]
+        ...     K, R, t = camera.matrix, camera.rotation, camera.translation
+        >>> why_not = more.reason
+        """
+        found = extend(
+            self,
+            recordings,
+            seed,
+            time_offset,
+            known=known,
+            search_seconds=search_seconds,
+            upright=upright,
+            progress=progress,
+        )
+        for name, why in found.refused.items():
+            logger.warning("%s was not added: %s", name, why)
+        return with_added(self, found)
 
     def tracks(self, recordings: Recordings, progress: Progress | None = None) -> WalkerTracks:
         """Follow walkers over all cameras: where their tops and bottoms are in space, from second to second.

@@ -2,6 +2,7 @@
 
 #![allow(clippy::needless_pass_by_value, reason = "PyO3 hands arrays and objects over by value")]
 
+mod added;
 mod calibration;
 mod clocks;
 mod convert;
@@ -20,6 +21,8 @@ use pyo3::prelude::*;
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<recording::Recorder>()?;
     module.add_class::<recording::Recording>()?;
+    module.add_function(wrap_pyfunction!(added::add_cameras, module)?)?;
+    module.add_function(wrap_pyfunction!(added::pairs_to_add, module)?)?;
     module.add_class::<calibration::Calibration>()?;
     module.add_function(wrap_pyfunction!(calibration::calibrate, module)?)?;
     module.add_function(wrap_pyfunction!(clocks::clock_rate, module)?)?;

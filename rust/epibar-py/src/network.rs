@@ -27,7 +27,7 @@ pub struct PythonKnowledge {
 }
 
 impl PythonKnowledge {
-    fn knowledge(&self) -> Knowledge {
+    pub fn knowledge(&self) -> Knowledge {
         let aspect = match self.aspect {
             None => Aspect::Square,
             Some(ratio) if ratio.is_nan() => Aspect::Unknown,
@@ -57,7 +57,7 @@ pub struct PythonPair {
 }
 
 impl PythonPair {
-    fn found(&self) -> epibar::Result<PairFound> {
+    pub fn found(&self) -> epibar::Result<PairFound> {
         let geometry = |(rows, share): &([[f64; 3]; 3], f64)| (matrix_of_rows(rows), *share);
         let found = PairFound::new(self.a, self.b, self.geometries.iter().map(geometry).collect())?;
         Ok(found.timing(self.offset, self.frames_per_frame).verdict(self.z, self.accepted))
@@ -65,9 +65,9 @@ impl PythonPair {
 }
 
 /// Seconds of each clock, whether all started together, whether they were given.
-type PythonClocks = (Vec<f64>, bool, bool);
+pub type PythonClocks = (Vec<f64>, bool, bool);
 
-fn offsets((seconds, together, given): PythonClocks) -> Offsets {
+pub fn offsets((seconds, together, given): PythonClocks) -> Offsets {
     let mut offsets = if given { Offsets::given(seconds) } else { Offsets::found(seconds) };
     offsets.together = together;
     offsets
@@ -155,7 +155,7 @@ fn dict_of<'py>(py: Python<'py>, network: &Network) -> PyResult<Bound<'py, PyDic
     Ok(dict)
 }
 
-fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'py, PyDict>> {
+pub fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("name", &camera.name)?;
     dict.set_item("accepted", camera.accepted())?;
@@ -172,7 +172,7 @@ fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'py, P
     Ok(dict)
 }
 
-fn pair<'py>(py: Python<'py>, pair: &NetworkPair) -> PyResult<Bound<'py, PyDict>> {
+pub fn pair<'py>(py: Python<'py>, pair: &NetworkPair) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("a", pair.a)?;
     dict.set_item("b", pair.b)?;
@@ -191,6 +191,34 @@ pub struct PythonStored {
     distortions: [f64; 5],
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
+    expected: PythonExpected,
+}
+
+/// Errors to expect of it: relative, degrees, and in the network's unit.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PythonExpected {
+    focal: f64,
+    rotation: f64,
+    position: f64,
+}
+
+/// Stored cameras with what they saw.
+pub fn stored_cameras<'r>(
+    recordings: &'r [PyRef<'_, Recording>],
+    names: &'r [String],
+    cameras: &[PythonStored],
+) -> Vec<StoredCamera<'r>> {
+    let stored = |((r, name), c): ((&'r PyRef<'_, Recording>, &'r String), &PythonStored)| StoredCamera {
+        name,
+        recording: &r.inner,
+        matrix: matrix_of_rows(&c.matrix),
+        distortions: c.distortions,
+        rotation: matrix_of_rows(&c.rotation),
+        translation: Vector3::from(c.translation),
+        expected: Expected::new(c.expected.focal, c.expected.rotation.to_radians(), c.expected.position),
+    };
+    recordings.iter().zip(names).zip(cameras).map(stored).collect()
 }
 
 /// Which cameras of a stored network have moved, by new footage.
@@ -206,19 +234,7 @@ pub fn check_network<'py>(
     if names.len() != recordings.len() || cameras.len() != recordings.len() {
         return Err(PyValueError::new_err("a name and a stored camera for each recording"));
     }
-    let stored: Vec<StoredCamera> = recordings
-        .iter()
-        .zip(&names)
-        .zip(&cameras)
-        .map(|((r, name), c)| StoredCamera {
-            name,
-            recording: &r.inner,
-            matrix: matrix_of_rows(&c.matrix),
-            distortions: c.distortions,
-            rotation: matrix_of_rows(&c.rotation),
-            translation: Vector3::from(c.translation),
-        })
-        .collect();
+    let stored = stored_cameras(&recordings, &names, &cameras);
     let clocks = offsets(clocks);
     let found = watched(py, progress, |watch| epibar::network::check_network(&stored, &clocks, watch))?;
     let number = |v: f64| Some(v).filter(|v| v.is_finite());

@@ -5,9 +5,9 @@ mod common;
 use common::cameras::Camera;
 use common::flying::Scene;
 use epibar::network::{
-    CameraCheck, CameraInput, CameraStatus, CheckStatus, Ground, Knowledge, Network, NetworkOptions,
-    NetworkTime, Offsets, PairFound, PairStatus, StoredCamera, calibrate_network, check_network, join,
-    pairs_to_search,
+    CameraCheck, CameraInput, CameraStatus, CheckStatus, Expected, Ground, Knowledge, Network,
+    NetworkOptions, NetworkTime, Offsets, PairFound, PairStatus, StoredCamera, calibrate_network,
+    check_network, join, pairs_to_search,
 };
 use epibar::{Recorder, RecorderOptions, Recording, Unwatched};
 use nalgebra::{Matrix3, Rotation3};
@@ -201,6 +201,7 @@ fn checked(filmed: &[Camera], stored: &[Camera], seed: u64) -> Vec<CameraCheck> 
             distortions: [0.0; 5],
             rotation: camera.rotation(),
             translation: -(camera.rotation() * camera.centre()),
+            expected: Expected::new(0.001, 0.001, 0.01),
         })
         .collect();
     check_network(&stored, &Offsets::given(vec![0.0; filmed.len()]), &mut |_, _| true).unwrap()

@@ -11,6 +11,7 @@ use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::{CameraInput, PRINCIPAL_LEVELS};
 use super::given::pair::PairFound;
+use super::model::camera::CLOCK;
 use super::model::joint::{Problem, standing};
 use super::moments::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
@@ -172,13 +173,10 @@ impl Case<'_> {
         let outlines = outline_errors(settled, shapes);
         let found = covariance(&problem, &finished.network.cameras, &outlines);
         let (expected, offsets) = match found {
-            Some(Covariance { active, matrix: covariance }) => {
-                let offset = |c: usize| {
-                    let place = active.iter().position(|p| *p == (c, super::model::camera::CLOCK));
-                    place.map_or(0.0, |p| covariance[(p, p)].max(0.0).sqrt())
-                };
-                let offsets = (0..self.count()).map(offset).collect();
-                (expected(&finished.network.cameras, &finished.network.placed, &active, &covariance), offsets)
+            Some(found) => {
+                let offsets = (0..self.count()).map(|c| found.deviation(c, CLOCK)).collect();
+                let Covariance { active, matrix } = &found;
+                (expected(&finished.network.cameras, &finished.network.placed, active, matrix), offsets)
             }
             None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
         };

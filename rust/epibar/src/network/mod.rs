@@ -14,6 +14,7 @@
 //! Of a network that stands:
 //!
 //! * `check`: whether a camera has moved, and where it stands now.
+//! * `add`: one more camera.
 //! * `tracks`: walkers over time.
 //!
 //! The tools are in another order, as a camera that is given is a camera that is solved for: `thresholds`, `model`, `given`, `moments`,
@@ -40,6 +41,7 @@
 //! # }
 //! ```
 
+mod add;
 mod calibrate;
 mod case;
 mod check;
@@ -55,6 +57,7 @@ mod thresholds;
 mod tracks;
 mod verdict;
 
+pub use add::{Added, add_cameras, pairs_to_add};
 pub use calibrate::{
     NetworkOptions, NetworkTime, calibrate_network, calibrate_network_watched, clock_offsets, pairs_to_search,
 };

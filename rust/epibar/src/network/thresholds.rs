@@ -81,6 +81,10 @@ pub const AGREE: f64 = 4.0;
 /// A pair contradicts the network where less than this share of what it found agrees.
 pub const CONTRADICTS: f64 = 0.3;
 
+/// Another place of a camera that is added is solved for with all it sees where it has this share of the evidence of the best one on a few
+/// frames, on which evidence is known to a third or so.
+pub const ADDED_RIVAL: f64 = 0.5;
+
 // --- outlines and clocks as errors count them ---
 
 pub use crate::verify::thresholds::CONVEX;

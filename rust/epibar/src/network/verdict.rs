@@ -23,7 +23,7 @@ pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
         return false;
     }
     let differs = best.network.turns(&rival.network).any(|turn| turn > limits::RIVAL_TURN);
-    let (share, z) = gain(survey, &best.network, &rival.network);
+    let (share, z) = gain(survey, &best.network.pairs(), &best.network, &rival.network);
     differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
 }
 
@@ -34,12 +34,8 @@ pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec
     let confirmed = support.confirmed();
     let needed = if stand.len() > 2 { limits::CONFIRMED_PAIRS } else { 1 };
     let enough = |c: usize| {
-        let d = support.cameras[c];
         let pairs = confirmed.iter().filter(|p| p.0 == c || p.1 == c).count();
-        let share = support.shares[c];
-        let explains = share.whole >= limits::CAMERA_WHOLE || share.excess >= limits::CAMERA_EXCESS;
-        let stands_out = d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES;
-        stands_out && explains && pairs >= needed
+        stands_out(support, c) && pairs >= needed
     };
     let out = |camera: usize, status: CameraStatus, at: Option<f64>| Out {
         camera,
@@ -60,6 +56,13 @@ pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec
     let knocked =
         knocked(survey, network, limits::KNOCKED).into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
     knocked.map(|(camera, at)| out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
+}
+
+/// Whether so much speaks for a camera on moments kept aside that chance does not, and that explains what it sees.
+pub(super) fn stands_out(support: &Support, camera: usize) -> bool {
+    let (d, share) = (support.cameras[camera], support.shares[camera]);
+    let explains = share.whole >= limits::CAMERA_WHOLE || share.excess >= limits::CAMERA_EXCESS;
+    d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES && explains
 }
 
 /// The most cameras that confirmed pairs join; of equals those with the most pairs, then the first.
@@ -122,7 +125,7 @@ impl Case<'_> {
     }
 
     /// A camera with what is said of it, and without a place.
-    fn unplaced(
+    pub(super) fn unplaced(
         &self,
         camera: usize,
         status: CameraStatus,
@@ -153,7 +156,19 @@ impl Case<'_> {
         let (Some(one), Some(other)) = (&cameras[a].camera, &cameras[b].camera) else {
             return outside((a, b));
         };
-        let support = finished.support.pairs.iter().find(|(pair, _)| *pair == (a, b));
+        let accepted = cameras[a].accepted() && cameras[b].accepted();
+        self.pair_of((a, b), [one, other], &finished.support, accepted)
+    }
+
+    /// A pair of cameras that stand.
+    pub(super) fn pair_of(
+        &self,
+        (a, b): (usize, usize),
+        [one, other]: [&Camera; 2],
+        support: &Support,
+        both_accepted: bool,
+    ) -> NetworkPair {
+        let support = support.pairs.iter().find(|(pair, _)| *pair == (a, b));
         let deviates = support.map_or(Deviates::default(), |s| s.1);
         let alone = self.pairs.iter().find(|p| (p.a, p.b) == (a, b)).is_some_and(|p| p.accepted);
         let status = if alone && self.contradicts(a, b, one, other) {
@@ -163,7 +178,7 @@ impl Case<'_> {
         } else {
             PairStatus::Predicted
         };
-        let accepted = cameras[a].accepted() && cameras[b].accepted() && status != PairStatus::Contradicts;
+        let accepted = both_accepted && status != PairStatus::Contradicts;
         NetworkPair { a, b, status, accepted, fundamental: fundamental(one, other), deviates }
     }
 
@@ -198,7 +213,7 @@ impl Case<'_> {
 }
 
 /// A pair of which a camera does not stand.
-fn outside((a, b): (usize, usize)) -> NetworkPair {
+pub(super) fn outside((a, b): (usize, usize)) -> NetworkPair {
     NetworkPair {
         a,
         b,
@@ -210,7 +225,7 @@ fn outside((a, b): (usize, usize)) -> NetworkPair {
 }
 
 /// Whether errors are small enough.
-fn status_by_errors(expected: &Expected, rig: f64) -> CameraStatus {
+pub(super) fn status_by_errors(expected: &Expected, rig: f64) -> CameraStatus {
     // Each so that NaN refuses.
     let errors = [
         (expected.focal, limits::MAX_FOCAL, CameraStatus::FocalLength),

@@ -4,8 +4,8 @@ use arbitrary::{Result, Unstructured};
 use epibar::internals::{barcodes_of_segments, mutual_matches};
 use epibar::nalgebra::{Matrix3, Rotation3, Vector3};
 use epibar::network::{
-    Aspect, CameraInput, Knowledge, NetworkOptions, NetworkTime, Offsets, StoredCamera, TrackingCamera,
-    calibrate_network, check_network, walker_tracks,
+    Aspect, CameraInput, Expected, Knowledge, NetworkOptions, NetworkTime, Offsets, StoredCamera,
+    TrackingCamera, calibrate_network, check_network, walker_tracks,
 };
 use epibar::{
     Barcodes, CalibrateOptions, CameraMatrices, ExamineOptions, Fundamental, ImageSize, Method, Recorder,
@@ -210,6 +210,7 @@ fn check_any(u: &mut Unstructured) -> Result<()> {
             distortions,
             rotation,
             translation,
+            expected: Expected::new(0.01, 0.01, 0.1),
         });
         let clock = (clocks[index], 0.0);
         tracking.push(TrackingCamera { recording, matrix, distortions, rotation, translation, clock });

@@ -21,9 +21,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use prose::{Seen, said};
 use replace::replaced;
-use stretch::FRAMES;
+pub(super) use stretch::FRAMES;
 use suspects::{Footage, judged};
 
+use super::evidence::covariance::Expected;
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::INSET;
@@ -54,6 +55,8 @@ pub struct StoredCamera<'r> {
     pub rotation: Matrix3<f64>,
     /// `t` of `X_c = R X + t`.
     pub translation: Vector3<f64>,
+    /// Errors to expect of it, as they are stored: those of a camera that is added hold them, a check does not ask.
+    pub expected: Expected,
 }
 
 /// Which of the cameras of a network has moved since it was calibrated.
@@ -66,7 +69,10 @@ pub fn check_network(
     clocks: &Offsets,
     watch: &mut dyn Watch,
 ) -> Result<Vec<CameraCheck>> {
-    refuse(cameras, clocks)?;
+    refuse(cameras)?;
+    if clocks.seconds.len() != cameras.len() {
+        return refused("clocks", clocks.seconds.len().to_string(), "a clock for each camera");
+    }
     let observed: Vec<Observed> = cameras
         .iter()
         .map(|c| Observed::new(c.recording).through(&c.stated().camera(c.recording.size())))
@@ -87,33 +93,39 @@ pub fn check_network(
 }
 
 impl StoredCamera<'_> {
-    fn stated(&self) -> Stated<'_> {
+    /// What is stored, in words of the network's room.
+    pub(super) fn stated(&self) -> Stated<'_> {
         let Self { matrix, distortions, rotation, translation, .. } = self;
         Stated { matrix, distortions, rotation, translation }
     }
 }
 
-fn refuse(cameras: &[StoredCamera], clocks: &Offsets) -> Result<()> {
-    let wrong = |name, value: String, expected| Err(Error::Argument { name, value, expected });
+/// Refuses stored cameras that cannot be those of a network.
+pub(super) fn refuse(cameras: &[StoredCamera]) -> Result<()> {
     if cameras.len() < 2 {
-        return wrong("cameras", cameras.len().to_string(), "at least two cameras of the network");
-    }
-    if clocks.seconds.len() != cameras.len() {
-        return wrong("clocks", clocks.seconds.len().to_string(), "a clock for each camera");
+        return refused("cameras", cameras.len().to_string(), "at least two cameras of the network");
     }
     for (i, c) in cameras.iter().enumerate() {
         if cameras[..i].iter().any(|other| other.name == c.name) {
-            return wrong("cameras", c.name.to_owned(), "names of cameras that differ");
+            return refused("cameras", c.name.to_owned(), "names of cameras that differ");
         }
         if !c.stated().is_camera() {
-            return wrong("camera", c.name.to_owned(), EXPECTED);
+            return refused("camera", c.name.to_owned(), EXPECTED);
         }
     }
     Ok(())
 }
 
+pub(super) fn refused<T>(name: &'static str, value: String, expected: &'static str) -> Result<T> {
+    Err(Error::Argument { name, value, expected })
+}
+
 /// The stored cameras with the clocks and insets of the new footage, and what is believed of each.
-fn by_new_clocks(cameras: &[StoredCamera], clocks: &Offsets, survey: &Survey) -> (Placed, Vec<Beliefs>) {
+pub(super) fn by_new_clocks(
+    cameras: &[StoredCamera],
+    clocks: &Offsets,
+    survey: &Survey,
+) -> (Placed, Vec<Beliefs>) {
     let beliefs: Vec<Beliefs> = (0..cameras.len())
         .map(|c| Beliefs {
             intrinsic: [Belief::fixed(0.0); 7],

@@ -120,6 +120,12 @@ impl Covariance {
         let at = [place(from)?, place(from + 1)?, place(from + 2)?];
         Some(Matrix3::from_fn(|i, j| self.matrix[(at[i], at[j])]))
     }
+
+    /// The standard deviation of a parameter of a camera; 0 where it was not solved for.
+    pub fn deviation(&self, camera: usize, parameter: usize) -> f64 {
+        let at = self.active.iter().position(|p| *p == (camera, parameter));
+        at.map_or(0.0, |p| self.matrix[(p, p)].max(0.0).sqrt())
+    }
 }
 
 /// Covariance of the active parameters, with outlines of each camera that may all be wrong alike by so many pixels; `None` where the
@@ -174,6 +180,11 @@ pub struct Expected {
 }
 
 impl Expected {
+    /// Of a focal length, relative, of a rotation, radians, and of a position, unit of the network.
+    pub fn new(focal: f64, rotation: f64, position: f64) -> Self {
+        Self { focal, rotation, position }
+    }
+
     /// Nothing is known.
     pub const UNKNOWN: Self = Self { focal: f64::NAN, rotation: f64::NAN, position: f64::NAN };
 

@@ -11,7 +11,7 @@ use crate::network::moments::survey::{Survey, shared};
 use crate::network::thresholds as limits;
 
 /// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands; of many cameras fewer.
-const FRAMES: [usize; 2] = [80, 240];
+pub const FRAMES: [usize; 2] = [80, 240];
 /// Rounds of trying cameras elsewhere.
 const ROUNDS: usize = 3;
 /// A network with less than this share of the evidence of another is not worth improving.
@@ -121,11 +121,10 @@ fn excess(survey: &Survey, network: &Placed) -> f64 {
     survey.scores(&network.cameras, &network.pairs(), limits::COMPARED, 3).iter().map(|s| s.excess).sum()
 }
 
-/// By which share of its evidence a network is better than another, and by how many standard deviations over parts of
-/// the recording.
-pub fn gain(survey: &Survey, than: &Placed, network: &Placed) -> (f64, f64) {
-    let pairs = than.pairs();
-    let of = |network: &Placed| survey.excess_by_part::<PARTS>(&network.cameras, &pairs, limits::COMPARED);
+/// By which share of the evidence of some pairs a network is better than another, and by how many standard deviations over parts
+/// of the recording.
+pub fn gain(survey: &Survey, pairs: &[(usize, usize)], than: &Placed, network: &Placed) -> (f64, f64) {
+    let of = |network: &Placed| survey.excess_by_part::<PARTS>(&network.cameras, pairs, limits::COMPARED);
     let (one, other) = (of(than), of(network));
     let differences: Vec<f64> = one.iter().zip(&other).map(|(p, q)| q - p).collect();
     let mean = differences.iter().sum::<f64>() / PARTS as f64;

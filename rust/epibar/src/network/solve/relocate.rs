@@ -24,8 +24,31 @@ const LENGTHS: [f64; 7] = [0.12, 0.25, 0.5, 0.8, 1.2, 1.8, 3.0];
 const FOCALS_NEAR: [f64; 3] = [0.7, 1.0, 1.4];
 /// Radius within which guesses are compared, pixels of a 640×480 image.
 const RADIUS: f64 = 8.0;
-/// The best guesses, which are solved for.
-const SOLVED: usize = 4;
+
+/// Which places of a camera are tried.
+#[derive(Debug, Clone, Copy)]
+pub struct Tries {
+    /// How many focal lengths and lengths of the baseline there are, for each of those that a new network is tried with.
+    finer: usize,
+    /// The best guesses, which are solved for.
+    solved: usize,
+}
+
+impl Tries {
+    /// Of one of many cameras, whose other pairs have asked before.
+    pub const SOME: Self = Self { finer: 1, solved: 4 };
+    /// Of a camera of which nobody has asked: a right guess that is solved for is clear, but hardly one in ten of the coarse ones is right.
+    pub const MANY: Self = Self { finer: 3, solved: 16 };
+
+    /// Numbers in rising order, and others evenly between them by their ratio.
+    fn among(self, numbers: &[f64]) -> Vec<f64> {
+        let between = |pair: &[f64]| {
+            let (low, ratio) = (pair[0], pair[1] / pair[0]);
+            (0..self.finer).map(move |k| low * ratio.powf(k as f64 / self.finer as f64)).collect::<Vec<_>>()
+        };
+        numbers.windows(2).flat_map(between).chain(numbers.last().copied()).collect()
+    }
+}
 
 /// A network with which of its cameras stand.
 #[derive(Debug, Clone)]
@@ -46,6 +69,25 @@ impl Placed {
     pub fn turns(&self, other: &Self) -> impl Iterator<Item = f64> {
         let between = |n: &Self, a: usize, b: usize| n.cameras[a].rotation * n.cameras[b].rotation.inverse();
         self.pairs().into_iter().map(move |(a, b)| between(self, a, b).angle_to(&between(other, a, b)))
+    }
+
+    /// The network with a camera that stands at a place.
+    #[must_use]
+    pub fn with(&self, camera: usize, at: Camera) -> Self {
+        let mut with = self.clone();
+        with.cameras[camera] = at;
+        with.placed[camera] = true;
+        with
+    }
+
+    /// Cameras that stand beside one.
+    pub fn others(&self, camera: usize) -> Vec<usize> {
+        (0..self.cameras.len()).filter(|&c| c != camera && self.placed[c]).collect()
+    }
+
+    /// Pairs of a camera with others that stand.
+    pub fn pairs_of(&self, camera: usize) -> Vec<(usize, usize)> {
+        self.others(camera).into_iter().map(|o| (o.min(camera), o.max(camera))).collect()
     }
 
     /// Mean distance between the cameras that stand.
@@ -102,25 +144,43 @@ fn elsewhere(
     pairs: &[PairHypotheses],
     camera: usize,
 ) -> Option<Placed> {
-    let others: Vec<usize> =
-        (0..network.cameras.len()).filter(|&c| c != camera && network.placed[c]).collect();
-    if others.is_empty() {
+    let (best, at) = *places(survey, network, beliefs, pairs, camera, Tries::SOME).first()?;
+    let now = if network.placed[camera] { score(survey, network, camera) } else { 0.0 };
+    if !(best > limits::ELSEWHERE_BETTER * now && best > 0.0) {
         return None;
     }
+    Some(network.with(camera, at))
+}
+
+/// Excess over chance of a camera with all others that stand, where it is.
+fn score(survey: &Survey, network: &Placed, camera: usize) -> f64 {
+    let rays = survey.all_rays(&network.cameras);
+    excess(survey, network, &rays, camera, &network.cameras[camera], &network.others(camera))
+}
+
+/// The best places of a camera among those where its pairs with cameras that stand would have it, so many of them solved for with all
+/// others held: excess over chance, and the camera there; the best first.
+pub fn places(
+    survey: &Survey,
+    network: &Placed,
+    beliefs: &[Beliefs],
+    pairs: &[PairHypotheses],
+    camera: usize,
+    tries: Tries,
+) -> Vec<(f64, Camera)> {
+    let others = network.others(camera);
     let rays = survey.all_rays(&network.cameras);
     let score = |at: &Camera| excess(survey, network, &rays, camera, at, &others);
-    let mut guesses: Vec<(f64, Camera)> = guesses(network, beliefs, pairs, camera)
+    let mut guesses: Vec<(f64, Camera)> = guesses(network, beliefs, pairs, camera, tries)
         .into_par_iter()
         .map(|at| (score(&at), at))
         .filter(|g| g.0.is_finite())
         .collect();
     guesses.sort_by(|p, q| q.0.total_cmp(&p.0));
-    guesses.truncate(SOLVED);
-    let mut placed = network.placed.clone();
-    placed[camera] = true;
-    let mut moving = vec![false; placed.len()];
+    guesses.truncate(tries.solved);
+    let mut moving = vec![false; network.placed.len()];
     moving[camera] = true;
-    let with: Vec<(usize, usize)> = others.iter().map(|&o| (o.min(camera), o.max(camera))).collect();
+    let with = network.pairs_of(camera);
     let mut tried: Vec<(f64, Camera)> = guesses
         .into_iter()
         .map(|(_, at)| {
@@ -131,14 +191,7 @@ fn elsewhere(
         })
         .collect();
     tried.sort_by(|p, q| q.0.total_cmp(&p.0));
-    let (best, at) = *tried.first()?;
-    let now = if network.placed[camera] { score(&network.cameras[camera]) } else { 0.0 };
-    if !(best > limits::ELSEWHERE_BETTER * now && best > 0.0) {
-        return None;
-    }
-    let mut cameras = network.cameras.clone();
-    cameras[camera] = at;
-    Some(Placed { cameras, placed })
+    tried
 }
 
 /// Excess over chance of a camera at a place with all others.
@@ -169,16 +222,22 @@ fn excess(
 }
 
 /// Wherever a pair would have a camera.
-fn guesses(network: &Placed, beliefs: &[Beliefs], pairs: &[PairHypotheses], camera: usize) -> Vec<Camera> {
+fn guesses(
+    network: &Placed,
+    beliefs: &[Beliefs],
+    pairs: &[PairHypotheses],
+    camera: usize,
+    tries: Tries,
+) -> Vec<Camera> {
     let now = network.cameras[camera];
     let focals: Vec<f64> = if beliefs[camera].has_focal() {
         vec![now.log_focal]
     } else if network.placed[camera] {
         FOCALS_NEAR.map(|f| now.log_focal + f.ln()).to_vec()
     } else {
-        FOCALS.map(|f| (f * now.size.width as f64).ln()).to_vec()
+        tries.among(&FOCALS).into_iter().map(|f| (f * now.size.width as f64).ln()).collect()
     };
-    let size = network.size();
+    let (size, lengths) = (network.size(), tries.among(&LENGTHS));
     let mut found = Vec::new();
     for p in pairs.iter().filter(|p| p.a == camera || p.b == camera) {
         let other = if p.a == camera { p.b } else { p.a };
@@ -206,7 +265,7 @@ fn guesses(network: &Placed, beliefs: &[Beliefs], pairs: &[PairHypotheses], came
                 let beside = |length: f64| {
                     placed_beside(&network.cameras[other], &guess, &rotation, &t, length * size)
                 };
-                found.extend(LENGTHS.map(beside));
+                found.extend(lengths.iter().map(|length| beside(*length)));
             }
         }
     }

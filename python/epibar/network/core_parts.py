@@ -1,0 +1,53 @@
+"""Parts of a network as the compiled module tells them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .parts import NetworkCamera, NetworkClock, NetworkPair, evidence_of
+
+__all__ = ["camera_of", "clock_of", "finite", "pair_of"]
+
+
+def camera_of(one: Mapping[str, Any], size: tuple[int, int]) -> NetworkCamera:
+    """Make a camera whose images are of a size."""
+    return NetworkCamera(
+        name=one["name"],
+        size=size,
+        accepted=bool(one["accepted"]),
+        status=one["status"],
+        reason=one["reason"],
+        matrix=one["matrix"],
+        distortions=one["distortions"],
+        rotation=one["rotation"],
+        translation=one["translation"],
+        expected=None if one["expected"] is None else dict(one["expected"]),
+        evidence=evidence_of(one["deviates"]),
+    )
+
+
+def clock_of(one: Mapping[str, Any]) -> NetworkClock:
+    """Make the clock of a camera; of one without a place nothing is known."""
+    if one["clock"] is None:
+        return NetworkClock()
+    offset, drift = one["clock"]
+    return NetworkClock(float(offset), float(drift), finite(one["offset_error"]))
+
+
+def pair_of(one: Mapping[str, Any], names: Sequence[str]) -> NetworkPair:
+    """Make a pair of cameras of some names."""
+    return NetworkPair(
+        names[one["a"]],
+        names[one["b"]],
+        bool(one["accepted"]),
+        one["status"],
+        one["F"],
+        evidence_of(one["deviates"]),
+    )
+
+
+def finite(value: float) -> float | None:
+    """Return a number; None where it is none."""
+    return float(value) if math.isfinite(value) else None

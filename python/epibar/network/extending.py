@@ -1,0 +1,248 @@
+"""One more camera for a network, put where it stands by what it and others of it filmed together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
+
+from .. import _core
+from ..arguments import MAX_SEED, as_positive, as_whole_number, core_errors
+from ..errors import EpibarError
+from ..geometry.cameras import Pose, fundamental_from_cameras
+from ..recording import Recording
+from .checking import UNMOVED, NetworkCheck, check_network, stored_camera
+from .core_parts import camera_of, clock_of, pair_of
+from .knowledge import KnownCamera, knowledge_of
+from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_add
+from .pair_search import pair_to_core, search_pairs
+from .parts import NetworkCamera, NetworkClock, NetworkPair, NetworkPairs, NetworkParts
+from .recordings import Recordings, named_recordings
+from .stages import Progress, stages
+
+__all__ = ["Extension", "extend", "with_added"]
+
+N = TypeVar("N", bound=NetworkParts)
+
+LEAST_HELD = 2
+"""Cameras of the network that must stand as stored: two directions are needed for a place."""
+
+TOO_FEW = "too_few"
+"""Status of a camera that nothing can be said of, as too few others stand."""
+
+
+@dataclass(frozen=True, eq=False)
+class Extension:
+    """Cameras that were to be added to a network.
+
+    Attributes
+    ----------
+    check : NetworkCheck
+        Of the cameras of the network that were filmed anew.
+    cameras : dict of str to NetworkCamera
+        The new ones; what is not accepted says why, and is not added.
+    clocks : dict of str to NetworkClock
+        Of those that are accepted.
+    pairs : list of NetworkPair
+        Of these with the cameras that were held, and with one another.
+    held : list of str
+        Cameras of the network that stand as stored, by which the new ones were placed.
+    """
+
+    check: NetworkCheck
+    cameras: dict[str, NetworkCamera]
+    clocks: dict[str, NetworkClock] = field(default_factory=dict)
+    pairs: list[NetworkPair] = field(default_factory=list)
+    held: list[str] = field(default_factory=list)
+
+    @property
+    def added(self) -> dict[str, NetworkCamera]:
+        """Those that can be relied on."""
+        return {name: camera for name, camera in self.cameras.items() if camera.accepted}
+
+    @property
+    def refused(self) -> dict[str, str]:
+        """The others, and why."""
+        return {name: camera.reason for name, camera in self.cameras.items() if not camera.accepted}
+
+    @property
+    def not_held(self) -> list[str]:
+        """Cameras that were filmed anew by which none was placed: they may not stand as stored."""
+        return [name for name in self.check.cameras if name not in self.held]
+
+
+def extend(
+    network: NetworkParts,
+    recordings: Recordings,
+    seed: int = 0,
+    time_offset: TimeOffset = "auto",
+    *,
+    known: Mapping[str, KnownCamera] | None = None,
+    search_seconds: float,
+    upright: bool = True,
+    progress: Progress | None = None,
+    check: NetworkCheck | None = None,
+) -> Extension:
+    """Find where new cameras stand; see :meth:`epibar.Network.extended`.
+
+    ``check`` is one of the same recordings, where it was made already.
+    """
+    films = named_recordings(recordings)
+    seed = as_whole_number("seed", seed, 0, MAX_SEED)
+    reach = as_positive("search_seconds", search_seconds, "seconds")
+    old = {name: one for name, one in films.items() if name in network.cameras}
+    new = {name: one for name, one in films.items() if name not in network.cameras}
+    _refuse(network, old, new)
+    knowledge = _known(new, old, known)
+    given = given_offsets(list(films), time_offset)
+    seconds = None if given is None else dict(zip(films, given.seconds, strict=True))
+    if check is None:
+        clocks: TimeOffset = "auto" if seconds is None else {name: seconds[name] for name in old}
+        check = check_network(network, old, clocks, reach, progress)
+    held = [name for name in network.cameras if name in check.cameras and _stands(check, name)]
+    if len(held) < LEAST_HELD:
+        return Extension(check, {name: _alone(name, one, check) for name, one in new.items()})
+    cameras = {**{name: films[name] for name in held}, **new}
+    tell = stages(progress)
+    if seconds is None:
+        offsets = _clocks(cameras, len(held), reach, tell("clocks"))
+    else:
+        offsets = ClockOffsets(tuple(seconds[n] - seconds[held[0]] for n in cameras), given=True)
+    chosen = pairs_to_add(list(cameras.values()), len(held), offsets)
+    searched = search_pairs(
+        cameras, chosen, offsets, lambda done, of: tell("pairs", done, of), seed=seed, upright=upright
+    )
+    names = list(cameras)
+    pairs = [
+        pair_to_core(a, b, searched[names[a], names[b]])
+        for a, b in chosen
+        if searched[names[a], names[b]].F is not None
+    ]
+    with core_errors():
+        found = _core.add_cameras(
+            [one._core for one in cameras.values()],
+            names,
+            [stored_camera(network.cameras[name], films[name]) for name in held],
+            knowledge,
+            pairs,
+            offsets.to_core(),
+            tell("network"),
+        )
+    return _extension(network, check, found, new, held)
+
+
+def _refuse(network: NetworkParts, old: Mapping[str, Recording], new: Mapping[str, Recording]) -> None:
+    """Refuse what cannot be added to, before any work."""
+    if not new:
+        raise EpibarError(
+            f"{', '.join(old)}: all of these are in the network, so there is none to add; check() tells "
+            "whether they moved"
+        )
+    usable = [name for name in old if network.cameras[name].accepted]
+    if len(usable) < LEAST_HELD:
+        raise EpibarError(
+            f"to add {', '.join(new)} new recordings of at least two accepted cameras of the network are "
+            "needed, by the names that they have there, filmed at the same time; there are "
+            f"{len(usable)}. It has {', '.join(network.cameras)}"
+        )
+
+
+def _known(
+    new: Mapping[str, Recording], old: Mapping[str, Recording], known: Mapping[str, KnownCamera] | None
+) -> list[dict[str, Any]]:
+    """What is known of each new camera; of those of the network it is the network that knows."""
+    for name in known or {}:
+        if name in old:
+            raise EpibarError(f"known has {name!r}, but the network has its lens: leave it out of known")
+    return knowledge_of(new, known)
+
+
+def _stands(check: NetworkCheck, name: str) -> bool:
+    return check.cameras[name].status == UNMOVED
+
+
+def _alone(name: str, recording: Recording, check: NetworkCheck) -> NetworkCamera:
+    """Return a camera that too few others can place."""
+    reason = (
+        f"left out: at least two cameras of the network must stand as stored to place it, and {check.reason}"
+    )
+    return NetworkCamera(name, recording.size, False, TOO_FEW, reason)
+
+
+def _clocks(
+    cameras: Mapping[str, Recording], held: int, reach: float, progress: Progress | None
+) -> ClockOffsets:
+    """Find the clocks of all: each new camera's beside those that are held, so that none spoils another's."""
+    films = list(cameras.values())
+    of_held = find_offsets(films[:held], reach, progress)
+    of_new = [find_offsets([*films[:held], film], reach, progress) for film in films[held:]]
+    together = of_held.together and all(one.together for one in of_new)
+    return ClockOffsets((*of_held.seconds, *(one.seconds[-1] for one in of_new)), together)
+
+
+def _extension(
+    network: NetworkParts,
+    check: NetworkCheck,
+    found: Mapping[str, Any],
+    new: Mapping[str, Recording],
+    held: Sequence[str],
+) -> Extension:
+    """What the compiled module says of the new cameras."""
+    cameras = {one["name"]: camera_of(one, new[one["name"]].size) for one in found["cameras"]}
+    accepted = [name for name, camera in cameras.items() if camera.accepted]
+    clocks = {
+        one["name"]: _in_network_time(clock_of(one), network.clocks.get(held[0], NetworkClock()))
+        for one in found["cameras"]
+        if one["name"] in accepted
+    }
+    names = [*held, *cameras]
+    pairs = [pair for one in found["pairs"] if (pair := pair_of(one, names)).b in accepted]
+    pairs = [pair for pair in pairs if pair.a in accepted or pair.a in held]
+    return Extension(check, cameras, clocks, pairs, list(held))
+
+
+def _in_network_time(clock: NetworkClock, reference: NetworkClock) -> NetworkClock:
+    """A clock against that of a camera of the network, against that of the network's first."""
+    if clock.offset is None or reference.offset is None:
+        return NetworkClock()
+    rate = 1 + 1e-6 * (clock.drift or 0.0)
+    drift = 1e6 * ((1 + 1e-6 * (reference.drift or 0.0)) * rate - 1)
+    return NetworkClock(clock.offset + reference.offset * rate, drift, clock.offset_error)
+
+
+def with_added(network: N, extension: Extension) -> N:
+    """Return a network with the cameras of an extension of it that are accepted; its reason names all."""
+    new = extension.added
+    cameras = {**network.cameras, **new}
+    there = {(pair.a, pair.b): pair for pair in (*network.pairs.values(), *extension.pairs)}
+    names = list(cameras)
+    pairs = []
+    for k, a in enumerate(names):
+        for b in names[k + 1 :]:
+            key = (a, b) if (a, b) in there or (b, a) not in there else (b, a)
+            pairs.append(there[key] if key in there else _predicted(cameras[a], cameras[b]))
+    said = [network.reason]
+    said += [f"added later: {', '.join(new)}"] if new else []
+    said += [f"{name} was not added: {why}" for name, why in extension.refused.items()]
+    return replace(
+        network,
+        cameras=cameras,
+        clocks={**network.clocks, **extension.clocks},
+        pairs=NetworkPairs(pairs),
+        reason="; ".join(said),
+    )
+
+
+def _predicted(one: NetworkCamera, other: NetworkCamera) -> NetworkPair:
+    """Return a pair that no new footage was asked of, by where its cameras stand."""
+    places = [_posed(one), _posed(other)]
+    if places[0] is None or places[1] is None:
+        return NetworkPair(one.name, other.name, False, "outside")
+    F = fundamental_from_cameras(places[0], places[1])
+    return NetworkPair(one.name, other.name, one.accepted and other.accepted, "predicted", F)
+
+
+def _posed(camera: NetworkCamera) -> Pose | None:
+    if camera.matrix is None or camera.rotation is None or camera.translation is None:
+        return None
+    return Pose(camera.matrix, camera.rotation, camera.translation, camera.size)

@@ -1,0 +1,235 @@
+//! Where a new camera stands among those that are held, what speaks for it, and by how much that may be wrong.
+
+use super::held::{Given, Held};
+use crate::error::Result;
+use crate::network::case::{Case, Out};
+use crate::network::evidence::covariance::{Expected, NINE_IN_TEN, covariance, length_quantile};
+use crate::network::evidence::halves;
+use crate::network::evidence::outlines::{Shapes, outline_errors};
+use crate::network::evidence::support::{Deviates, Support, knocked};
+use crate::network::given::input::PRINCIPAL_LEVELS;
+use crate::network::model::camera::{CLOCK, Camera, POSITION, ROTATION};
+use crate::network::model::joint::{Beliefs, Problem};
+use crate::network::moments::survey::{Survey, shared};
+use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair};
+use crate::network::solve::networks::{FRAMES, Solved, gain, settled};
+use crate::network::solve::principal;
+use crate::network::solve::relocate::{Placed, Tries, places};
+use crate::network::solve::settle::Again;
+use crate::network::thresholds as limits;
+use crate::network::verdict::{outside, stands_out, status_by_errors};
+
+/// Frames of each camera that are looked at in the end.
+const ALL_FRAMES: usize = 900;
+/// Where the log of the focal length is among the parameters of a camera.
+const FOCAL: usize = 0;
+
+/// A new camera, the last of some of which all others are held.
+pub struct Newcomer<'a> {
+    case: Case<'a>,
+    held: &'a Held<'a>,
+    camera: usize,
+}
+
+/// A camera that stands, with what its errors are expected to be.
+struct Found {
+    solved: Solved,
+    support: Support,
+    expected: Expected,
+    offset_error: f64,
+    /// The largest distance between two cameras.
+    rig: f64,
+}
+
+impl<'a> Newcomer<'a> {
+    /// With what is given of it.
+    pub fn new(held: &'a Held<'a>, given: &'a Given<'a>) -> Self {
+        let camera = held.cameras.len();
+        let mut case = Case::new(&given.inputs, &given.pairs, &given.clocks);
+        case.cameras[..camera].copy_from_slice(&held.cameras);
+        case.beliefs[..camera].copy_from_slice(&held.beliefs);
+        case.observed[..camera].clone_from_slice(&held.observed);
+        Self { case, held, camera }
+    }
+
+    /// What is said of it, and its pairs with the cameras that are held.
+    ///
+    /// # Errors
+    /// Those of `tell`.
+    pub fn judged(
+        &self,
+        tell: &mut dyn FnMut(f64) -> Result<()>,
+    ) -> Result<(NetworkCamera, Vec<NetworkPair>)> {
+        let found = self.found(tell)?;
+        let (status, out) = match &found {
+            Ok(found) => (status_by_errors(&found.expected, found.rig), None),
+            Err(out) => (out.status, Some(out)),
+        };
+        let (expected, rig) = found.as_ref().map_or((Expected::UNKNOWN, 1.0), |f| (f.expected, f.rig));
+        let said = self.case.unplaced(self.camera, status, out, &expected, rig);
+        let Ok(found) = found else {
+            return Ok((said, (0..self.camera).map(|a| outside((a, self.camera))).collect()));
+        };
+        let cameras = &found.solved.network.cameras;
+        let accepted = status == CameraStatus::Accepted;
+        let pair = |a| {
+            let both = [&cameras[a], &cameras[self.camera]];
+            self.case.pair_of((a, self.camera), both, &found.support, accepted)
+        };
+        let pairs = (0..self.camera).map(pair).collect();
+        let camera = NetworkCamera {
+            camera: Some(cameras[self.camera]),
+            expected: Some(expected),
+            deviates: found.support.cameras[self.camera],
+            offset_error: found.offset_error,
+            ..said
+        };
+        Ok((camera, pairs))
+    }
+
+    /// The camera where it stands, or why it does not.
+    fn found(&self, tell: &mut dyn FnMut(f64) -> Result<()>) -> Result<std::result::Result<Found, Out>> {
+        let [few, some] = FRAMES.map(|frames| Survey::new(&self.case.observed, frames));
+        let Case { cameras, beliefs, hypotheses, .. } = &self.case;
+        let placed: Vec<bool> = (0..=self.camera).map(|c| c != self.camera).collect();
+        let without = Placed { cameras: cameras.clone(), placed };
+        let tried = places(&few, &without, beliefs, hypotheses, self.camera, Tries::MANY);
+        tell(0.3)?;
+        let Some((excess, best)) = tried.first().filter(|(excess, _)| *excess > 0.0) else {
+            return Ok(Err(self.out(CameraStatus::NothingInCommon, None, Deviates::default())));
+        };
+        let apart = |at: &Camera| at.rotation.angle_to(&best.rotation) > limits::RIVAL_TURN;
+        let others = tried[1..].iter().filter(|(of, at)| *of > limits::ADDED_RIVAL * excess && apart(at));
+        let mut stand: Vec<(f64, Solved)> = [best]
+            .into_iter()
+            .chain(others.map(|(_, at)| at))
+            .map(|at| on_all_pairs(&some, without.with(self.camera, *at), beliefs, None))
+            .map(|solved| (self.evidence(&some, &solved.network), solved))
+            .collect();
+        stand.sort_by(|p, q| q.0.total_cmp(&p.0));
+        let now = stand.swap_remove(0).1;
+        let rivals: Vec<Placed> = stand.into_iter().map(|(_, solved)| solved.network).collect();
+        tell(0.6)?;
+        let support = Support::of(&self.case.observed, &now);
+        if let Some(out) = self.refused(&some, &now, &support, &rivals) {
+            return Ok(Err(out));
+        }
+        tell(0.8)?;
+        Ok(Ok(self.finished(&some, now, support)))
+    }
+
+    /// Excess over chance of the pairs of the camera.
+    fn evidence(&self, survey: &Survey, network: &Placed) -> f64 {
+        let pairs = network.pairs_of(self.camera);
+        survey.scores(&network.cameras, &pairs, limits::COMPARED, 0).iter().map(|s| s.excess).sum()
+    }
+
+    /// Why a camera does not stand where it is.
+    fn refused(&self, some: &Survey, now: &Solved, support: &Support, rivals: &[Placed]) -> Option<Out> {
+        let deviates = support.cameras[self.camera];
+        let out = |status, at| Some(self.out(status, at, deviates));
+        if !stands_out(support, self.camera) || self.confirming(support).len() < limits::CONFIRMED_PAIRS {
+            return out(CameraStatus::NothingInCommon, None);
+        }
+        if let Some(at) = knocked(some, &now.network, limits::KNOCKED)[self.camera] {
+            return out(CameraStatus::Knocked, Some(at));
+        }
+        let little = halves::knocked_a_little(&self.case.observed, some, now);
+        if let Some((_, at)) = little.filter(|(camera, _)| *camera == self.camera) {
+            return out(CameraStatus::Knocked, Some(at));
+        }
+        let rivalled = rivals.iter().any(|rival| self.is_rival(some, &now.network, rival));
+        if rivalled { out(CameraStatus::Ambiguous, None) } else { None }
+    }
+
+    fn out(&self, status: CameraStatus, at: Option<f64>, deviates: Deviates) -> Out {
+        Out { camera: self.camera, status, deviates, at }
+    }
+
+    /// Whether another place of the camera has about the same evidence.
+    fn is_rival(&self, survey: &Survey, best: &Placed, rival: &Placed) -> bool {
+        let differs = best.turns(rival).any(|turn| turn > limits::RIVAL_TURN);
+        let (share, z) = gain(survey, &best.pairs_of(self.camera), best, rival);
+        differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
+    }
+
+    /// Cameras that are held and confirm this one.
+    fn confirming(&self, support: &Support) -> Vec<usize> {
+        let pairs = support.confirmed().into_iter();
+        pairs.filter(|(_, b)| *b == self.camera).map(|(a, _)| a).collect()
+    }
+
+    /// The camera over all frames, with its principal point as far from the middle as the tangents call for, and errors to expect.
+    fn finished(&self, some: &Survey, now: Solved, support: Support) -> Found {
+        let shapes = Shapes::of(&self.case.observed);
+        let alone: Vec<bool> = (0..=self.camera).map(|c| c == self.camera).collect();
+        let only = Placed { cameras: now.network.cameras.clone(), placed: alone };
+        let call = principal::call(&Solved { network: only, ..now.clone() });
+        let widths: Vec<f64> = self.case.cameras.iter().map(|c| c.size.width as f64).collect();
+        let stated = principal::at_level(&now.beliefs, &widths, call.level);
+        let freed = shapes == Shapes::Masks && call.level > PRINCIPAL_LEVELS[0];
+        let (now, support) = if freed {
+            let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
+            let free = on_all_pairs(some, now.network.clone(), &stated, radius);
+            let support = Support::of(&self.case.observed, &free);
+            (free, support)
+        } else {
+            (now, support)
+        };
+        let shapes = if shapes == Shapes::Convex && call.strain > 0.0 { Shapes::Strained } else { shapes };
+        let many = Survey::new(&self.case.observed, shared(ALL_FRAMES, self.camera + 1));
+        let radius = Some(Again::MORE_FRAMES.after(&now.settled));
+        let confirmed = support.confirmed();
+        let beside = |&(a, b): &(usize, usize)| b < self.camera || confirmed.contains(&(a, b));
+        let pairs: Vec<(usize, usize)> = now.network.pairs().into_iter().filter(beside).collect();
+        let solved = settled(&many, now.network, &now.beliefs, &pairs, radius);
+        let problem = Problem {
+            pairs: &solved.settled.pairs,
+            beliefs: &stated,
+            scale: solved.settled.scale,
+            prior_weight: solved.settled.prior_weight,
+            moving: solved.network.placed.clone(),
+        };
+        let errors = covariance(&problem, &solved.network.cameras, &outline_errors(&solved.settled, shapes));
+        let of_held = self.typical(&support);
+        let (expected, offset_error) = errors.map_or((Expected::UNKNOWN, f64::NAN), |errors| {
+            // NaN where it was not solved for, which it was of a camera that is new.
+            let block =
+                |from: usize| errors.block(self.camera, from).map_or(f64::NAN, |b| length_quantile(&b));
+            let focal = NINE_IN_TEN * errors.deviation(self.camera, FOCAL);
+            // One that is given and held is as good as whoever gave it says.
+            let is_held = stated[self.camera].intrinsic[FOCAL].deviation == 0.0;
+            let expected = Expected::new(
+                if is_held { 0.0 } else { focal.hypot(of_held.focal) },
+                block(ROTATION).hypot(of_held.rotation),
+                block(POSITION).hypot(of_held.position),
+            );
+            (expected, errors.deviation(self.camera, CLOCK))
+        });
+        let rig = rig(&solved.network);
+        Found { solved, support, expected, offset_error, rig }
+    }
+
+    /// Root mean square of what the cameras that confirm this one are expected to be wrong by.
+    fn typical(&self, support: &Support) -> Expected {
+        let confirming = self.confirming(support);
+        let of = |value: fn(&Expected) -> f64| {
+            let squares = confirming.iter().map(|&c| value(&self.held.stored[c].expected).powi(2));
+            (squares.sum::<f64>() / confirming.len() as f64).sqrt()
+        };
+        Expected::new(of(|e| e.focal), of(|e| e.rotation), of(|e| e.position))
+    }
+}
+
+/// A network with the tangents of all its pairs found anew.
+fn on_all_pairs(survey: &Survey, network: Placed, beliefs: &[Beliefs], from: Option<f64>) -> Solved {
+    let pairs = network.pairs();
+    settled(survey, network, beliefs, &pairs, from)
+}
+
+/// The largest distance between two cameras that stand.
+fn rig(network: &Placed) -> f64 {
+    let distance =
+        |(a, b): (usize, usize)| (network.cameras[a].position - network.cameras[b].position).norm();
+    network.pairs().into_iter().map(distance).fold(0.0, f64::max)
+}
