@@ -174,7 +174,8 @@ mod tests {
             let (x, y) = (room * normal(), room * normal());
             let common = errors[0] * normal();
             for _ in 0..600 / places {
-                let bottom = Vector3::new(x + 0.01 * normal(), y + 0.01 * normal(), common + errors[1] * normal());
+                let bottom =
+                    Vector3::new(x + 0.01 * normal(), y + 0.01 * normal(), common + errors[1] * normal());
                 let breadth = (place % 2 == 0).then_some(0.4);
                 found.push(Upright { top: bottom + Vector3::z(), bottom, breadth });
             }
