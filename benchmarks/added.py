@@ -77,10 +77,11 @@ def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
     }
     outcomes = []
     for kind in arguments.kinds:
+        offered = films
         if kind != "right":
-            films = {**films, name: film_of(made, index, kind, first, last, arguments)}
+            offered = {**films, name: film_of(made, index, kind, first, last, arguments)}
         began = time.perf_counter()
-        extended = stored.extended(films, seed=seed % 2**32)
+        extended = stored.extended(offered, seed=seed % 2**32)
         found = {**outcome, "kind": kind, "seconds": time.perf_counter() - began}
         found |= {"added": name in extended.cameras, "reason": extended.reason}
         if name in extended.cameras:

@@ -22,7 +22,7 @@ TARGET = ROOT / "target" / "coverage"
 LINE = re.compile(r" *\d+\| *(\d+)\|")
 """A line of code that `cov show` prints, and how often it was reached."""
 
-TESTS = re.compile(r"#\[cfg\(test\)\]\s*mod ")
+TESTS = re.compile(r"#\[cfg\(test\)\]\s*(?:pub(?:\([^)]*\))?\s+)?mod ")
 
 
 def programs() -> list[Path]:

@@ -19,7 +19,7 @@ from epibar.geometry.cameras import fundamental_from_cameras
 from epibar.jobs.folder import Folder
 from epibar.lens import Intrinsics, write_cameras
 from epibar.lens.cameras_toml import load_cameras
-from epibar.network import KnownCamera, NetworkClock, pair_search
+from epibar.network import ClockOffsets, KnownCamera, NetworkClock, extending, pair_search
 from epibar.network.core_parts import camera_of
 
 REFUSED = "left out: what moves in it does not move as in the other cameras"
@@ -320,6 +320,59 @@ def test_a_new_camera_that_cannot_be_read(adding, folder, capsys):
     result = json.loads(capsys.readouterr().out)
     assert "not recorded" in result["not_added"]["cam9"]
     assert result["cameras"].keys() == {"cam1", "cam2"}
+
+
+def test_what_was_updated_is_written_where_adding_fails(core, monkeypatch, folder, capsys):
+    """And it is told why nothing was added."""
+    core.verdicts = {"cam2": replaced(network().cameras["cam2"], ["cam1", "cam3"])}
+
+    def fails(*_):
+        raise ValueError("cameras = 'cam9': expected another")
+
+    monkeypatch.setattr(_core, "add_cameras", fails)
+    monkeypatch.setattr(pair_search, "calibrate", lambda *_, **__: refused_pair())
+    assert run(folder, ("cam1", "cam2", "cam3", "cam9"), "--update", "--json") == 4
+    result = json.loads(capsys.readouterr().out)
+    assert result["updated"] == ["cam2"]
+    assert "expected another" in result["not_added"]["cam9"]
+    now = epibar.Network.load(folder / "network.json")
+    assert np.allclose(now.cameras["cam2"].rotation, core.verdicts["cam2"]["place"]["rotation"])
+
+
+def test_names_that_differ_by_case_are_one_camera(adding, folder, capsys):
+    (folder / "cam1.npz").rename(folder / "Cam1.npz")
+    before = written(folder)
+    assert run(folder, ("Cam1", "cam2", "cam3"), "--update") == 2
+    assert "Cam1 and cam1 differ by upper and lower case only" in capsys.readouterr().err
+    assert written(folder) == before
+    with pytest.raises(EpibarError, match="Cam1 and cam1 differ by upper and lower case"):
+        network().extended(films("Cam1", "cam2", "cam3"), 0, 0.0)
+
+
+def test_one_camera_of_the_network_is_too_few(adding, folder, capsys):
+    assert run(folder, ("cam1", "cam9"), "--update") == 2
+    assert "to add cam9 new footage of at least two cameras of the network is needed" in (
+        capsys.readouterr().err
+    )
+
+
+def test_a_camera_whose_clock_is_not_known_has_no_part(adding, monkeypatch):
+    offsets = ClockOffsets((0.0, float("nan"), 0.0, 1.5))
+    monkeypatch.setattr(extending, "_clocks", lambda *_: offsets)
+    more = network().extended(films("cam1", "cam2", "cam3", "cam9"))
+    assert adding.names == ["cam1", "cam3", "cam9"]
+    assert adding.clocks == ([0.0, 0.0, 1.5], False, False)
+    assert "cam9" in more.cameras
+    monkeypatch.setattr(extending, "_clocks", lambda *_: replace(offsets, seconds=(0.0, *[float("nan")] * 3)))
+    assert "cam9" not in network().extended(films("cam1", "cam2", "cam3", "cam9")).cameras
+
+
+def test_a_lens_file_of_the_new_camera_alone(adding, folder):
+    """The others were calibrated without, so they need none."""
+    path = folder / "lenses.toml"
+    write_cameras(path, [Intrinsics("cam9", (640, 480), adding.place["matrix"])])
+    assert run(folder, ("cam1", "cam2", "cam9"), "--update", "--intrinsics", str(path)) == 0
+    assert adding.known[0]["matrix"] == adding.place["matrix"].tolist()
 
 
 def test_lenses_of_new_cameras(adding, folder, capsys):

@@ -253,6 +253,11 @@ def test_what_is_not_people_gives_no_metres(ground, named):
     assert "--person-height" in " ".join(network_notes(people))
 
 
+def test_a_stature_is_not_measured_better_than_feet_are_seen():
+    exact = made_up().scaled(person_height=(1.75, 0.001)).scale.error
+    assert 1.645 * 0.012 < exact < made_up().scaled(person_height=1.75).scale.error
+
+
 def test_the_floor_is_known_to_centimetres(tmp_path):
     net = made_up()
     net = replace(net, ground=replace(net.ground, level_error=0.01))

@@ -41,8 +41,9 @@ class Additions:
         self.names = [name for name in names if name not in network.cameras]
         self._lenses, self._asked = lenses, asked
         there = ", ".join(network.cameras)
-        told = f"the network has no camera of that name, it has {there}; --update adds it"
-        self.not_added = {} if asked else dict.fromkeys(self.names, told)
+        _refuse_spellings(network, self.names)
+        reason = f"the network has no camera of that name, it has {there}; --update adds it"
+        self.not_added = {} if asked else dict.fromkeys(self.names, reason)
         self._found: Extension | None = None
 
     @property
@@ -63,7 +64,8 @@ class Additions:
         args: Namespace,
         console: Console,
     ) -> Network:
-        """Return the network with those that can be relied on, and say which."""
+        """Return the network with those that can be relied on."""
+        from ..errors import EpibarError
         from ..network.extending import extend, with_added
 
         films = dict(recordings)
@@ -75,27 +77,37 @@ class Additions:
         new = [name for name in self.names if name in films]
         if not (self._asked and new):
             return network
-        self._found = extend(
-            network,
-            films,
-            args.seed,
-            clocks,
-            known={name: _known(lens) for name, lens in self._lenses.items() if name in new},
-            search_seconds=args.search_seconds,
-            upright=not args.any_way_up,
-            progress=lambda stage, share: console.step(stage, share),
-            check=check,
-        )
-        for name, camera in self._found.added.items():
-            console.result(f"added: {name}: {camera.reason}")
-        if self._found.added and self._found.not_held:
-            absent = ", ".join(self._found.not_held)
-            console.note(f"{absent} had no part in that, for it is not known to stand as stored")
+        # A recording that was made with its lens knows it already.
+        lenses = {
+            name: lens for name, lens in self._lenses.items() if name in new and films[name].matrix is None
+        }
+        try:
+            self._found = extend(
+                network,
+                films,
+                args.seed,
+                clocks,
+                known={name: _known(lens) for name, lens in lenses.items()},
+                search_seconds=args.search_seconds,
+                upright=not args.any_way_up,
+                progress=lambda stage, share: console.step(stage, share),
+                check=check,
+            )
+        except EpibarError as error:
+            # What was found of the other cameras stands, and is written.
+            self.not_added |= dict.fromkeys(new, str(error))
+            return network
         self.not_added |= self._found.refused
         return with_added(network, self._found) if self._found.added else network
 
     def tell(self, console: Console) -> None:
-        """Say which were not added, and why."""
+        """Say which are in the network now, and which were not added, and why."""
+        if self._found is not None:
+            for name, camera in self._found.added.items():
+                console.result(f"added: {name}: {camera.reason}")
+            if self._found.added and self._found.not_held:
+                absent = ", ".join(self._found.not_held)
+                console.note(f"{absent} had no part in that, for it is not known to stand as stored")
         for name, why in self.not_added.items():
             console.result(f"{name} was not added: {why}" if self._asked else f"{name}: {why}")
 
@@ -104,6 +116,19 @@ class Additions:
         found = {} if self._found is None else self._found.added
         added = {name: asdict(camera) for name, camera in found.items()}
         return {**({"added": added} if self._asked else {}), "not_added": self.not_added}
+
+
+def _refuse_spellings(network: Network, names: Iterable[str]) -> None:
+    from ..errors import EpibarError
+
+    spelt = {name.casefold(): name for name in network.cameras}
+    for name in names:
+        other = spelt.setdefault(name.casefold(), name)
+        if other != name:
+            raise EpibarError(
+                f"{name} and {other} differ by upper and lower case only: name the file as the camera is "
+                "named in the network, or by another name if it is another camera"
+            )
 
 
 def known_lenses(given: str | None, names: Iterable[str]) -> dict[str, Intrinsics]:

@@ -158,9 +158,11 @@ def _checked(args: Namespace, network: Network, update: Update | None, console: 
     additions.tell(console)
     code = exit_code(found, failed, updated, set(additions.not_added) - failed.keys())
     if args.json:
-        told = check.as_dict()
-        told["ok"] = told["ok"] and not additions.not_added
-        console.json(json_text({**told, **({"updated": updated} if update else {}), **additions.as_dict()}))
+        found_out = check.as_dict()
+        found_out["ok"] = found_out["ok"] and not additions.not_added
+        console.json(
+            json_text({**found_out, **({"updated": updated} if update else {}), **additions.as_dict()})
+        )
     return code
 
 
@@ -205,21 +207,30 @@ def _cameras(
     from dataclasses import replace
     from pathlib import Path
 
+    from ..errors import EpibarError
     from ..jobs.inputs import camera_inputs
     from ..network.checking import cameras_to_check
 
     old = [name for name in videos if name in network.cameras]
+    if len(old) < 2 and new:
+        raise EpibarError(
+            f"to add {', '.join(new)} new footage of at least two cameras of the network is needed, filmed "
+            f"at the same time; there is {len(old)}. It has {', '.join(network.cameras)}"
+        )
     if len(old) < 2:
         network.refuse_unknown(videos)
     chosen, _ = cameras_to_check(network, old)
     cameras = camera_inputs(videos, background=args.background, ignore=args.ignore, spelt=_option)
-    lenses = _lenses(Path(args.folder), args.intrinsics, chosen)
+    lenses = _lenses(Path(args.folder), args.intrinsics, chosen, bool(new))
     recorded = (*chosen, *new)
     return [replace(one, intrinsics=lenses.get(one.name)) for one in cameras if one.name in recorded]
 
 
-def _lenses(folder: Path, given: str | None, names: list[str]) -> Mapping[str, Intrinsics]:
-    """Lenses to take out: those of the file that is given, or else those that were when it was calibrated."""
+def _lenses(folder: Path, given: str | None, names: list[str], adds: bool) -> Mapping[str, Intrinsics]:
+    """Lenses to take out: those of the file that is given, or else those that were when it was calibrated.
+
+    Where cameras are added the file may be of these alone: the others need theirs only if it was taken out.
+    """
     from ..errors import EpibarError
     from ..lens.cameras_toml import find_camera, load_cameras
     from ..outcome.run import Run
@@ -229,6 +240,8 @@ def _lenses(folder: Path, given: str | None, names: list[str]) -> Mapping[str, I
         known = load_cameras(given)
         # One that was added later was recorded with its lens.
         of_run = names if made is None else [name for name in names if name in made.by_name]
+        if adds and made is not None:
+            of_run = [name for name in of_run if made.by_name[name].matrix is not None]
         return {name: find_camera(known, name, None) for name in of_run}
     if made is None:
         return {}

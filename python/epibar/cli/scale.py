@@ -33,7 +33,7 @@ def run(args: Namespace) -> int:
     from ..jobs.folder import Folder
     from ..jobs.inputs import NETWORK_FILE
     from ..jobs.network_files import write_network
-    from ..jobs.network_tables import rescale_tracks
+    from ..jobs.network_tables import rescale_tracks, tracks_of
     from ..jobs.stored_report import rewrite_report
     from ..network import Network
     from ..outcome.run import Run
@@ -49,11 +49,12 @@ def run(args: Namespace) -> int:
     with Folder(result.parent) as folder:
         folder.refuse_foreign([path])
         before = Network.load(path)
+        tracks = tracks_of(folder, before)
         network = before.scaled(**given)
         content = {**read_json(result), "network": network.as_dict()}
         for text in write_network(folder, network, None, found.lenses(), found.intrinsics)[1]:
             console.warning(text)
-        rescale_tracks(folder, before, network)
+        rescale_tracks(folder, tracks, before, network)
         write_json(result, content)
         for text in rewrite_report(folder, network):
             console.warning(text)

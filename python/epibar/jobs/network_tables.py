@@ -9,13 +9,13 @@ from typing import TypeVar
 from ..errors import EpibarError
 from ..network.result import Network
 from ..network.walker_file import load_tracks
-from ..network.walkers import height_on_floor
+from ..network.walkers import WalkerTracks, height_on_floor
 from ..outcome.sync import camera_starts, write_starts
 from ..recording import Recording
 from .folder import Folder
 from .inputs import SYNC_FILE, TRACKS_FILE
 
-__all__ = ["forget_tables", "rescale_tracks", "write_tables"]
+__all__ = ["forget_tables", "rescale_tracks", "tracks_of", "write_tables"]
 
 T = TypeVar("T")
 
@@ -83,15 +83,34 @@ def _made(path: Path, make: Callable[[], T], warnings: list[str]) -> T | None:
         return None
 
 
-def rescale_tracks(folder: Folder, before: Network, after: Network) -> None:
-    """Bring the tracks of a run to the unit of the same network after it was scaled.
+def tracks_of(folder: Folder, network: Network) -> WalkerTracks | None:
+    """Read the tracks of a run that are to be scaled with its network; None where there are none.
 
     Raises
     ------
     EpibarError
-        The table is damaged, or cannot be written.
+        The table is damaged, or in another unit than the network.
     """
     path = folder.path / TRACKS_FILE
-    if not (path.exists() and folder.owns(path)) or not (before.ground.height and after.ground.height):
-        return
-    load_tracks(path).scaled(after.ground.height / before.ground.height, after.unit).save(path)
+    if not (path.exists() and folder.owns(path)) or not network.ground.height:
+        return None
+    tracks = load_tracks(path)
+    if len(tracks) and tracks.unit != network.unit:
+        raise EpibarError(
+            f"{path}: in the unit {tracks.unit!r}, and the network is in {network.unit!r}, as when scaling "
+            "was interrupted; 'epibar calibrate' with the same videos writes both anew"
+        )
+    return tracks
+
+
+def rescale_tracks(folder: Folder, tracks: WalkerTracks | None, before: Network, after: Network) -> None:
+    """Bring tracks of a run to the unit of the same network after it was scaled.
+
+    Raises
+    ------
+    EpibarError
+        The table cannot be written.
+    """
+    if tracks is not None and before.ground.height and after.ground.height:
+        factor = after.ground.height / before.ground.height
+        tracks.scaled(factor, after.unit).save(folder.path / TRACKS_FILE)

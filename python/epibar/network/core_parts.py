@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from .parts import NetworkCamera, NetworkClock, NetworkPair, evidence_of
+from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, evidence_of
 
-__all__ = ["camera_of", "clock_of", "finite", "pair_of"]
+__all__ = ["camera_of", "clock_of", "finite", "ground_of", "pair_of"]
 
 
 def camera_of(one: Mapping[str, Any], size: tuple[int, int]) -> NetworkCamera:
@@ -46,6 +46,12 @@ def pair_of(one: Mapping[str, Any], names: Sequence[str]) -> NetworkPair:
         one["F"],
         evidence_of(one["deviates"]),
     )
+
+
+def ground_of(one: Mapping[str, Any]) -> Ground:
+    """Make the ground; an error that is not known is None."""
+    errors = {key: finite(one[key]) for key in ("vertical_error", "level_error") if key in one}
+    return Ground(**{**one, **errors})
 
 
 def finite(value: float) -> float | None:

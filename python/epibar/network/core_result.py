@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..recording import Recording
-from .core_parts import camera_of, clock_of, finite, pair_of
-from .parts import BASELINE, Ground, NetworkPairs
+from .core_parts import camera_of, clock_of, finite, ground_of, pair_of
+from .parts import BASELINE, NetworkPairs
 from .result import Network
 
 __all__ = ["network_of"]
@@ -23,6 +23,6 @@ def network_of(found: Mapping[str, Any], recordings: Mapping[str, Recording]) ->
         accepted=bool(found["accepted"]),
         reason=found["reason"],
         unit=BASELINE,
-        ground=Ground(**found["ground"]),
+        ground=ground_of(found["ground"]),
         radius=finite(found["radius"]),
     )

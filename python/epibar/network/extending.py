@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
@@ -108,6 +109,13 @@ def extend(
         offsets = _clocks(cameras, len(held), reach, tell("clocks"))
     else:
         offsets = ClockOffsets(tuple(seconds[n] - seconds[held[0]] for n in cameras), given=True)
+    # A camera of which no clock is known has no part.
+    at = dict(zip(cameras, offsets.seconds, strict=True))
+    held = [name for name in held if math.isfinite(at[name])]
+    if len(held) < LEAST_HELD:
+        return Extension(check, {name: _alone(name, one, check) for name, one in new.items()})
+    cameras = {name: films[name] for name in (*held, *new)}
+    offsets = replace(offsets, seconds=tuple(at[name] for name in cameras))
     chosen = pairs_to_add(list(cameras.values()), len(held), offsets)
     searched = search_pairs(
         cameras, chosen, offsets, lambda done, of: tell("pairs", done, of), seed=seed, upright=upright
@@ -138,6 +146,14 @@ def _refuse(network: NetworkParts, old: Mapping[str, Recording], new: Mapping[st
             f"{', '.join(old)}: all of these are in the network, so there is none to add; check() tells "
             "whether they moved"
         )
+    spelt = {name.casefold(): name for name in network.cameras}
+    for name in new:
+        other = spelt.setdefault(name.casefold(), name)
+        if other != name:
+            raise EpibarError(
+                f"{name} and {other} differ by upper and lower case only: one camera has one name; give it "
+                "the name that it has in the network, or another one if it is another camera"
+            )
     usable = [name for name in old if network.cameras[name].accepted]
     if len(usable) < LEAST_HELD:
         raise EpibarError(
@@ -207,7 +223,10 @@ def _in_network_time(clock: NetworkClock, reference: NetworkClock) -> NetworkClo
         return NetworkClock()
     rate = 1 + 1e-6 * (clock.drift or 0.0)
     drift = 1e6 * ((1 + 1e-6 * (reference.drift or 0.0)) * rate - 1)
-    return NetworkClock(clock.offset + reference.offset * rate, drift, clock.offset_error)
+    error = clock.offset_error
+    if error is not None:
+        error = math.hypot(error, reference.offset_error or 0.0)
+    return NetworkClock(clock.offset + reference.offset * rate, drift, error)
 
 
 def with_added(network: N, extension: Extension) -> N:

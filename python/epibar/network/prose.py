@@ -38,8 +38,8 @@ def _row(camera: NetworkCamera, clock: NetworkClock, unit: str) -> tuple[str, ..
     return camera.name, verdict, f"{focal:.0f} px", f"({place}){unit}", ", ".join(errors), _clock(clock)
 
 
-def _number(value: float, text: Callable[[float], str]) -> str:
-    return text(value) if math.isfinite(value) else "unknown"
+def _number(value: float | None, text: Callable[[float], str]) -> str:
+    return text(value) if value is not None and math.isfinite(value) else "unknown"
 
 
 def _clock(clock: NetworkClock) -> str:
@@ -63,10 +63,11 @@ def network_notes(network: NetworkParts) -> list[str]:
     if len(standing) < 2:
         return notes
     ground = network.ground
-    if ground.source == "floor" and ground.vertical_error is not None:
+    if ground.source == "floor":
         notes.append(
             f"z is up, from the floor that {ground.figures} figures stand on (standard error "
-            f"{ground.vertical_error:.2g}°), and z = 0 is that floor" + _level(network)
+            f"{_number(ground.vertical_error, lambda v: f'{v:.2g}°')}), and z = 0 is that floor"
+            + _level(network)
         )
     if network.unit == BASELINE:
         people = ground.source == "floor" and ground.not_people is None

@@ -14,11 +14,11 @@ use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::{Found, SearchOptions, TrainingSet, search, settle};
-use crate::verify::earlier::Earlier;
+use crate::verify::second_look::Earlier;
 use crate::verify::split::{self, Fold, Split};
 use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
 use crate::verify::trials::falls_for;
-use crate::verify::{Case, Verdict, Verified, early, verify};
+use crate::verify::{Case, Verdict, Verified, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
 
 /// Finds the fundamental matrix between two cameras.
@@ -60,7 +60,7 @@ pub fn calibrate_watched(
 /// By a known clock.
 fn calibrate_at(aligned: &Aligned, options: &CalibrateOptions, watch: &mut dyn Watch) -> Result<Calibration> {
     let common = aligned.frame_pairs();
-    if let Some(verdict) = early::too_few_frames(common.len()) {
+    if let Some(verdict) = untestable::too_few_frames(common.len()) {
         return Ok(refused(verdict, aligned, &Candidates::default(), &common, options));
     }
     let pair = Pair::new(aligned, common, options);
@@ -117,7 +117,7 @@ impl<'a> Pair<'a> {
         };
         let split = Split::new(&self.common, &self.busy, self.stay, fold);
         let candidates = self.candidates(&split)?;
-        if let Some(verdict) = early::too_little_motion(&candidates, self.busy.len()) {
+        if let Some(verdict) = untestable::too_little_motion(&candidates, self.busy.len()) {
             return refused(verdict, &candidates);
         }
         let seen = Seen::new(self, split);
@@ -126,7 +126,7 @@ impl<'a> Pair<'a> {
             Method::Lines => self.by_lines(&seen, &candidates, watch)?,
         };
         let Some(winner) = found.solutions.first() else {
-            return refused(early::no_hypothesis(), &candidates);
+            return refused(untestable::no_hypothesis(), &candidates);
         };
         let case = Case { earlier, ..seen.case(self, &found) };
         let verified = verify(&case, &winner.fundamental, watch)?;

@@ -1,16 +1,14 @@
 //! Is it true, and how far off may it be?
 //!
 //! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance ([`independence`] counts what its shifts are worth), and [`evidence`] holds what that
-//! gives, [`earlier`] with what other frames gave; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
+//! gives, [`second_look`] with what other frames gave; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
 //! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
 //! everything and [`turning`] what is known off it, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
-//! the [`thresholds`], and says why in the words of [`prose`]; [`early`] refuses before there is anything to test, and
+//! the [`thresholds`], and says why in the words of [`prose`]; [`untestable`] refuses before there is anything to test, and
 //! [`trials`] takes account of a searched offset. What comes out is in [`verified`].
 
 pub mod covariance;
 pub mod decide;
-pub mod earlier;
-pub mod early;
 pub mod error_map;
 pub mod evidence;
 mod findings;
@@ -22,12 +20,14 @@ pub mod planarity;
 mod prose;
 mod repetition;
 pub mod rivals;
+pub mod second_look;
 pub mod shift_curve;
 pub mod split;
 pub mod thresholds;
 mod throughout;
 pub mod trials;
 pub mod turning;
+pub mod untestable;
 pub mod verdict;
 pub mod verified;
 
@@ -52,12 +52,12 @@ use crate::search::Found;
 use crate::watch::Watch;
 use covariance::{covariance, with_prior};
 use decide::decide;
-use earlier::{Earlier, LOOKS};
 use findings::Findings;
 use halves::{Halves, halves};
 use planarity::{median_width, plane_residual};
 use repetition::repeats;
 use rivals::{Winner, rivals};
+use second_look::{Earlier, LOOKS};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
     CLEAN_RADIUS, COARSE_SHARE, CONVEX, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z,

@@ -128,7 +128,7 @@ impl<'a> Newcomer<'a> {
     fn refused(&self, some: &Survey, now: &Solved, support: &Support, rivals: &[Placed]) -> Option<Out> {
         let deviates = support.cameras[self.camera];
         let out = |status, at| Some(self.out(status, at, deviates));
-        if !stands_out(support, self.camera) || self.confirming(support).len() < limits::CONFIRMED_PAIRS {
+        if !self.is_confirmed(support) {
             return out(CameraStatus::NothingInCommon, None);
         }
         if let Some(at) = knocked(some, &now.network, limits::KNOCKED)[self.camera] {
@@ -153,6 +153,11 @@ impl<'a> Newcomer<'a> {
         differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
     }
 
+    /// Whether enough speaks for the camera where it is, in pairs with enough of those that are held.
+    fn is_confirmed(&self, support: &Support) -> bool {
+        stands_out(support, self.camera) && self.confirming(support).len() >= limits::CONFIRMED_PAIRS
+    }
+
     /// Cameras that are held and confirm this one.
     fn confirming(&self, support: &Support) -> Vec<usize> {
         let pairs = support.confirmed().into_iter();
@@ -168,14 +173,17 @@ impl<'a> Newcomer<'a> {
         let widths: Vec<f64> = self.case.cameras.iter().map(|c| c.size.width as f64).collect();
         let stated = principal::at_level(&now.beliefs, &widths, call.level);
         let freed = shapes == Shapes::Masks && call.level > PRINCIPAL_LEVELS[0];
-        let (now, support) = if freed {
+        let with_free_point = freed.then(|| {
             let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
             let free = on_all_pairs(some, now.network.clone(), &stated, radius);
             let support = Support::of(&self.case.observed, &free);
             (free, support)
-        } else {
-            (now, support)
+        });
+        let is_better = |(free, support): &(Solved, Support)| {
+            self.evidence(some, &free.network) > self.evidence(some, &now.network)
+                && self.is_confirmed(support)
         };
+        let (now, support) = with_free_point.filter(is_better).unwrap_or((now, support));
         let shapes = if shapes == Shapes::Convex && call.strain > 0.0 { Shapes::Strained } else { shapes };
         let many = Survey::new(&self.case.observed, shared(ALL_FRAMES, self.camera + 1));
         let radius = Some(Again::MORE_FRAMES.after(&now.settled));

@@ -137,7 +137,7 @@ pub fn likeness(a: &Recording, b: &Recording, seconds: f64) -> Result<f64> {
 
 /// One offset a camera from those of pairs.
 pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
-    if started_together(pairs) {
+    if started_together(count, pairs) {
         return Offsets { seconds: vec![0.0; count], together: true, given: false };
     }
     let between = |a: usize, b: usize| {
@@ -183,13 +183,27 @@ pub fn agreed(count: usize, pairs: &[PairOffset]) -> Offsets {
     Offsets { seconds, together: false, given: false }
 }
 
-/// Whether most pairs agree without an offset about as well as with the best, and none of the clear ones contradicts.
-fn started_together(pairs: &[PairOffset]) -> bool {
-    let says_so = |p: &&PairOffset| {
-        p.seconds.abs() < limits::NO_OFFSET || p.unshifted >= limits::NO_OFFSET_SHARE * p.score
-    };
+/// Whether a pair agrees without an offset about as well as with the best.
+fn says_together(p: &PairOffset) -> bool {
+    p.seconds.abs() < limits::NO_OFFSET || p.unshifted >= limits::NO_OFFSET_SHARE * p.score
+}
+
+/// Whether most pairs agree without an offset about as well as with the best, and no camera's pairs have one in common.
+fn started_together(count: usize, pairs: &[PairOffset]) -> bool {
+    let together = pairs.iter().filter(|p| says_together(p)).count() as f64;
     !pairs.is_empty()
-        && pairs.iter().filter(says_so).count() as f64 >= limits::NO_OFFSET_PAIRS * pairs.len() as f64
+        && together >= limits::NO_OFFSET_PAIRS * pairs.len() as f64
+        && !(0..count).any(|camera| started_apart(camera, pairs))
+}
+
+/// Whether most pairs of a camera agree on one offset that is not nought: it alone was started at another time.
+fn started_apart(camera: usize, pairs: &[PairOffset]) -> bool {
+    let own = || pairs.iter().filter(|p| p.a == camera || p.b == camera);
+    let apart = own().filter(|p| !says_together(p));
+    let offsets: Vec<f64> = apart.map(|p| if p.b == camera { p.seconds } else { -p.seconds }).collect();
+    let agreeing = |at: f64| offsets.iter().filter(|s| (*s - at).abs() < limits::OFFSETS_AGREE).count();
+    let most = offsets.iter().map(|&at| agreeing(at)).max().unwrap_or(0);
+    most >= 2 && 2 * most > own().count()
 }
 
 /// Offsets along the tree of the heaviest pairs; NaN where none leads to the first camera.
@@ -259,6 +273,29 @@ mod tests {
         let truth = vec![0.0; 5];
         let found = agreed(5, &offsets(&truth, &[(0, 3, 7.0)]));
         assert!(found.together && found.seconds.iter().all(|s| *s == 0.0));
+    }
+
+    #[test]
+    fn a_camera_that_started_apart_from_many_has_its_offset() {
+        for (late, count) in [(4, 5), (0, 6), (7, 8)] {
+            let mut truth = vec![0.0; count];
+            truth[late] = 5.0;
+            let mut pairs = offsets(&truth, &[]);
+            for p in &mut pairs {
+                let clear = p.a == late || p.b == late;
+                p.unshifted = if clear { 1.0 } else { p.score };
+            }
+            let found = agreed(count, &pairs);
+            assert!(!found.together, "{count}");
+            for (camera, seconds) in found.seconds.iter().enumerate() {
+                assert!((seconds - (truth[camera] - truth[0])).abs() < 0.15, "{count} {camera}: {seconds}");
+            }
+            // One of which every pair says another thing is no such camera.
+            for (k, p) in pairs.iter_mut().filter(|p| p.a == late || p.b == late).enumerate() {
+                p.seconds = 3.0 * (k + 1) as f64;
+            }
+            assert!(agreed(count, &pairs).together, "{count}");
+        }
     }
 
     #[test]

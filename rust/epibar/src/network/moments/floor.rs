@@ -21,8 +21,8 @@ pub struct Floor {
     pub unevenness: f64,
     /// Robust standard deviation of heights over their median.
     pub diversity: f64,
-    /// Median breadth of figures over their height.
-    pub breadth: f64,
+    /// Median breadth of figures over their height; `None` where all are seen from straight above.
+    pub breadth: Option<f64>,
     /// Angle between up and the mean of the segments, radians.
     pub lean: f64,
     /// Standard error of up, radians.
@@ -74,7 +74,7 @@ impl Floor {
             height: tall,
             unevenness: deviation(standing.iter().map(|f| (up.dot(&f.bottom) - level) / tall))?,
             diversity: deviation(standing.iter().map(|f| (up.dot(&f.top) - level) / tall - 1.0))?,
-            breadth: median(standing.iter().filter_map(|f| f.breadth))?,
+            breadth: median(standing.iter().filter_map(|f| f.breadth)),
             lean: mean.normalize().dot(&up).clamp(-1.0, 1.0).acos(),
             vertical_error,
             level_error,
@@ -188,7 +188,7 @@ mod tests {
         let floor = Floor::of(&figures(40, 3.0, [0.0, 0.01], 1)).unwrap();
         assert!(floor.up.angle(&Vector3::z()) < 0.002, "{}", floor.up);
         assert!(floor.level.abs() < 0.002 && (floor.height - 1.0).abs() < 0.01);
-        assert_eq!(floor.breadth, 0.4);
+        assert_eq!(floor.breadth, Some(0.4));
         assert_eq!(floor.figures, 600);
     }
 

@@ -31,8 +31,8 @@ pub enum Ground {
         figures: usize,
         /// Robust standard deviation of the figures' heights over their median.
         diversity: f64,
-        /// Median breadth of the figures over their height.
-        breadth: f64,
+        /// Median breadth of the figures over their height; `None` where all are seen from straight above.
+        breadth: Option<f64>,
     },
     /// From how the cameras are held: z = 0 is the mean height of the cameras.
     Cameras,
