@@ -38,10 +38,12 @@ class Additions:
     def __init__(
         self, network: Network, names: Iterable[str], lenses: Mapping[str, Intrinsics], asked: bool
     ) -> None:
+        from ..network.extending import refuse_spellings
+
         self.names = [name for name in names if name not in network.cameras]
         self._lenses, self._asked = lenses, asked
         there = ", ".join(network.cameras)
-        _refuse_spellings(network, self.names)
+        refuse_spellings(network, self.names)
         reason = f"the network has no camera of that name, it has {there}; --update adds it"
         self.not_added = {} if asked else dict.fromkeys(self.names, reason)
         self._found: Extension | None = None
@@ -116,19 +118,6 @@ class Additions:
         found = {} if self._found is None else self._found.added
         added = {name: asdict(camera) for name, camera in found.items()}
         return {**({"added": added} if self._asked else {}), "not_added": self.not_added}
-
-
-def _refuse_spellings(network: Network, names: Iterable[str]) -> None:
-    from ..errors import EpibarError
-
-    spelt = {name.casefold(): name for name in network.cameras}
-    for name in names:
-        other = spelt.setdefault(name.casefold(), name)
-        if other != name:
-            raise EpibarError(
-                f"{name} and {other} differ by upper and lower case only: name the file as the camera is "
-                "named in the network, or by another name if it is another camera"
-            )
 
 
 def known_lenses(given: str | None, names: Iterable[str]) -> dict[str, Intrinsics]:

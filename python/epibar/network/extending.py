@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
@@ -21,7 +21,7 @@ from .parts import NetworkCamera, NetworkClock, NetworkPair, NetworkPairs, Netwo
 from .recordings import Recordings, named_recordings
 from .stages import Progress, stages
 
-__all__ = ["Extension", "extend", "with_added"]
+__all__ = ["Extension", "extend", "refuse_spellings", "with_added"]
 
 N = TypeVar("N", bound=NetworkParts)
 
@@ -146,6 +146,24 @@ def _refuse(network: NetworkParts, old: Mapping[str, Recording], new: Mapping[st
             f"{', '.join(old)}: all of these are in the network, so there is none to add; check() tells "
             "whether they moved"
         )
+    refuse_spellings(network, new)
+    usable = [name for name in old if network.cameras[name].accepted]
+    if len(usable) < LEAST_HELD:
+        raise EpibarError(
+            f"to add {', '.join(new)} new recordings of at least two accepted cameras of the network are "
+            "needed, by the names that they have there, filmed at the same time; there are "
+            f"{len(usable)}. It has {', '.join(network.cameras)}"
+        )
+
+
+def refuse_spellings(network: NetworkParts, new: Iterable[str]) -> None:
+    """Refuse new cameras whose names differ from those of others by upper and lower case only.
+
+    Raises
+    ------
+    EpibarError
+        A name does.
+    """
     spelt = {name.casefold(): name for name in network.cameras}
     for name in new:
         other = spelt.setdefault(name.casefold(), name)
@@ -154,13 +172,6 @@ def _refuse(network: NetworkParts, old: Mapping[str, Recording], new: Mapping[st
                 f"{name} and {other} differ by upper and lower case only: one camera has one name; give it "
                 "the name that it has in the network, or another one if it is another camera"
             )
-    usable = [name for name in old if network.cameras[name].accepted]
-    if len(usable) < LEAST_HELD:
-        raise EpibarError(
-            f"to add {', '.join(new)} new recordings of at least two accepted cameras of the network are "
-            "needed, by the names that they have there, filmed at the same time; there are "
-            f"{len(usable)}. It has {', '.join(network.cameras)}"
-        )
 
 
 def _known(
