@@ -261,7 +261,7 @@ def test_a_pair_of_which_a_camera_moved(watched, tmp_path):
     moved = replace(pairs[2].calibration, kind="moved", reason="cam3 moved after the pair was calibrated")
     path = write_report(tmp_path / "report.html", cameras, [replace(pairs[2], calibration=moved)])
     said = watched(f"{path.as_uri()}#pair-1", DESKTOP).locator(".verdict").inner_text()
-    assert "A camera has moved since" in said
+    assert "a camera has moved since" in said
     assert "is of before a camera moved" in said
     assert "No fundamental matrix" not in said
 
