@@ -8,25 +8,21 @@ of a reported table come from the commit's own hash.
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from argparse import ArgumentParser, Namespace
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from check import CALIBRATED, FPS, PAUSE, calibrated_network, recorded, situation, true_network
-from fresh_seeds import commit, commit_seed
-from networks import start_worker
+from check import CALIBRATED, CHECKED, FPS, PAUSE, calibrated_network, recorded, situation, true_network
+from fresh_seeds import sizes_asked_for
+from networks import outcomes_of
 from options import names_of, natural, numbers
-from tables import progress, table
+from tables import table
 
 KINDS = ("right", "stranger", "reversed")
-MINUTE = 375
 
 
 def without(network: Any, name: str) -> Any:
@@ -65,7 +61,7 @@ def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
     index = int(np.random.default_rng((seed, 98)).integers(2, count))
     name = made.names[index]
     first = CALIBRATED + PAUSE
-    last = first + arguments.minutes * MINUTE
+    last = first + arguments.minutes * CHECKED
     outcome: dict[str, Any] = {"cameras": count, "seed": seed, "name": name}
     left = [camera for key, camera in whole.cameras.items() if key != name]
     if not all(camera.accepted for camera in left):
@@ -97,13 +93,9 @@ def held_against(made: Any, network: Any, name: str, stored: str) -> dict[str, A
     Where the true network is stored the new camera is held against the truth as it stands; otherwise after
     the similarity that lays all cameras best over the true ones, as errors of networks are stated.
     """
-    from epibar.synthetic.camera import Camera
-    from epibar.synthetic.network_errors import angle_between, network_errors
+    from epibar.synthetic.network_errors import accepted_cameras, angle_between, network_errors
 
-    found = {
-        key: Camera(one.matrix, one.rotation, one.translation, one.size, key)
-        for key, one in network.cameras.items()
-    }
+    found = accepted_cameras(network)
     places = np.array([one.centre for one in found.values()])
     rig = max(np.linalg.norm(p - q) for p in places for q in places)
     wrong = network_errors(made, found)[name]
@@ -148,23 +140,8 @@ def row(kind: str, count: int, outcomes: list[dict[str, Any]]) -> list[str]:
 
 
 def main(arguments: Namespace) -> None:
-    origin = None if arguments.seeds else commit()
-    jobs = [
-        (count, seed, arguments)
-        for k in range(len(arguments.seeds or range(arguments.networks)))
-        for count in arguments.cameras
-        for seed in [
-            arguments.seeds[k] if arguments.seeds else commit_seed(origin or "", f"added {count}", k)
-        ]
-    ]
-    outcomes: list[dict[str, Any]] = []
-    with ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker) as pool:
-        pending = [pool.submit(run, *job) for job in jobs]
-        for number, done in enumerate(as_completed(pending), 1):
-            outcomes += done.result()
-            progress(f"{number} of {len(jobs)}")
-            if arguments.json:
-                arguments.json.write_text(json.dumps({"commit": origin, "outcomes": outcomes}, indent=1))
+    origin, jobs = sizes_asked_for(arguments, "added")
+    outcomes = outcomes_of(run, [(*job, arguments) for job in jobs], arguments, origin)
     print(f"commit {origin}" if origin else "seeds by hand: no table to report")
     rows = [
         row(kind, count, chosen)

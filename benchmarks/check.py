@@ -7,21 +7,18 @@ is waited for. Every camera starts with the others. Seeds of a reported table co
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from argparse import ArgumentParser, Namespace
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass, replace
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fresh_seeds import commit, commit_seed
-from networks import start_worker
+from fresh_seeds import sizes_asked_for
+from networks import outcomes_of
 from options import natural, numbers
-from tables import progress, table
+from tables import table
 from verdicts import upper_bound
 
 FPS = 6.25
@@ -286,24 +283,9 @@ def alarms(outcomes: list[dict[str, Any]]) -> str:
 
 
 def main(arguments: Namespace) -> None:
-    origin = None if arguments.seeds else commit()
+    origin, jobs = sizes_asked_for(arguments, "check")
     arguments.damage = [what for what in DAMAGE if not arguments.only or what.split()[0] in arguments.only]
-    jobs = [
-        (count, seed, arguments)
-        for k in range(len(arguments.seeds or range(arguments.networks)))
-        for count in arguments.cameras
-        for seed in [
-            arguments.seeds[k] if arguments.seeds else commit_seed(origin or "", f"check {count}", k)
-        ]
-    ]
-    outcomes: list[dict[str, Any]] = []
-    with ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker) as pool:
-        pending = [pool.submit(run, *job) for job in jobs]
-        for number, done in enumerate(as_completed(pending), 1):
-            outcomes += done.result()
-            progress(f"{number} of {len(jobs)}")
-            if arguments.json:
-                arguments.json.write_text(json.dumps({"commit": origin, "outcomes": outcomes}, indent=1))
+    outcomes = outcomes_of(run, [(*job, arguments) for job in jobs], arguments, origin)
     print(f"commit {origin}" if origin else "seeds by hand: no table to report")
     rows = [
         row(what, count, chosen)

@@ -57,3 +57,21 @@ def networks_asked_for(arguments: Namespace, of: str = "") -> tuple[str | None, 
         for seed in arguments.seeds
         or [commit_seed(origin or "", of + family, index) for index in range(arguments.networks)]
     ]
+
+
+def sizes_asked_for(arguments: Namespace, of: str) -> tuple[str | None, list[tuple[int, int]]]:
+    """List size and seed of each network that was asked for; ``of`` makes the seeds a program's own.
+
+    Returns
+    -------
+    origin : str or None
+        As of :func:`networks_asked_for`.
+    networks : list of (int, int)
+        Of each of ``--cameras`` as many as ``--networks``, or one for each of ``--seeds``; the sizes in turn.
+    """
+    origin = None if arguments.seeds else commit()
+    return origin, [
+        (count, arguments.seeds[k] if arguments.seeds else commit_seed(origin or "", f"{of} {count}", k))
+        for k in range(len(arguments.seeds or range(arguments.networks)))
+        for count in arguments.cameras
+    ]

@@ -10,6 +10,7 @@ import json
 import os
 import time
 from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from multiprocessing import get_context
 from pathlib import Path
@@ -31,7 +32,23 @@ def start_worker() -> None:
     os.nice(10)
 
 
-def run(family: str, seed: int, lines: int) -> dict[str, Any]:
+def outcomes_of(
+    run: Callable[..., list[dict[str, Any]]], jobs: list[Any], arguments: Namespace, origin: str | None
+) -> list[dict[str, Any]]:
+    """Run jobs on ``--workers``, each of which gives some outcomes, and write those so far to ``--json``."""
+    outcomes: list[dict[str, Any]] = []
+    with ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker) as pool:
+        pending = [pool.submit(run, *job) for job in jobs]
+        for number, done in enumerate(as_completed(pending), 1):
+            outcomes += done.result()
+            left_out = [name for outcome in done.result() for name in outcome.get("left_out", ())]
+            progress(f"{number} of {len(jobs)}" + (f", left out {', '.join(left_out)}" if left_out else ""))
+            if arguments.json:
+                arguments.json.write_text(json.dumps({"commit": origin, "outcomes": outcomes}, indent=1))
+    return outcomes
+
+
+def run(family: str, seed: int, lines: int) -> list[dict[str, Any]]:
     """Draw a situation, record its cameras as they film, calibrate the network, hold it against the truth."""
     import epibar
     from epibar import synthetic
@@ -54,7 +71,7 @@ def run(family: str, seed: int, lines: int) -> dict[str, Any]:
         for i, c in enumerate(situation.cameras)
         if network.cameras[c.name].accepted
     }
-    return {
+    outcome = {
         "family": family,
         "seed": seed,
         "cameras": len(recordings),
@@ -70,6 +87,7 @@ def run(family: str, seed: int, lines: int) -> dict[str, Any]:
             ended - stages.get("network", ended),
         ],
     }
+    return [outcome]
 
 
 def errors(situation: Any, network: Any) -> dict[str, list[float]]:
@@ -131,16 +149,7 @@ HEAD = (
 
 def main(arguments: Namespace) -> None:
     origin, jobs = networks_asked_for(arguments)
-    outcomes = []
-    workers = ProcessPoolExecutor(arguments.workers, get_context("spawn"), start_worker)
-    with workers as pool:
-        pending = [pool.submit(run, *job, arguments.lines) for job in jobs]
-        for done in as_completed(pending):
-            outcome = done.result()
-            outcomes.append(outcome)
-            progress(f"{len(outcomes)} of {len(jobs)}: {outcome['family']}, left out {outcome['left_out']}")
-            if arguments.json:
-                arguments.json.write_text(json.dumps({"commit": origin, "outcomes": outcomes}, indent=1))
+    outcomes = outcomes_of(run, [(*job, arguments.lines) for job in jobs], arguments, origin)
     print(f"commit {origin}" if origin else "seeds by hand: no table to report")
     print(HEAD)
     for family in arguments.families.split(","):

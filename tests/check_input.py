@@ -4,6 +4,8 @@ import numpy as np
 from network_input import made_up
 
 from epibar import Recording, _core
+from epibar.files.json_file import write_json
+from epibar.jobs.folder import Folder
 
 SIZE = (640, 480)
 FEW = ["--masks", "--lines", "50", "--time-offset", "0"]
@@ -104,3 +106,18 @@ def stand_in(monkeypatch):
     stub = Stub()
     monkeypatch.setattr(_core, "check_network", stub, raising=False)
     return stub
+
+
+def write_run(path, net, pairs):
+    """Write what a run of a network's cameras leaves, as far as a check touches it, with these pairs."""
+    with Folder(path) as held:
+        for name in ("network.json", "cameras.toml", "calibration.json"):
+            held.will_write(path / name)
+        net.save(path / "network.json")
+        net.export(path / "cameras.toml")
+    cameras = [
+        {"name": name, "width": 640, "height": 480, "matrix": None, "index": k}
+        for k, name in enumerate(net.cameras)
+    ]
+    content = {"format": 1, "cameras": cameras, "pairs": pairs, "intrinsics": None}
+    write_json(path / "calibration.json", {**content, "network": net.as_dict()})

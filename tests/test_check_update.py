@@ -7,13 +7,12 @@ import json
 
 import numpy as np
 import pytest
-from check_input import FEW, MOVED, UNSURE, films, network, replaced, some_masks, stand_in, suspect
+from check_input import FEW, MOVED, UNSURE, films, network, replaced, some_masks, stand_in, suspect, write_run
 
 import epibar
 from epibar import EpibarError
 from epibar.cli import main
 from epibar.files.calibration_json import schema
-from epibar.files.json_file import write_json
 from epibar.geometry.cameras import fundamental_from_cameras
 from epibar.jobs.folder import Folder
 from epibar.lens.cameras_toml import load_cameras
@@ -29,15 +28,6 @@ def core(monkeypatch):
 def folder(tmp_path):
     """What a run of four cameras leaves, as far as an update touches it."""
     net = network()
-    with Folder(tmp_path) as held:
-        for name in ("network.json", "cameras.toml", "calibration.json"):
-            held.will_write(tmp_path / name)
-        net.save(tmp_path / "network.json")
-        net.export(tmp_path / "cameras.toml")
-    cameras = [
-        {"name": name, "width": 640, "height": 480, "matrix": None, "index": k}
-        for k, name in enumerate(net.cameras)
-    ]
     pairs = [
         {"a": a, "b": b, "accepted": True, "kind": "accepted", "reason": "fine", "F": np.eye(3).tolist()}
         | {"expected_error": 0.3, "time_offset": 0.0, "frontier_points": f"{a}_{b}.csv", "rivals": [{}]}
@@ -46,8 +36,7 @@ def folder(tmp_path):
     ]
     for pair in pairs:
         (tmp_path / pair["frontier_points"]).write_text("frame_a,x_a,y_a,x_b,y_b,residual\n")
-    content = {"format": 1, "cameras": cameras, "pairs": pairs, "intrinsics": None}
-    write_json(tmp_path / "calibration.json", {**content, "network": net.as_dict()})
+    write_run(tmp_path, net, pairs)
     for k in range(4):
         np.savez_compressed(tmp_path / f"cam{k + 1}.npz", masks=some_masks(k), fps=25.0)
     return tmp_path

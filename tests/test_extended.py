@@ -7,16 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from check_input import FEW, MOVED, UNSURE, films, network, replaced, some_masks, stand_in
+from check_input import FEW, MOVED, UNSURE, films, network, replaced, some_masks, stand_in, write_run
 from network_input import looking_at
 
 import epibar
 from epibar import EpibarError, Recording, _core, synthetic
 from epibar.calibration import Calibration
 from epibar.cli import main
-from epibar.files.json_file import write_json
 from epibar.geometry.cameras import fundamental_from_cameras
-from epibar.jobs.folder import Folder
 from epibar.lens import Intrinsics, write_cameras
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import ClockOffsets, KnownCamera, NetworkClock, extending, pair_search
@@ -228,18 +226,7 @@ def test_a_pair_search_that_failed_brings_nothing(adding):
 @pytest.fixture
 def folder(tmp_path):
     """What a run of four cameras leaves, as far as an addition touches it; and films of a fifth."""
-    net = network()
-    with Folder(tmp_path) as held:
-        for name in ("network.json", "cameras.toml", "calibration.json"):
-            held.will_write(tmp_path / name)
-        net.save(tmp_path / "network.json")
-        net.export(tmp_path / "cameras.toml")
-    cameras = [
-        {"name": name, "width": 640, "height": 480, "matrix": None, "index": k}
-        for k, name in enumerate(net.cameras)
-    ]
-    content = {"format": 1, "cameras": cameras, "pairs": [], "intrinsics": None, "network": net.as_dict()}
-    write_json(tmp_path / "calibration.json", content)
+    write_run(tmp_path, network(), [])
     for k, name in enumerate(("cam1", "cam2", "cam3", "cam9", "other")):
         np.savez_compressed(tmp_path / f"{name}.npz", masks=some_masks(k), fps=25.0)
     return tmp_path

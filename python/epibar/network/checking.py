@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -16,6 +16,7 @@ from ..recording import Recording
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .parts import NetworkCamera, NetworkParts, evidence_of
 from .recordings import Recordings, named_recordings
+from .stages import Progress
 
 __all__ = [
     "MOVED",
@@ -37,8 +38,6 @@ EXPECTED = ("focal", "rotation", "position")
 
 SAME_MATRIX = 1e-9
 """By how much two camera matrices may differ and be one, of each element."""
-
-Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)

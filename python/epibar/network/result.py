@@ -15,7 +15,7 @@ from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
 from ..geometry.correspondences import FrontierPoints
 from ..lens.intrinsics import Intrinsics
-from .checking import NetworkCheck, Progress, check_network
+from .checking import NetworkCheck, check_network
 from .extending import extend, with_added
 from .knowledge import KnownCamera
 from .offsets import SEARCH_SECONDS, TimeOffset
@@ -23,6 +23,7 @@ from .parts import BASELINE, METRE, NetworkParts
 from .recordings import Recordings
 from .saved import as_dict, network_from
 from .scaling import rescaled
+from .stages import Progress
 from .start_times import StartTime, start_times
 from .two_views import two_views
 from .updating import moved_parts

@@ -17,10 +17,11 @@ from ..camera_files.ways import Way
 from ..errors import EpibarError
 from ..files.archive import write_archive
 from ..files.csv_table import csv_text, write_csv_table
-from .checking import Progress, stored_camera
+from .checking import stored_camera
 from .parts import NetworkCamera, NetworkParts
 from .recordings import Recordings, named_recordings
 from .sightings import WalkerSightings
+from .stages import Progress
 
 __all__ = ["COLUMNS", "SEEN_BY", "WalkerTracks", "height_on_floor", "walker_tracks"]
 

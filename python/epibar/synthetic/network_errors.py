@@ -85,6 +85,17 @@ def _similarity(true: Array, found: Array) -> tuple[float, Array]:
     return scale, there - scale * middle
 
 
+def _laid_over(
+    situation: Situation | Staging, found: Mapping[str, Camera]
+) -> tuple[list[Camera], Array, Array, tuple[float, Array]]:
+    """True cameras, the turn of the world, the places found as turned by it, and the similarity of these."""
+    known = {camera.name: camera for camera in situation.cameras}
+    true = [known[name] for name in found]
+    turn = _orientation([camera.R for camera in true], [camera.R for camera in found.values()])
+    turned = np.array([camera.centre for camera in found.values()]) @ turn
+    return true, turn, turned, _similarity(np.array([camera.centre for camera in true]), turned)
+
+
 def accepted_cameras(network: NetworkParts) -> dict[str, Camera]:
     """Return the accepted cameras of a network as :func:`network_errors` takes them, by their names.
 
@@ -118,13 +129,8 @@ def network_errors(situation: Situation | Staging, found: Mapping[str, Camera]) 
     -------
     dict of name to CameraError
     """
-    known = {camera.name: camera for camera in situation.cameras}
-    true = [known[name] for name in found]
-    estimates = list(found.values())
-    turn = _orientation([camera.R for camera in true], [camera.R for camera in estimates])
-    centres = np.array([camera.centre for camera in true])
-    turned = np.array([camera.centre for camera in estimates]) @ turn
-    scale, shift = _similarity(centres, turned)
+    true, turn, turned, (scale, shift) = _laid_over(situation, found)
+    centres = [camera.centre for camera in true]
     size = max(np.linalg.norm(one - other) for one, other in combinations(centres, 2))
     return {
         name: CameraError(
@@ -132,7 +138,7 @@ def network_errors(situation: Situation | Staging, found: Mapping[str, Camera]) 
             float(np.linalg.norm(scale * place + shift - camera.centre) / size),
             float(np.sqrt(np.prod(np.diag(estimate.K)[:2]) / np.prod(np.diag(camera.K)[:2])) - 1),
         )
-        for name, camera, estimate, place in zip(found, true, estimates, turned, strict=True)
+        for name, camera, estimate, place in zip(found, true, found.values(), turned, strict=True)
     }
 
 
@@ -157,11 +163,7 @@ class WorldError:
 
 def world_error(situation: Situation | Staging, found: Mapping[str, Camera]) -> WorldError:
     """Hold vertical, floor and scale of a network against the truth; cameras as of :func:`network_errors`."""
-    known = {camera.name: camera for camera in situation.cameras}
-    true = [known[name] for name in found]
-    turn = _orientation([camera.R for camera in true], [camera.R for camera in found.values()])
-    centres = np.array([camera.centre for camera in found.values()]) @ turn
-    unit, origin = _similarity(np.array([camera.centre for camera in true]), centres)
+    _, turn, _, (unit, origin) = _laid_over(situation, found)
     up = turn[2]
     beside = situation.volume_points[:, :2] - origin[:2]
     heights = origin[2] - beside @ up[:2] / up[2]

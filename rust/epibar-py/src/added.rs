@@ -1,13 +1,13 @@
 //! One more camera for a network: which pairs to search, and where it stands.
 
-use epibar::network::{CameraInput, PairFound};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{enter, to_python_error};
+use crate::convert::enter;
 use crate::network::{
-    PythonClocks, PythonKnowledge, PythonPair, PythonStored, camera, offsets, pair, stored_cameras,
+    PythonClocks, PythonKnowledge, PythonPair, PythonStored, camera, camera_inputs, offsets, pair,
+    pairs_found, stored_cameras,
 };
 use crate::recording::Recording;
 use crate::watch::watched;
@@ -43,17 +43,8 @@ pub fn add_cameras<'py>(
         return Err(PyValueError::new_err("a name, and what is stored or known, for each recording"));
     }
     let held = stored_cameras(&recordings[..n], &names[..n], &stored);
-    let new: Vec<CameraInput> = recordings[n..]
-        .iter()
-        .zip(&names[n..])
-        .zip(&known)
-        .map(|((r, name), known)| CameraInput { name, recording: &r.inner, known: known.knowledge() })
-        .collect();
-    let pairs: Vec<PairFound> = pairs
-        .iter()
-        .map(PythonPair::found)
-        .collect::<epibar::Result<_>>()
-        .map_err(|error| to_python_error(&error))?;
+    let new = camera_inputs(&recordings[n..], &names[n..], &known);
+    let pairs = pairs_found(&pairs)?;
     let clocks = offsets(clocks);
     let added =
         watched(py, progress, |watch| epibar::network::add_cameras(&held, &new, &pairs, &clocks, watch))?;

@@ -27,7 +27,7 @@ pub struct PythonKnowledge {
 }
 
 impl PythonKnowledge {
-    pub fn knowledge(&self) -> Knowledge {
+    fn knowledge(&self) -> Knowledge {
         let aspect = match self.aspect {
             None => Aspect::Square,
             Some(ratio) if ratio.is_nan() => Aspect::Unknown,
@@ -57,7 +57,7 @@ pub struct PythonPair {
 }
 
 impl PythonPair {
-    pub fn found(&self) -> epibar::Result<PairFound> {
+    fn found(&self) -> epibar::Result<PairFound> {
         let geometry = |(rows, share): &([[f64; 3]; 3], f64)| (matrix_of_rows(rows), *share);
         let found = PairFound::new(self.a, self.b, self.geometries.iter().map(geometry).collect())?;
         Ok(found.timing(self.offset, self.frames_per_frame).verdict(self.z, self.accepted))
@@ -99,6 +99,24 @@ pub fn pairs_to_search(
     enter(py, || epibar::network::pairs_to_search(&inner, &clocks))
 }
 
+/// Cameras with what they saw and what is known of them.
+pub fn camera_inputs<'r>(
+    recordings: &'r [PyRef<'_, Recording>],
+    names: &'r [String],
+    known: &[PythonKnowledge],
+) -> Vec<CameraInput<'r>> {
+    let input = |((r, name), known): ((&'r PyRef<'_, Recording>, &'r String), &PythonKnowledge)| {
+        CameraInput { name, recording: &r.inner, known: known.knowledge() }
+    };
+    recordings.iter().zip(names).zip(known).map(input).collect()
+}
+
+/// What was found of pairs, as the crate takes it.
+pub fn pairs_found(pairs: &[PythonPair]) -> PyResult<Vec<PairFound>> {
+    let found: epibar::Result<_> = pairs.iter().map(PythonPair::found).collect();
+    found.map_err(|error| to_python_error(&error))
+}
+
 /// One network of what was found of the pairs.
 #[pyfunction]
 pub fn join_network<'py>(
@@ -114,17 +132,8 @@ pub fn join_network<'py>(
     if names.len() != n || known.len() != n {
         return Err(PyValueError::new_err("a name and what is known for each recording"));
     }
-    let inputs: Vec<CameraInput> = recordings
-        .iter()
-        .zip(&names)
-        .zip(&known)
-        .map(|((r, name), known)| CameraInput { name, recording: &r.inner, known: known.knowledge() })
-        .collect();
-    let pairs: Vec<PairFound> = pairs
-        .iter()
-        .map(PythonPair::found)
-        .collect::<epibar::Result<_>>()
-        .map_err(|error| to_python_error(&error))?;
+    let inputs = camera_inputs(&recordings, &names, &known);
+    let pairs = pairs_found(&pairs)?;
     let clocks = offsets(clocks);
     let network = watched(py, progress, |watch| epibar::network::join(&inputs, &pairs, &clocks, watch))?;
     dict_of(py, &network)

@@ -15,7 +15,7 @@ use super::model::camera::CLOCK;
 use super::model::joint::{Problem, standing};
 use super::moments::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
-use super::solve::networks::{Solved, Solver, settled};
+use super::solve::networks::{FRAMES_IN_THE_END, Solved, Solver, settled};
 use super::solve::principal;
 use super::solve::settle::Again;
 use super::solve::world;
@@ -23,8 +23,6 @@ use super::verdict::{is_rival, worst};
 use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
 
-/// Frames of each camera that are looked at in the end; of many cameras fewer.
-const FRAMES: usize = 900;
 /// Least radius within which figures of the floor meet, pixels of a 640×480 image.
 const FIGURES_WITHIN: f64 = 2.0;
 
@@ -155,7 +153,7 @@ impl Case<'_> {
 
     /// The network over all frames, and errors to expect.
     fn finished(&self, Freed { solved, support, level, shapes }: Freed) -> Finished {
-        let many = Survey::new(&self.observed, shared(FRAMES, self.count()));
+        let many = Survey::new(&self.observed, shared(FRAMES_IN_THE_END, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
         let finished = settled(&many, solved.network, &solved.beliefs, &support.confirmed(), radius);

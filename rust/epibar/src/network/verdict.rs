@@ -22,9 +22,20 @@ pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
     if of_best.iter().zip(&rival.network.placed).any(|(best, rival)| *best && !rival) {
         return false;
     }
-    let differs = best.network.turns(&rival.network).any(|turn| turn > limits::RIVAL_TURN);
-    let (share, z) = gain(survey, &best.network.pairs(), &best.network, &rival.network);
+    is_as_good(survey, &best.network.pairs(), &best.network, &rival.network)
+}
+
+/// Whether another geometry of the same cameras has about the same evidence in some pairs.
+pub(super) fn is_as_good(survey: &Survey, pairs: &[(usize, usize)], best: &Placed, rival: &Placed) -> bool {
+    let differs = best.turns(rival).any(|turn| turn > limits::RIVAL_TURN);
+    let (share, z) = gain(survey, pairs, best, rival);
     differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
+}
+
+/// The largest distance between the cameras of some pairs.
+pub(super) fn rig(cameras: &[Camera], pairs: &[(usize, usize)]) -> f64 {
+    let distances = pairs.iter().map(|&(a, b)| (cameras[a].position - cameras[b].position).norm());
+    distances.fold(0.0, f64::max)
 }
 
 /// Those cameras that stand and should not: the one for which least speaks, if that is too little; else those of all
@@ -90,11 +101,7 @@ impl Case<'_> {
         let turned =
             median(rotations.map(|(e, _)| e.rotation / NINE_IN_TEN_IN_SPACE)).unwrap_or(f64::INFINITY);
         let World { cameras: placed, ground, unit } = world::placed(network, finished.floor.as_ref(), turned);
-        let rig = network
-            .pairs()
-            .iter()
-            .map(|&(a, b)| (placed[a].position - placed[b].position).norm())
-            .fold(0.0, f64::max);
+        let rig = rig(&placed, &network.pairs());
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
                 let found = out.iter().find(|o| o.camera == c);

@@ -8,21 +8,16 @@ use crate::network::evidence::halves;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::support::{Deviates, Support, knocked};
 use crate::network::given::input::PRINCIPAL_LEVELS;
-use crate::network::model::camera::{CLOCK, Camera, POSITION, ROTATION};
+use crate::network::model::camera::{CLOCK, Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Beliefs, Problem};
 use crate::network::moments::survey::{Survey, shared};
 use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair};
-use crate::network::solve::networks::{FRAMES, Solved, gain, settled};
+use crate::network::solve::networks::{FRAMES, FRAMES_IN_THE_END, Solved, settled};
 use crate::network::solve::principal;
 use crate::network::solve::relocate::{Placed, Tries, places};
 use crate::network::solve::settle::Again;
 use crate::network::thresholds as limits;
-use crate::network::verdict::{outside, stands_out, status_by_errors};
-
-/// Frames of each camera that are looked at in the end.
-const ALL_FRAMES: usize = 900;
-/// Where the log of the focal length is among the parameters of a camera.
-const FOCAL: usize = 0;
+use crate::network::verdict::{is_as_good, outside, rig, stands_out, status_by_errors};
 
 /// A new camera, the last of some of which all others are held.
 pub struct Newcomer<'a> {
@@ -138,19 +133,14 @@ impl<'a> Newcomer<'a> {
         if let Some((_, at)) = little.filter(|(camera, _)| *camera == self.camera) {
             return out(CameraStatus::Knocked, Some(at));
         }
-        let rivalled = rivals.iter().any(|rival| self.is_rival(some, &now.network, rival));
+        let rivalled = rivals
+            .iter()
+            .any(|rival| is_as_good(some, &now.network.pairs_of(self.camera), &now.network, rival));
         if rivalled { out(CameraStatus::Ambiguous, None) } else { None }
     }
 
     fn out(&self, status: CameraStatus, at: Option<f64>, deviates: Deviates) -> Out {
         Out { camera: self.camera, status, deviates, at }
-    }
-
-    /// Whether another place of the camera has about the same evidence.
-    fn is_rival(&self, survey: &Survey, best: &Placed, rival: &Placed) -> bool {
-        let differs = best.turns(rival).any(|turn| turn > limits::RIVAL_TURN);
-        let (share, z) = gain(survey, &best.pairs_of(self.camera), best, rival);
-        differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
     }
 
     /// Whether enough speaks for the camera where it is, in pairs with enough of those that are held.
@@ -185,7 +175,7 @@ impl<'a> Newcomer<'a> {
         };
         let (now, support) = with_free_point.filter(is_better).unwrap_or((now, support));
         let shapes = if shapes == Shapes::Convex && call.strain > 0.0 { Shapes::Strained } else { shapes };
-        let many = Survey::new(&self.case.observed, shared(ALL_FRAMES, self.camera + 1));
+        let many = Survey::new(&self.case.observed, shared(FRAMES_IN_THE_END, self.camera + 1));
         let radius = Some(Again::MORE_FRAMES.after(&now.settled));
         let confirmed = support.confirmed();
         let beside = |&(a, b): &(usize, usize)| b < self.camera || confirmed.contains(&(a, b));
@@ -214,7 +204,7 @@ impl<'a> Newcomer<'a> {
             );
             (expected, errors.deviation(self.camera, CLOCK))
         });
-        let rig = rig(&solved.network);
+        let rig = rig(&solved.network.cameras, &solved.network.pairs());
         Found { solved, support, expected, offset_error, rig }
     }
 
@@ -233,11 +223,4 @@ impl<'a> Newcomer<'a> {
 fn on_all_pairs(survey: &Survey, network: Placed, beliefs: &[Beliefs], from: Option<f64>) -> Solved {
     let pairs = network.pairs();
     settled(survey, network, beliefs, &pairs, from)
-}
-
-/// The largest distance between two cameras that stand.
-fn rig(network: &Placed) -> f64 {
-    let distance =
-        |(a, b): (usize, usize)| (network.cameras[a].position - network.cameras[b].position).norm();
-    network.pairs().into_iter().map(distance).fold(0.0, f64::max)
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::stretch::Stretch;
 use crate::network::evidence::covariance::{Covariance, NINE_IN_TEN, covariance, length_quantile};
-use crate::network::model::camera::{Camera, POSITION, ROTATION};
+use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Belief, Beliefs, Problem};
 use crate::network::moments::survey::{Survey, summed};
 use crate::network::solve::relocate::Placed;
@@ -24,8 +24,6 @@ const SOLVED: usize = 2;
 pub const CLOSE: f64 = 6.0;
 /// Parts of the footage by which poses are compared.
 pub const PARTS: usize = 48;
-/// Where the log of the focal length is among the parameters of a camera.
-pub const FOCAL: usize = 0;
 
 /// Another pose or focal length of a camera.
 #[derive(Debug, Clone, Copy)]

@@ -1,12 +1,12 @@
 //! Where cameras that moved stand now: all of them solved for at once, with those that did not move held.
 
-use super::moves::{FOCAL, Move, PARTS, deviates, focal_error, freed, pose_error};
+use super::moves::{Move, PARTS, deviates, focal_error, freed, pose_error};
 use super::stretch::FRAMES;
 use super::suspects::Judged;
 use crate::network::evidence::covariance::{Covariance, Expected, NINE_IN_TEN, covariance, length_quantile};
 use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::support::{Deviates, Support};
-use crate::network::model::camera::{Camera, POSITION, ROTATION};
+use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Beliefs, Problem};
 use crate::network::moments::observed::Observed;
 use crate::network::moments::survey::Survey;

@@ -14,6 +14,8 @@ use crate::image::ImageSize;
 /// What is solved for in a camera: log of the focal length, log of `f_y / f_x`, principal point (2), `k₁ k₂ k₃`, rotation
 /// (3, in the camera's frame), position (3), clock's offset (seconds) and drift (ppm), inset of its silhouettes (pixels).
 pub const PARAMETERS: usize = 16;
+/// Where the logarithm of the focal length is among the parameters.
+pub const FOCAL: usize = 0;
 /// Where the rotation starts among the parameters.
 pub const ROTATION: usize = 7;
 /// Where the position starts.

@@ -12,6 +12,8 @@ use crate::network::thresholds as limits;
 
 /// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands; of many cameras fewer.
 pub const FRAMES: [usize; 2] = [80, 240];
+/// And in the end; of many cameras fewer too.
+pub const FRAMES_IN_THE_END: usize = 900;
 /// Rounds of trying cameras elsewhere.
 const ROUNDS: usize = 3;
 /// A network with less than this share of the evidence of another is not worth improving.
