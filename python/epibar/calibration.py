@@ -84,8 +84,8 @@ class Calibration:
         Where in each image F is known how well: for (24, 32) cells spread evenly over A, the distance in
         pixels to expect between the epipolar line of a point there and the true one, averaged over the part
         of the line inside B; and the same the other way for B. NaN where the line misses the other image.
-        Made of the same parts as ``expected_error``, which is about the volume where things moved. None where
-        there is none.
+        Made of the same parts as ``expected_error``, which is about the volume where things moved, and of
+        what outlines that are all off alike do to F beyond it. None where there is none.
     """
 
     F: Array | None

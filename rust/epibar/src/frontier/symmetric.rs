@@ -153,4 +153,22 @@ pub(super) mod tests {
         let (right, floor) = (objects(&truth), objects(&wrong));
         assert!(right.whole > 500 && floor.whole < 20 && floor.torn > 200, "{right:?} {floor:?}");
     }
+    #[test]
+    fn either_order_of_the_cameras_is_the_same_pair() {
+        let size = ImageSize::new(640, 480).unwrap();
+        let camera = Matrix3::new(400.0, 0.0, 320.0, 0.0, 400.0, 240.0, 0.0, 0.0, 1.0);
+        let (mut views, rotation, translation) = walkers(&camera, size);
+        // B sees two of the three.
+        let fewer: Vec<_> =
+            (0..200).map(|t| views.b.hulls_of(t).take(2).map(<[_]>::to_vec).collect()).collect();
+        views.b = View::made_up(size, &fewer);
+        let inverse = camera.try_inverse().unwrap();
+        let matrix = inverse.transpose() * translation.cross_matrix() * rotation.matrix() * inverse;
+        let f = Fundamental::from_matrix(&matrix, size, size).unwrap();
+        let (there, back) = both_ways(&views, &f, |c| c.pair(0, 3.0).weigh(3.0).score().total());
+        let swapped = views.swapped();
+        let of_swapped = both_ways(&swapped, &f.transposed(), |c| c.pair(0, 3.0).weigh(3.0).score().total());
+        assert!((there - back).abs() > 10.0, "{there} {back}");
+        assert!((of_swapped.0 - back).abs() < 1e-6 && (of_swapped.1 - there).abs() < 1e-6, "{of_swapped:?}");
+    }
 }

@@ -210,6 +210,18 @@ impl Views {
         Self { cameras, ..self }
     }
 
+    /// The same with B for A: `F` becomes [`Fundamental::transposed`](crate::Fundamental::transposed).
+    #[must_use]
+    pub fn swapped(&self) -> Self {
+        Self {
+            a: self.b.clone(),
+            b: self.a.clone(),
+            frame_pairs: self.frame_pairs.iter().map(|p| p.swapped()).collect(),
+            cameras: self.cameras.map(CameraMatrices::swapped),
+            ..*self
+        }
+    }
+
     /// Some of the frames, by index.
     ///
     /// # Panics

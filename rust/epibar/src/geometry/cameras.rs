@@ -13,6 +13,11 @@ pub struct CameraMatrices {
 }
 
 impl CameraMatrices {
+    /// Those of the pair with B for A.
+    pub(crate) fn swapped(self) -> Self {
+        Self { a: self.b, b: self.a }
+    }
+
     /// The matrices of A and of B, `[[fx, s, cx], [0, fy, cy], [0, 0, 1]]` in pixels.
     ///
     /// # Errors

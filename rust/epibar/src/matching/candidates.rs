@@ -82,6 +82,23 @@ impl Candidates {
     pub fn best(&self) -> &[Candidate] {
         &self.pairs[..self.limit.min(self.pairs.len())]
     }
+
+    /// The same with B for A.
+    #[must_use]
+    pub fn swapped(&self) -> Self {
+        let swapped = |candidate: &Candidate| Candidate {
+            lines: LinePair { a: candidate.lines.b, b: candidate.lines.a },
+            segment_a: candidate.segment_b,
+            segment_b: candidate.segment_a,
+            ..*candidate
+        };
+        Self {
+            pairs: self.pairs.iter().map(swapped).collect(),
+            informative_a: self.informative_b,
+            informative_b: self.informative_a,
+            ..*self
+        }
+    }
 }
 
 /// Informative lines of one camera over the common frames.

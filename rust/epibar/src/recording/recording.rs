@@ -15,6 +15,13 @@ pub struct FramePair {
     pub b: u32,
 }
 
+impl FramePair {
+    /// The same moment with B for A.
+    pub(crate) fn swapped(self) -> Self {
+        Self { a: self.b, b: self.a }
+    }
+}
+
 /// Index of a frame of one recording, from 0: not that of a moment which two recordings have in common.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RecordedFrame(pub(crate) u32);

@@ -6,6 +6,7 @@
 //! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames.
 
 mod contest;
+mod either_order;
 mod pass;
 mod perturb;
 mod settle;
@@ -18,31 +19,25 @@ pub use solution::{Found, Searched, Solution};
 pub use training_set::{SearchOptions, TrainingSet};
 
 use crate::error::Result;
-use crate::frontier::Scorer;
-use crate::hypotheses::sources::Frames;
-use crate::hypotheses::{Hypotheses, hypotheses};
+use crate::hypotheses::Hypotheses;
 use crate::matching::Candidates;
 use crate::random::seed_of_pass;
 use crate::watch::Watch;
+use either_order::{from_a, from_b};
 
-/// Searches with all sources, on the fitted frames alone.
+/// Searches with all sources, on the fitted frames alone; again by the other order of the cameras where the truth may have been missed.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
 pub fn search(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Searched> {
-    let scoring = Scorer::new(&training.scoring, training.coarse_radius());
-    let frames = Frames { train: training.all, comparing: &training.comparing, scoring: &scoring };
     let mut found = Searched::default();
     for pass in 0..training.options.passes {
-        if pass > 0
-            && !contest::is_one_sided(training, &found.solutions)
-            && !contest::is_undecided(training, &found.solutions)
-        {
+        if pass > 0 && !contest::is_open(training, &found.solutions, pass) {
             break;
         }
         let seed = seed_of_pass(training.options.seed, pass as u64);
-        let Hypotheses { scored, floors } =
-            hypotheses(&frames, candidates, &training.options.draws, seed, watch)?;
+        let draw = if pass % 2 == 0 { from_a } else { from_b };
+        let Hypotheses { scored, floors } = draw(training, candidates, seed, watch)?;
         found.floor = found.floor.or_else(|| floors.into_iter().next());
         found.solutions = pass::pass(training, found.solutions, &scored, seed, watch)?;
     }

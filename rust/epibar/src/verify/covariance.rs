@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::thresholds::{MIN_BLOCKS, MIN_POINTS};
-use crate::frontier::TangentMatch;
 use crate::frontier::volume::Correspondence;
+use crate::frontier::{Class, TangentMatch};
 use crate::geometry::seven_parameters::{Information, SevenParameters, Step};
+use crate::image::ImageSize;
 use crate::refine::least_squares::cauchy;
 use crate::refine::residual_rows;
 
@@ -24,8 +25,7 @@ pub fn covariance(
 ) -> Option<Information> {
     let mut normal = Information::zeros();
     let mut blocks: BTreeMap<u32, Step> = BTreeMap::new();
-    for (p, (residual, row)) in points.iter().zip(residual_rows(at, points)) {
-        let weight = p.surprise * cauchy(residual, scale).1;
+    for Weighed { p, weight, residual, row } in weighed(at, points, scale) {
         normal.ger(weight, &row, &row, 1.0);
         let block = p.frame.0 / block.max(1) as u32;
         blocks.entry(block).or_insert_with(Step::zeros).axpy(weight * residual, &row, 1.0);
@@ -43,6 +43,70 @@ pub fn covariance(
     let correction = count / (count - 7.0).max(1.0);
     let result = inverse * meat * inverse * correction;
     result.iter().all(|v| v.is_finite()).then_some(result)
+}
+
+/// Covariance of the seven parameters from what outlines may be off alike, which neither scatters nor averages out: all tops by a `deviation` in
+/// pixels, all bottoms, and either as it changes across the images.
+///
+/// What tangents are off alike, as `φ` over the points, moves the fit by `(JᵀWJ)⁻¹ JᵀWφ`, and `F` follows it, so that residuals do not show it. Of each class
+/// `φ` is 1, and each coordinate of a match in units of its deviation over an image; the covariance is the sum of what they move the fit by. Where
+/// all moves near a plane little holds the fit off it, and such an error is many times as large there. `None` where the points do not
+/// determine the parameters.
+pub fn covariance_alike(
+    at: &SevenParameters,
+    points: &[TangentMatch],
+    scale: f64,
+    deviation: f64,
+) -> Option<Information> {
+    let mut normal = Information::zeros();
+    let mut moved = [[Step::zeros(); 5]; 2];
+    for Weighed { p, weight, row, .. } in weighed(at, points, scale) {
+        normal.ger(weight, &row, &row, 1.0);
+        let [size_a, size_b] = at.sizes();
+        let ([xa, ya], [xb, yb]) = (in_deviations(p.a, size_a), in_deviations(p.b, size_b));
+        let class = match p.class {
+            Class::Top => 0,
+            Class::Bottom => 1,
+        };
+        for (gradient, phi) in moved[class].iter_mut().zip([1.0, xa, ya, xb, yb]) {
+            gradient.axpy(weight * phi, &row, 1.0);
+        }
+    }
+    let inverse = normal.try_inverse()?;
+    let mut meat = Information::zeros();
+    for gradient in moved.iter().flatten() {
+        meat.ger(deviation * deviation, gradient, gradient, 1.0);
+    }
+    let result = inverse * meat * inverse;
+    result.iter().all(|v| v.is_finite()).then_some(result)
+}
+
+/// A place in an image from its middle, in units of the deviation of what lies evenly over the image.
+fn in_deviations(place: [f64; 2], size: ImageSize) -> [f64; 2] {
+    let sides = [size.width as f64, size.height as f64];
+    [0, 1].map(|k| (2.0 * place[k] / sides[k] - 1.0) * 3f64.sqrt())
+}
+
+/// A point as it counts in the fit.
+struct Weighed<'p> {
+    p: &'p TangentMatch,
+    /// Surprise, and the loss of its residual.
+    weight: f64,
+    /// Pixels.
+    residual: f64,
+    /// Of the Jacobian.
+    row: Step,
+}
+
+fn weighed<'p>(
+    at: &SevenParameters,
+    points: &'p [TangentMatch],
+    scale: f64,
+) -> impl Iterator<Item = Weighed<'p>> + use<'p> {
+    points.iter().zip(residual_rows(at, points)).map(move |(p, (residual, row))| {
+        let weight = p.surprise * cauchy(residual, scale).1;
+        Weighed { p, weight, residual, row }
+    })
 }
 
 /// A covariance once a prior of known information is taken into account.
@@ -76,10 +140,9 @@ pub fn expected_error(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::frontier::CommonFrame;
     use crate::frontier::volume::disagreement;
-    use crate::frontier::{Class, CommonFrame};
     use crate::geometry::Fundamental;
-    use crate::image::ImageSize;
     use crate::random::generator;
     use crate::refine::least_squares::minimise;
     use crate::refine::sampson::SampsonProblem;
@@ -141,5 +204,69 @@ mod tests {
             found += disagreement(&points, &end.fundamental().unwrap());
         }
         assert!((0.75..1.25).contains(&(found / stated)), "{found} {stated}");
+    }
+    /// Points of two classes under a true geometry: at any depth, or `flat`, near a plane, as people's heads and feet on one path.
+    fn two_classes(f: &Fundamental, flat: bool) -> Vec<TangentMatch> {
+        let mut random = generator(11, 0);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+        let epipole = f.epipole_b().normalize();
+        let found = (0..2000).filter_map(|k| {
+            let a = [between(20.0, 620.0), between(20.0, 460.0)];
+            let of_class = if k % 2 == 0 { 0.96 } else { 1.04 };
+            let depth = if flat { of_class + between(-0.01, 0.01) } else { between(0.2, 1.8) };
+            // [e]× F - e vᵀ is the homography of a plane, whatever v is (Hartley and Zisserman, 13.1).
+            let x = Vector3::new(a[0], a[1], 1.0);
+            let f = f.matrix() / f.matrix().norm();
+            let b = epipole.cross(&(f * x)) - epipole * (Vector3::new(1e-3, 2e-3, 1.0).dot(&x) * 2.0 * depth);
+            let b = [b.x / b.z, b.y / b.z];
+            let class = if k % 2 == 0 { Class::Top } else { Class::Bottom };
+            let seen = (0.0..800.0).contains(&b[0]) && (0.0..450.0).contains(&b[1]);
+            let frame = CommonFrame(k);
+            seen.then_some(TangentMatch { frame, a, b, distance: 0.0, surprise: 1.0, class })
+        });
+        let found: Vec<_> = found.take(600).collect();
+        assert_eq!(found.len(), 600);
+        found
+    }
+
+    #[test]
+    fn what_is_off_alike_counts_most_off_the_plane() {
+        let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(800, 450).unwrap()];
+        let matrix = Matrix3::new(1e-6, -3e-6, 2e-3, 5e-6, 2e-6, -9e-3, -4e-3, 6e-3, 1.0);
+        let f = Fundamental::from_matrix(&matrix, sizes[0], sizes[1]).unwrap();
+        let at = SevenParameters::new(&f, sizes).unwrap();
+        let everywhere: Vec<Correspondence> = two_classes(&f, false).iter().map(|p| (p.a, p.b)).collect();
+        let known = |flat, deviation| {
+            let points = two_classes(&f, flat);
+            let alike = covariance_alike(&at, &points, 1.0, deviation).unwrap();
+            let here: Vec<Correspondence> = points.iter().map(|p| (p.a, p.b)).collect();
+            (expected_error(&at, &alike, &here), expected_error(&at, &alike, &everywhere))
+        };
+        let (here, beyond) = known(false, 0.5);
+        assert!((0.2..1.5).contains(&here) && beyond < 1.5 * here, "{here} {beyond}");
+        let (here, beyond) = known(true, 0.5);
+        assert!((0.2..1.5).contains(&here) && beyond > 4.0 * here, "{here} {beyond}");
+        let (twice, _) = known(true, 1.0);
+        assert!((twice / here - 2.0).abs() < 1e-6, "{twice} {here}");
+        assert_eq!(known(false, 0.0), (0.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_off_alike_is_what_the_fit_follows() {
+        // All tops moved down by half a pixel: the fit goes where the covariance says that it may.
+        let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(800, 450).unwrap()];
+        let matrix = Matrix3::new(1e-6, -3e-6, 2e-3, 5e-6, 2e-6, -9e-3, -4e-3, 6e-3, 1.0);
+        let f = Fundamental::from_matrix(&matrix, sizes[0], sizes[1]).unwrap();
+        let at = SevenParameters::new(&f, sizes).unwrap();
+        let mut points = two_classes(&f, false);
+        let volume: Vec<Correspondence> = points.iter().map(|p| (p.a, p.b)).collect();
+        let alike = covariance_alike(&at, &points, 1.0, 0.5).unwrap();
+        for p in points.iter_mut().filter(|p| p.class == Class::Top) {
+            p.b[1] += 0.7;
+        }
+        let (end, _) = minimise(&SampsonProblem::new(&points, 1.0), at.clone(), 20);
+        let off = disagreement(&volume, &end.fundamental().unwrap());
+        let stated = expected_error(&at, &alike, &volume);
+        assert!((0.1..1.0).contains(&(off / stated)), "{off} {stated}");
     }
 }

@@ -7,9 +7,9 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    CLEAN_RADIUS, FLAT, FLAT_BEYOND, HOLDS, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED,
-    MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE, REPEATS, SAME, reaches,
-    within,
+    CLEAN_RADIUS, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, HOLDS, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS,
+    MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE,
+    REPEATS, SAME, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -102,9 +102,12 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     if f.beyond_motion.is_nan() {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
-    let flat = !reaches(f.evidence.plane_residual, FLAT);
-    let most = if flat { FLAT_BEYOND } else { MAX_BEYOND * f.scale };
-    unless(within(f.beyond_motion, most), Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
+    let known = if reaches(f.evidence.plane_residual, FLAT) {
+        within(f.beyond_motion, MAX_BEYOND * f.scale)
+    } else {
+        within(f.beyond_motion, FLAT_BEYOND) && within(f.possible_beyond, FLAT_POSSIBLE * f.scale)
+    };
+    unless(known, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
 }
 
 fn as_tested(f: &Findings) -> Option<Verdict> {
@@ -222,6 +225,8 @@ mod tests {
         let flat = Evidence { plane_residual: 0.5, ..GOOD };
         assert_eq!(kind(&Findings { best_radius: 3.0, ..findings(&flat, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { beyond_motion: 0.4, ..findings(&flat, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { possible_beyond: 2.1, ..findings(&flat, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { possible_beyond: 2.1, ..findings(&GOOD, &walk) }), Kind::Accepted);
         assert_eq!(
             kind(&Findings { best_radius: 3.0, beyond_motion: 1.9, ..findings(&GOOD, &walk) }),
             Kind::Accepted
@@ -261,6 +266,8 @@ mod tests {
             assert!(refused(&findings(&evidence, &walk)), "{evidence:?}");
         }
         assert!(refused(&Findings { beyond_motion: unknown, ..findings(&GOOD, &walk) }));
+        let flat = Evidence { plane_residual: 0.5, ..GOOD };
+        assert!(refused(&Findings { possible_beyond: unknown, ..findings(&flat, &walk) }));
         assert!(refused(&Findings { expected_error: unknown, ..findings(&GOOD, &walk) }));
 
         let matrix = nalgebra::Matrix3::new(0.0, 1.0, 2.0, -1.0, 0.0, 3.0, -2.0, -3.0, 0.0);

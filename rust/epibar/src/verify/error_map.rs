@@ -4,12 +4,14 @@
 //! point of that line and the true line: `σ² = jᵀ C j` with `j` the derivative of the distance. Its mean is that of a folded
 //! normal, `σ √(2/π)`, and a map holds its average over the part of the line that B shows. What the covariance does not
 //! know, and the number [`Calibration::expected_error`](crate::Calibration::expected_error) holds as well, is
-//! added in the same way: same factor, same systematic part.
+//! added in the same way: same factor, same systematic part. Beyond the motion that part is what it becomes there, where it is more
+//! ([`covariance_alike`](super::covariance::covariance_alike)).
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::covariance::expected_error;
 use super::over_image::{along, cell_centres, larger_median};
+use super::thresholds::larger;
 use crate::frontier::volume::Correspondence;
 use crate::geometry::seven_parameters::{Information, SevenParameters, Step};
 use crate::image::ImageSize;
@@ -25,6 +27,8 @@ pub struct Uncertainty {
     pub at: SevenParameters,
     /// Covariance of its parameters.
     pub covariance: Information,
+    /// Covariance of its parameters from what outlines are off alike.
+    pub alike: Information,
     /// Error over the images that the covariance does not know, pixels; it adds as independent.
     pub systematic: f64,
 }
@@ -54,7 +58,7 @@ impl Uncertainty {
         [self.map(&matrix, &derivatives, a, b), self.map(&matrix.transpose(), &transposed, b, a)]
     }
 
-    /// The error that the covariance alone expects in half of either image, the larger of the two, pixels; NaN where either
+    /// The error that the covariances alone expect in half of either image, the larger of the two, pixels; NaN where either
     /// is not known.
     pub fn beyond_motion(&self) -> f64 {
         let known = Self { systematic: 0.0, ..self.clone() };
@@ -90,12 +94,17 @@ impl Uncertainty {
             .iter()
             .map(|[x, y]| {
                 let row = Step::from_fn(|k, _| change[k].dot(&Vector3::new(*x, *y, 1.0)));
-                let variance = row.dot(&(self.covariance * row)).max(0.0);
-                (variance * 2.0 / std::f64::consts::PI).sqrt().hypot(self.systematic)
+                let of = |covariance: &Information| folded(row.dot(&(covariance * row)));
+                of(&self.covariance).hypot(larger(self.systematic, of(&self.alike)))
             })
             .sum();
         sum / seen.len() as f64
     }
+}
+
+/// Mean of a folded normal of some variance.
+fn folded(variance: f64) -> f64 {
+    (variance.max(0.0) * 2.0 / std::f64::consts::PI).sqrt()
 }
 
 #[cfg(test)]
@@ -120,9 +129,14 @@ mod tests {
         let mut random = generator(3, 0);
         let root = Information::from_fn(|_, _| 4e-4 * normal(&mut random));
         let steps: Vec<Step> = (0..2000).map(|_| root * Step::from_fn(|_, _| normal(&mut random))).collect();
-        let of = |systematic| Uncertainty { at: at.clone(), covariance: root * root.transpose(), systematic };
-        let maps = of(0.0).maps();
-        let with_systematic = of(3.0).maps();
+        let of =
+            |covariance, alike, systematic| Uncertainty { at: at.clone(), covariance, alike, systematic };
+        let (covariance, none) = (root * root.transpose(), Information::zeros());
+        let maps = of(covariance, none, 0.0).maps();
+        let with_systematic = of(covariance, none, 3.0).maps();
+        // Of what is systematic the larger counts.
+        assert_eq!(of(none, covariance, 0.0).maps()[0].values[400], maps[0].values[400]);
+        assert_eq!(of(none, covariance * 1e-8, 3.0).maps()[0].values[400], 3.0);
 
         let mut compared = 0;
         for (side, (from, to)) in [(sizes[0], sizes[1]), (sizes[1], sizes[0])].into_iter().enumerate() {

@@ -18,7 +18,7 @@ pub struct Findings<'a> {
     pub expected_error: f64,
     /// The error that the covariance alone expects in half of an image, pixels.
     pub beyond_motion: f64,
-    /// What is possible in half of an image by all but what outlines share, pixels.
+    /// What is possible in half of an image, what outlines are off alike included, pixels.
     pub possible_beyond: f64,
     /// Other geometries.
     pub rivals: &'a [Rival],

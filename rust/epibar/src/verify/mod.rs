@@ -50,7 +50,7 @@ use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
 use crate::search::Found;
 use crate::watch::Watch;
-use covariance::{covariance, with_prior};
+use covariance::{covariance, covariance_alike, with_prior};
 use decide::decide;
 use findings::Findings;
 use halves::{Halves, halves};
@@ -276,11 +276,13 @@ fn known(views: &Views, fit: &Fit, block: usize, systematic: f64) -> Option<Know
         Some(cameras) => with_prior(&of_points, &EssentialPrior(cameras).information(&at)),
         None => Some(of_points),
     };
-    let taken_for_true =
-        Uncertainty { at: at.clone(), covariance: with_cameras(of_points)?, systematic: 0.0 };
+    let (alone, none) = (with_cameras(of_points)?, Information::zeros());
+    let taken_for_true = Uncertainty { at: at.clone(), covariance: alone, alike: none, systematic: 0.0 };
     // What meets by chance would meet under a neighbour as well: it says nothing, and is weighed as if it did.
     let diluted = with_cameras(of_points / fit.beyond_chance.powi(2))?;
-    let uncertainty = Uncertainty { at, covariance: diluted * FIT_FACTOR * FIT_FACTOR, systematic };
+    let off_alike = robust_deviation(fit.matches);
+    let alike = with_cameras(covariance_alike(&at, fit.matches, loss_scale(fit.radius), off_alike)?)?;
+    let uncertainty = Uncertainty { at, covariance: diluted * FIT_FACTOR * FIT_FACTOR, alike, systematic };
     Some(Known { uncertainty, beyond_motion: taken_for_true.beyond_motion() })
 }
 
