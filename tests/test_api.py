@@ -4,6 +4,7 @@ import pickle
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -88,6 +89,34 @@ def test_F_maps_points_of_a_to_lines_of_b(scene, calibration):
     assert np.linalg.norm(calibration.F) == pytest.approx(1)
     assert abs(np.linalg.det(calibration.F)) < 1e-9
     assert calibration.expected_error < 3.0
+
+
+def test_where_F_is_trusted_it_is_right(scene, calibration):
+    everywhere = calibration.trusted(1e6)
+    for side, trusted in enumerate(calibration.trusted()):
+        assert trusted.shape == everywhere[side].shape == (24, 32)
+        assert 0 < trusted.sum() <= everywhere[side].sum()
+        assert not trusted[np.isnan(calibration.error_maps[side])].any()
+        assert calibration.trusted(0.5)[side].sum() < trusted.sum()
+    # Points of A in cells that are trusted, each on its true line in B.
+    rows, columns = np.nonzero(calibration.trusted()[0])
+    size = scene.cameras[0].size
+    points = np.column_stack([(columns + 0.5) * size[0] / 32, (rows + 0.5) * size[1] / 24]) - 0.5
+    homogeneous = np.column_stack([points, np.ones(len(points))])
+    true, found = (homogeneous @ F.T for F in (scene.fundamental(0, 1), calibration.F))
+    true, found = (
+        lines[:, :2] / np.linalg.norm(lines[:, :2], axis=1, keepdims=True) for lines in (true, found)
+    )
+    sines = np.abs(true[:, 0] * found[:, 1] - true[:, 1] * found[:, 0])
+    assert np.median(np.rad2deg(np.arcsin(sines))) < 1.0
+
+
+def test_nothing_is_trusted_of_a_refused_pair(calibration):
+    refused = replace(calibration, accepted=False)
+    assert not any(region.any() for region in refused.trusted())
+    assert not any(region.any() for region in replace(calibration, error_maps=None).trusted())
+    with pytest.raises(epibar.EpibarError, match="max_error"):
+        calibration.trusted(0)
 
 
 def test_frontier_points_are_true_correspondences(scene, calibration):

@@ -230,6 +230,17 @@ def test_error_maps_are_shown_where_there_are_any(report_input, tmp_path):
         assert (found and len(found[0])) == expected
 
 
+def test_the_share_of_an_image_that_is_known(report_input, tmp_path):
+    cameras, pairs = report_input
+    grids = np.arange(12.0).reshape(3, 4), np.full((3, 4), 2.0)
+    grids[1][0] = np.nan
+    for accepted, expected in ((True, {"limit": 3, "shares": [0.3333, 1]}), (False, None)):
+        calibration = replace(pairs[0].calibration, accepted=accepted)
+        object.__setattr__(calibration, "error_maps", grids)
+        path = write_report(tmp_path / "report.html", cameras, [replace(pairs[0], calibration=calibration)])
+        assert Page(path).data["pairs"][0]["trusted"] == expected
+
+
 # --- lines and barcodes ---
 
 

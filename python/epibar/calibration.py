@@ -16,6 +16,7 @@ from .arguments import (
     MAX_SEED,
     AnyArray,
     Array,
+    Bits,
     as_camera_matrix,
     as_positive,
     as_whole_number,
@@ -36,6 +37,9 @@ METHODS = ("frontier", "lines")
 
 MAX_EXPECTED_ERROR = 3.0
 """Pixels: a pair that states more is refused by default."""
+
+MAP_SHAPE = (24, 32)
+"""Rows and columns of an error map."""
 
 SEARCH_SECONDS = 21.0
 """How far either way ``time_offset="search"`` looks by default."""
@@ -118,6 +122,31 @@ class Calibration:
         Where frames were dropped the recordings know more: see :func:`epibar.clocks.positions_in_b`.
         """
         return position_in_b(frame, self.time_offset, self.timing.frames_per_frame)
+
+    def trusted(self, max_error: float = MAX_EXPECTED_ERROR) -> tuple[Bits, Bits]:
+        """Where in the images F can be relied on: the expected error there is at most ``max_error`` pixels.
+
+        Parameters
+        ----------
+        max_error : float
+            Pixels.
+
+        Returns
+        -------
+        two ndarray of bool, shape (24, 32)
+            For the cells of ``error_maps`` over A, and over B; False all over where the pair is not accepted.
+
+        Raises
+        ------
+        EpibarError
+            The limit is not a positive number.
+        """
+        limit = as_positive("max_error", max_error, "pixels")
+        if self.error_maps is None or not self.accepted:
+            return np.zeros(MAP_SHAPE, bool), np.zeros(MAP_SHAPE, bool)
+        # Not a number is no place that is known.
+        over_a, over_b = (grid <= limit for grid in self.error_maps)
+        return over_a, over_b
 
     def __repr__(self) -> str:
         error = "" if self.expected_error is None else f", expected error {self.expected_error:.2g} px"

@@ -10,7 +10,7 @@ import numpy as np
 
 from .. import _core
 from ..arguments import Array, Bits
-from ..calibration import Calibration
+from ..calibration import MAX_EXPECTED_ERROR, Calibration
 from ..clocks import common_frames
 from ..geometry.correspondences import FrontierPoints
 from ..recording import Recording
@@ -119,6 +119,7 @@ def _pair_entry(
         "shift_curve": dict(zip(("shift", "score"), calibration.shift_curve, strict=True)),
         "residuals": _histogram(calibration.frontier_points.residual),
         "error_maps": _error_maps(calibration),
+        "trusted": _trusted(calibration),
         "rivals": [
             {key: rival.get(key) for key in ("distance", "evidence_share", "evidence_z", "source")}
             for rival in calibration.rivals[:RIVALS]
@@ -159,6 +160,16 @@ def _histogram(residuals: Array) -> dict[str, Any] | None:
     end = min(furthest, FAR * median) or 1.0
     counts, edges = np.histogram(np.minimum(residuals, end), BINS, (0.0, end))
     return {"counts": counts, "edges": np.round(edges, 4), "median": median, "furthest": round(furthest, 4)}
+
+
+def _trusted(calibration: Calibration) -> dict[str, Any] | None:
+    """Say in what share of each image, as far as the other shows its lines, F can be relied on."""
+    maps = _error_maps(calibration)
+    if maps is None or not calibration.accepted:
+        return None
+    regions = zip(calibration.trusted(), maps, strict=True)
+    shares = [float(region[np.isfinite(grid)].mean()) for region, grid in regions]
+    return {"limit": MAX_EXPECTED_ERROR, "shares": np.round(shares, 4)}
 
 
 def _error_maps(calibration: Calibration) -> list[Any] | None:

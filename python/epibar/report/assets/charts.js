@@ -71,18 +71,23 @@ function residualChart(pair) {
 }
 
 // A grid evenly over the image of a camera, with lines over it.
-function imageChart(camera, grid, { unit, zmax, lines = [] }) {
+function imageChart(camera, grid, { unit, zmax, lines = [], outline = null }) {
   const [width, height] = camera.size;
   const [rows, columns] = [grid.length, grid[0].length];
   const middle = (count, size) => Array.from({ length: count }, (_, k) => ((k + 0.5) * size) / count - 0.5);
   const segments = lines.map(line => clipLine(line, camera.size)).filter(Boolean);
+  const [x, y] = [middle(columns, width), middle(rows, height)];
+  const outlined = outline === null ? [] : [{
+    type: "contour", z: grid, x, y, autocontour: false, contours: { start: outline, end: outline, size: 1, coloring: "none" },
+    line: { color: "#fff", width: 2 }, showscale: false, hoverinfo: "skip",
+  }];
   return {
     data: [{
-      type: "heatmap", z: grid, x: middle(columns, width), y: middle(rows, height), zmin: 0, zmax,
+      type: "heatmap", z: grid, x, y, zmin: 0, zmax,
       colorscale: SEQUENTIAL, hoverongaps: false,
       colorbar: { thickness: 10, outlinewidth: 0, title: { text: unit, side: "right" }, len: 0.9 },
       hovertemplate: `(%{x:.0f}, %{y:.0f}): %{z:.2f} ${unit}<extra></extra>`,
-    }],
+    }, ...outlined],
     layout: {
       xaxis: { range: [-0.5, width - 0.5], showgrid: false, zeroline: false, constrain: "domain", visible: false },
       yaxis: { range: [height - 0.5, -0.5], showgrid: false, zeroline: false, scaleanchor: "x", constrain: "domain",
@@ -102,4 +107,5 @@ function errorTop(maps) {
   return known[Math.floor(0.9 * (known.length - 1))] || 1;
 }
 
-const errorChart = (camera, maps, side) => imageChart(camera, maps[side], { unit: "px", zmax: errorTop(maps) });
+const errorChart = (camera, pair, side) =>
+  imageChart(camera, pair.error_maps[side], { unit: "px", zmax: errorTop(pair.error_maps), outline: pair.trusted ? pair.trusted.limit : null });

@@ -122,8 +122,10 @@ function details(pair, a, b) {
   if (pair.error_maps) cards.push(card("Expected error over the image",
     "How far the line of a point here is expected to be off in the other view. F is known best where things moved. " +
       `Yellow: ${number(errorTop(pair.error_maps), 1)} px and more. Empty: its line misses the other view.` +
-      (pair.accepted ? "" : " Of a refused pair this holds only if the geometry is the right one at all."),
-    ...twin((camera, side) => errorChart(camera, pair.error_maps, side))));
+      (pair.trusted ? ` Up to ${number(pair.trusted.limit, 1)} px are expected in ${number(100 * pair.trusted.shares[0], 0)} % of A and` +
+        ` ${number(100 * pair.trusted.shares[1], 0)} % of B; a white line goes round where it is more.`
+        : " Of a refused pair this holds only if the geometry is the right one at all."),
+    ...twin((camera, side) => errorChart(camera, pair, side))));
   cards.push(card("Where things moved",
     "In how many frames something moved. Dashed: motion lines, straight paths that much of the traffic follows.",
     ...twin(camera => heatChart(camera))));
