@@ -153,6 +153,7 @@ pub(super) mod tests {
         let (right, floor) = (objects(&truth), objects(&wrong));
         assert!(right.whole > 500 && floor.whole < 20 && floor.torn > 200, "{right:?} {floor:?}");
     }
+
     #[test]
     fn either_order_of_the_cameras_is_the_same_pair() {
         let size = ImageSize::new(640, 480).unwrap();

@@ -205,6 +205,7 @@ mod tests {
         }
         assert!((0.75..1.25).contains(&(found / stated)), "{found} {stated}");
     }
+
     /// Points of two classes under a true geometry: at any depth, or `flat`, near a plane, as people's heads and feet on one path.
     fn two_classes(f: &Fundamental, flat: bool) -> Vec<TangentMatch> {
         let mut random = generator(11, 0);

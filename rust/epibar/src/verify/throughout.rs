@@ -229,7 +229,7 @@ pub(super) mod tests {
                 .map(|t| views.b.hulls_of(t).take(strangers(t)).map(<[_]>::to_vec).collect())
                 .collect();
             views.b = View::made_up(size, &b);
-            let swapped = Views::of(views.b.clone(), views.a.clone(), views.frame_pairs.clone());
+            let swapped = views.swapped();
             for (views, f) in [(views, f), (swapped, f.transposed())] {
                 let share = holds(&views, &f, 2.0, &mut Unwatched).unwrap();
                 assert_eq!(share, 1.0, "{others}");
