@@ -7,7 +7,7 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    CLEAN_RADIUS, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, HOLDS, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS,
+    CLEAN_RADIUS, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS,
     MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE,
     REPEATS, SAME, reaches, within,
 };
@@ -95,7 +95,8 @@ fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
 
 fn may_not_turn(f: &Findings) -> Option<Verdict> {
     let turned = f.evidence.may_turn;
-    unless(within(turned, MAX_TURN * f.scale), Kind::Undetermined, || prose::turns(turned))
+    let most = if reaches(f.evidence.plane_residual, FLAT) { MAX_TURN } else { FLAT_TURN };
+    unless(within(turned, most * f.scale), Kind::Undetermined, || prose::turns(turned))
 }
 
 fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
@@ -226,6 +227,9 @@ mod tests {
         assert_eq!(kind(&Findings { best_radius: 3.0, ..findings(&flat, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { beyond_motion: 0.4, ..findings(&flat, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { possible_beyond: 2.1, ..findings(&flat, &walk) }), Kind::Undetermined);
+        let turned = Evidence { may_turn: 3.6, ..flat };
+        assert_eq!(kind(&findings(&turned, &walk)), Kind::Undetermined);
+        assert_eq!(kind(&findings(&Evidence { plane_residual: 4.0, ..turned }, &walk)), Kind::Accepted);
         assert_eq!(kind(&Findings { possible_beyond: 2.1, ..findings(&GOOD, &walk) }), Kind::Accepted);
         assert_eq!(
             kind(&Findings { best_radius: 3.0, beyond_motion: 1.9, ..findings(&GOOD, &walk) }),

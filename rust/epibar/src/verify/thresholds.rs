@@ -72,6 +72,9 @@ pub const TURNED_SHARE: f64 = 0.95;
 /// 28; paths with and without strays where `F` was 4.9 and 23 px off over the room 6.03 and 6.9. Of right ones three stood between this and 8, at
 /// 6.3 to 7.2, all others at 5.6 and less.
 pub const MAX_TURN: f64 = 6.0;
+/// Nor farther than this where the motion is flat: of pairs on one path that were accepted five had turned by 1.9 to 5.7, four of them by 4.8 and more, and were off by 2 to
+/// 3.9 px over the room; right ones, with an answer or on a path, by at most 3.1 but for one at 4.1.
+pub const FLAT_TURN: f64 = 3.5;
 /// Matched points at fewer different places say nothing: lamps that blink where they stand meet at the right moments under any
 /// of many geometries. Such lamps were seen at 5 to 10 places, two walkers in 400 frames at 950.
 pub const MIN_PLACES: usize = 50;
