@@ -10,7 +10,7 @@ from network_input import made_up
 from epibar.cli import demo, main
 from epibar.cli.demo_answer import compared
 from epibar.cli.parser import build_parser
-from epibar.network import NetworkClock
+from epibar.network import NetworkClock, Scale
 from epibar.synthetic.staging import BARREL, LATEST, RATES, stage
 
 SIZE = (160, 120)
@@ -75,14 +75,20 @@ def as_found(staging, scale=0.1):
 def test_the_truth_is_told_to_be_right(staging):
     lines = compared(as_found(staging), staging)
     assert lines[0].split() == ["camera", "focal", "length", "rotation", "position", "clock"]
-    assert len(lines) == 6
+    assert len(lines) == 7
     for line in lines[1:5]:
         assert "(stated 1.00 %)" in line
         assert "0.00° (stated 1.00°)" in line
         assert "0.0 cm (stated 100.0 cm)" in line
         assert line.endswith((" 0 ms", "+0 ms", "-0 ms"))
         assert "above" not in line
-    assert lines[5].startswith("12 of 12 errors")
+    assert lines[5] == "z is 0.00° from the vertical (standard error 0.20°)"
+    assert lines[6].startswith("12 of 12 errors")
+
+
+def test_metres_are_held_against_the_truth(staging):
+    network = replace(as_found(staging, 1.02), scale=Scale(0.03, ("people",)))
+    assert compared(network, staging)[5].endswith(", lengths in metres are off by +2.0 % (stated 3.0 %)")
 
 
 def test_what_is_wrong_is_told(staging):

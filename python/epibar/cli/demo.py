@@ -33,6 +33,8 @@ SECONDS = 40.0
 EMPTY = 25
 """Frames of the empty scene before, for the background model to learn from."""
 SIZE = (640, 480)
+PERSON_HEIGHT = 1.72
+"""Metres, the mean of the people that are drawn: those of one scene are as tall as they happen to be."""
 
 
 def add_options(command: CommandParser) -> None:
@@ -114,6 +116,8 @@ def run(args: Namespace) -> int:
     arguments = ["calibrate", *map(str, sources), "--out", str(out), "--seed", str(args.seed)]
     if not args.unsynchronised:
         arguments += ["--time-offset", "0"]
+    if args.cameras > FEWEST:
+        arguments += ["--person-height", str(PERSON_HEIGHT)]
     console.note("the same as: epibar " + " ".join(arguments))
     parser = CommandParser()
     calibrate.add_options(parser)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..network.parts import NetworkCamera
     from ..network.result import Network
-    from ..synthetic.network_errors import CameraError
+    from ..synthetic.network_errors import CameraError, WorldError
     from ..synthetic.staging import Staging
 
 __all__ = ["compared"]
@@ -18,7 +18,7 @@ PARTS = ("focal length", "rotation", "position")
 def compared(network: Network, staging: Staging) -> list[str]:
     """Say of every accepted camera how wrong it is, and whether what was stated of it holds."""
     from ..files.text_table import aligned
-    from ..synthetic.network_errors import accepted_cameras, network_errors
+    from ..synthetic.network_errors import accepted_cameras, network_errors, world_error
 
     found = accepted_cameras(network)
     lines = [
@@ -35,11 +35,22 @@ def compared(network: Network, staging: Staging) -> list[str]:
         cells, good = _cells(network.cameras[name], error, size, unit)
         held, below = held + len(good), below + sum(good)
         rows.append((name, *cells, _clock(network, staging, name)))
-    lines += aligned(rows)
+    lines += aligned(rows) + _world(network, world_error(staging, found))
     lines.append(
         f"{below} of {held} errors are below what was stated; nine in ten are meant to be, over many scenes"
     )
     return lines
+
+
+def _world(network: Network, error: WorldError) -> list[str]:
+    """How far the vertical and the metres are off, as far as the network has them."""
+    said = []
+    if (vertical := network.ground.vertical_error) is not None:
+        said.append(f"z is {error.vertical:.2f}° from the vertical (standard error {vertical:.2f}°)")
+    if network.scale is not None:
+        wrong, stated = 100 * (1 / error.unit - 1), 100 * network.scale.error
+        said.append(f"lengths in metres are off by {wrong:+.1f} % (stated {stated:.1f} %)")
+    return [", ".join(said)] if said else []
 
 
 def _lengths(network: Network, staging: Staging, names: list[str]) -> tuple[float, float]:
