@@ -9,9 +9,7 @@ from tables import table
 
 import epibar
 from epibar import synthetic
-
-PERSON = 1.72
-"""Mean height of the people that ``epibar.synthetic`` draws, metres: what a user would give."""
+from epibar.synthetic.figures import MEAN_HEIGHT
 
 MEASURED = 0.01
 """A distance between two cameras is measured to so many metres."""
@@ -30,7 +28,7 @@ def world(situation: Any, network: Any) -> dict[str, Any] | None:
         outcome |= {"vertical": wrong.vertical, "vertical_error": ground.vertical_error}
         level_error = (ground.level_error or 0.0) * wrong.unit
         outcome |= {"floor": wrong.floor, "level_error": level_error}
-        outcome["people"] = scale(network, wrong.unit, person_height=PERSON)
+        outcome["people"] = scale(network, wrong.unit, person_height=MEAN_HEIGHT)
     one, other = list(found)[:2]
     true = {camera.name: camera.centre for camera in situation.cameras}
     apart = float(np.linalg.norm(true[one] - true[other]))

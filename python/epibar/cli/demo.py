@@ -33,8 +33,6 @@ SECONDS = 40.0
 EMPTY = 25
 """Frames of the empty scene before, for the background model to learn from."""
 SIZE = (640, 480)
-PERSON_HEIGHT = 1.72
-"""Metres, the mean of the people that are drawn: those of one scene are as tall as they happen to be."""
 
 
 def add_options(command: CommandParser) -> None:
@@ -89,6 +87,7 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..lens.cameras_toml import write_cameras
+    from ..synthetic.figures import MEAN_HEIGHT
     from ..synthetic.staging import stage
     from .console import Console
 
@@ -117,7 +116,7 @@ def run(args: Namespace) -> int:
     if not args.unsynchronised:
         arguments += ["--time-offset", "0"]
     if args.cameras > FEWEST:
-        arguments += ["--person-height", str(PERSON_HEIGHT)]
+        arguments += ["--person-height", str(MEAN_HEIGHT)]
     console.note("the same as: epibar " + " ".join(arguments))
     parser = CommandParser()
     calibrate.add_options(parser)

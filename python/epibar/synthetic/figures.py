@@ -20,6 +20,9 @@ LEG = 0.245
 
 ANKLE = 0.04
 
+MEAN_HEIGHT = 1.72
+"""Of people, metres: those of one scene are as tall as they happen to be."""
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -52,6 +55,11 @@ def there_at(present: Bits, seconds: Array) -> Bits:
     """Who is there at moments between samples: who is there at both."""
     first = np.clip(seconds / STEP, 0, len(present) - 1.000001).astype(np.int64)
     return present[first] & present[first + 1]
+
+
+def heights(rng: np.random.Generator, count: int) -> Array:
+    """Draw how tall people are, metres."""
+    return np.clip(rng.normal(MEAN_HEIGHT, 0.09, count), 1.4, 2.1)
 
 
 class Body:
@@ -143,7 +151,7 @@ class Walkers:
     ) -> None:
         count = track.count
         self.track = track
-        self.height = np.clip(rng.normal(1.72, 0.09, count), 1.4, 2.1)
+        self.height = heights(rng, count)
         self.girth = rng.uniform(0.85, 1.25, count)
         first = rng.uniform(0, 2 * np.pi, count)
         if alike:
@@ -206,7 +214,7 @@ class Cyclists:
     def __init__(self, rng: np.random.Generator, track: Track) -> None:
         count = track.count
         self.track = track
-        self.height = np.clip(rng.normal(1.72, 0.09, count), 1.4, 2.1)
+        self.height = heights(rng, count)
         self.lean = rng.uniform(0.1, 0.7, count)
         # One turn of the pedals moves a bicycle on by 4–6 m.
         self.phase = 2 * np.pi * np.cumsum(track.speed(), axis=0) * STEP / rng.uniform(4, 6, count)

@@ -19,41 +19,33 @@ pub(super) fn contest(training: &TrainingSet, solutions: &[Solution]) -> f64 {
 
 /// Whether the truth may not have been found by so many passes.
 pub(super) fn is_open(training: &TrainingSet, solutions: &[Solution], passes: usize) -> bool {
-    is_one_sided(training, solutions)
-        || is_undecided(training, solutions)
-        || (passes == 1 && is_weak(training, solutions))
-}
-
-/// Whether even the best solution has little evidence, so that the truth may have been missed, however far behind all others are.
-fn is_weak(training: &TrainingSet, solutions: &[Solution]) -> bool {
-    /// Score of a tangent. One in six development pairs with an answer had less. Of seven of these three were off by 6 to 90 px by one order of the
-    /// cameras, one of which was accepted, and by less than 1.4 px by the other.
+    /// Score of a tangent below which even the best has so little evidence that the truth may have been missed, however far behind all others are. One in
+    /// six development pairs with an answer had less. Of seven of these three were off by 6 to 90 px by one order of the cameras, one of which
+    /// was accepted, and by less than 1.4 px by the other.
     const LITTLE: f64 = 0.16;
-    solutions.first().is_none_or(|best| score_of_tangent(training, best) < LITTLE)
-}
-
-/// The score as a share of the tangents that it could be made of.
-fn score_of_tangent(training: &TrainingSet, solution: &Solution) -> f64 {
-    let score = frontier_score(&training.comparing, &solution.fundamental, training.coarse_radius());
-    solution.score / score.tangents().max(1) as f64
+    let Some(best) = solutions.first() else { return true };
+    let tangents =
+        frontier_score(&training.comparing, &best.fundamental, training.coarse_radius()).tangents();
+    let of_tangent = best.score / tangents.max(1) as f64;
+    is_one_sided(training, best)
+        || is_undecided(training, solutions, of_tangent)
+        || (passes == 1 && of_tangent < LITTLE)
 }
 
 /// Whether the best solution explains one class of tangents and hardly the other: the floor, with an epipole that
 /// is wrong. Then the truth may not have been found yet.
-fn is_one_sided(training: &TrainingSet, solutions: &[Solution]) -> bool {
+fn is_one_sided(training: &TrainingSet, best: &Solution) -> bool {
     const WEAK: f64 = 0.1;
-    let Some(best) = solutions.first() else { return true };
     let [tops, bottoms] = class_scores(&training.comparing, &best.fundamental);
     tops.min(bottoms) < WEAK * tops.max(bottoms)
 }
 
-/// Whether the best solution has what only the truth or its neighbours were seen to have, and yet another has nearly as
+/// Whether the best solution has, of each tangent, what only the truth or its neighbours were seen to have, and yet another has nearly as
 /// much: then neither may be the truth.
-fn is_undecided(training: &TrainingSet, solutions: &[Solution]) -> bool {
+fn is_undecided(training: &TrainingSet, solutions: &[Solution], of_tangent: f64) -> bool {
     /// Score of a tangent: of unrelated cameras 0.08 to 0.2, of true geometries 0.3 and more; where it is much
     /// more, the truth is among those that contest one another.
     const PROMISING: std::ops::Range<f64> = 0.25..0.6;
     const NEARLY: f64 = 0.85;
-    let Some(best) = solutions.first() else { return false };
-    PROMISING.contains(&score_of_tangent(training, best)) && contest(training, solutions) > NEARLY
+    PROMISING.contains(&of_tangent) && contest(training, solutions) > NEARLY
 }

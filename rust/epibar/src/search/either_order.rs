@@ -21,9 +21,8 @@ pub(super) fn from_a(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Hypotheses> {
-    let scoring = Scorer::new(&training.scoring, training.coarse_radius());
-    let frames = Frames { train: training.all, comparing: &training.comparing, scoring: &scoring };
-    hypotheses(&frames, candidates, &training.options.draws, seed, watch)
+    let views = [training.all, &training.comparing, &training.scoring];
+    drawn(training, views, candidates, seed, watch)
 }
 
 /// Draws from every source, tangents of B first; the matrices are those from A to B. Floors are left to [`from_a`].
@@ -36,15 +35,24 @@ pub(super) fn from_b(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Hypotheses> {
-    let [all, comparing, scoring] =
-        [training.all, &training.comparing, &training.scoring].map(Views::swapped);
-    let scoring = Scorer::new(&scoring, training.coarse_radius());
-    let frames = Frames { train: &all, comparing: &comparing, scoring: &scoring };
-    let draws = &training.options.draws;
-    let mut found = hypotheses(&frames, &candidates.swapped(), draws, seed, watch)?;
+    let views = [training.all, &training.comparing, &training.scoring].map(Views::swapped);
+    let mut found = drawn(training, views.each_ref(), &candidates.swapped(), seed, watch)?;
     for hypothesis in &mut found.scored {
         hypothesis.fundamental = hypothesis.fundamental.transposed();
     }
     found.floors.clear();
     Ok(found)
+}
+
+/// Draws from every source on all fitted frames, those that compare and those that score.
+fn drawn(
+    training: &TrainingSet,
+    [train, comparing, scoring]: [&Views; 3],
+    candidates: &Candidates,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Hypotheses> {
+    let scoring = Scorer::new(scoring, training.coarse_radius());
+    let frames = Frames { train, comparing, scoring: &scoring };
+    hypotheses(&frames, candidates, &training.options.draws, seed, watch)
 }

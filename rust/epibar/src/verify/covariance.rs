@@ -34,14 +34,23 @@ pub fn covariance(
     if points.len() < MIN_POINTS || blocks.len() < MIN_BLOCKS {
         return None;
     }
-    let inverse = normal.try_inverse()?;
-    let mut meat = Information::zeros();
-    for gradient in blocks.values() {
-        meat.ger(1.0, gradient, gradient, 1.0);
-    }
     // Small-sample correction of clustered sandwiches: seven of the blocks' freedom went into the fit.
     let correction = count / (count - 7.0).max(1.0);
-    let result = inverse * meat * inverse * correction;
+    Some(sandwich(&normal, blocks.values(), 1.0)? * correction)
+}
+
+/// `N⁻¹ (Σ w g gᵀ) N⁻¹` of normal equations and gradients of one weight; `None` where it is not finite.
+fn sandwich<'g>(
+    normal: &Information,
+    gradients: impl Iterator<Item = &'g Step>,
+    weight: f64,
+) -> Option<Information> {
+    let inverse = normal.try_inverse()?;
+    let mut meat = Information::zeros();
+    for gradient in gradients {
+        meat.ger(weight, gradient, gradient, 1.0);
+    }
+    let result = inverse * meat * inverse;
     result.iter().all(|v| v.is_finite()).then_some(result)
 }
 
@@ -72,13 +81,7 @@ pub fn covariance_alike(
             gradient.axpy(weight * phi, &row, 1.0);
         }
     }
-    let inverse = normal.try_inverse()?;
-    let mut meat = Information::zeros();
-    for gradient in moved.iter().flatten() {
-        meat.ger(deviation * deviation, gradient, gradient, 1.0);
-    }
-    let result = inverse * meat * inverse;
-    result.iter().all(|v| v.is_finite()).then_some(result)
+    sandwich(&normal, moved.iter().flatten(), deviation * deviation)
 }
 
 /// A place in an image from its middle, in units of the deviation of what lies evenly over the image.
@@ -132,9 +135,14 @@ pub fn expected_error(
         let (in_b, in_a) = (matrix * xa, matrix.tr_mul(&xb));
         let scale = 0.5 * (1.0 / in_b.x.hypot(in_b.y).max(1e-300) + 1.0 / in_a.x.hypot(in_a.y).max(1e-300));
         let row = Step::from_fn(|k, _| xb.dot(&(derivatives[k] * xa)) * scale);
-        sum += (row.dot(&(covariance * row)).max(0.0) * 2.0 / std::f64::consts::PI).sqrt();
+        sum += expected_distance(covariance, &row);
     }
     sum / (correspondences.len().max(1)) as f64
+}
+
+/// What to expect of a distance whose derivatives by the parameters are known: the mean of a folded normal.
+pub fn expected_distance(covariance: &Information, row: &Step) -> f64 {
+    (row.dot(&(covariance * row)).max(0.0) * 2.0 / std::f64::consts::PI).sqrt()
 }
 
 #[cfg(test)]
@@ -254,7 +262,7 @@ mod tests {
 
     #[test]
     fn what_is_off_alike_is_what_the_fit_follows() {
-        // All tops moved down by half a pixel: the fit goes where the covariance says that it may.
+        // All tops moved down in B by 0.7 px, by which a Sampson distance is half a pixel: the fit goes where the covariance says that it may.
         let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(800, 450).unwrap()];
         let matrix = Matrix3::new(1e-6, -3e-6, 2e-3, 5e-6, 2e-6, -9e-3, -4e-3, 6e-3, 1.0);
         let f = Fundamental::from_matrix(&matrix, sizes[0], sizes[1]).unwrap();

@@ -89,13 +89,18 @@ fn same_in_both_halves(f: &Findings) -> Option<Verdict> {
 }
 
 fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
-    let (plane, clean) = (f.evidence.plane_residual, within(f.best_radius, CLEAN_RADIUS * f.scale));
-    unless(clean || reaches(plane, FLAT), Kind::Undetermined, || prose::flat(plane))
+    let clean = within(f.best_radius, CLEAN_RADIUS * f.scale);
+    unless(clean || !is_flat(f), Kind::Undetermined, || prose::flat(f.evidence.plane_residual))
+}
+
+/// Little leaves the plane, as far as is known.
+fn is_flat(f: &Findings) -> bool {
+    !reaches(f.evidence.plane_residual, FLAT)
 }
 
 fn may_not_turn(f: &Findings) -> Option<Verdict> {
     let turned = f.evidence.may_turn;
-    let most = if reaches(f.evidence.plane_residual, FLAT) { MAX_TURN } else { FLAT_TURN };
+    let most = if is_flat(f) { FLAT_TURN } else { MAX_TURN };
     unless(within(turned, most * f.scale), Kind::Undetermined, || prose::turns(turned))
 }
 
@@ -103,10 +108,10 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     if f.beyond_motion.is_nan() {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
-    let known = if reaches(f.evidence.plane_residual, FLAT) {
-        within(f.beyond_motion, MAX_BEYOND * f.scale)
-    } else {
+    let known = if is_flat(f) {
         within(f.beyond_motion, FLAT_BEYOND) && within(f.possible_beyond, FLAT_POSSIBLE * f.scale)
+    } else {
+        within(f.beyond_motion, MAX_BEYOND * f.scale)
     };
     unless(known, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
 }

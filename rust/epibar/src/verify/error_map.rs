@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::covariance::expected_error;
+use super::covariance::{expected_distance, expected_error};
 use super::over_image::{along, cell_centres, larger_median};
 use super::thresholds::larger;
 use crate::frontier::volume::Correspondence;
@@ -94,17 +94,12 @@ impl Uncertainty {
             .iter()
             .map(|[x, y]| {
                 let row = Step::from_fn(|k, _| change[k].dot(&Vector3::new(*x, *y, 1.0)));
-                let of = |covariance: &Information| folded(row.dot(&(covariance * row)));
-                of(&self.covariance).hypot(larger(self.systematic, of(&self.alike)))
+                let alike = expected_distance(&self.alike, &row);
+                expected_distance(&self.covariance, &row).hypot(larger(self.systematic, alike))
             })
             .sum();
         sum / seen.len() as f64
     }
-}
-
-/// Mean of a folded normal of some variance.
-fn folded(variance: f64) -> f64 {
-    (variance.max(0.0) * 2.0 / std::f64::consts::PI).sqrt()
 }
 
 #[cfg(test)]
