@@ -84,6 +84,7 @@ def replaced(camera, others, zoomed=True):
         "zoomed": zoomed,
         "reposed": True,
         "expected": {"focal": 0.003 if zoomed else 0.0, "rotation": 0.04, "position": 0.001},
+        "position_covariance": np.diag([4.0, 1.0, 1.0]) * 1e-8,
         "pairs": dict.fromkeys(others, (12.0, 4.0)),
     }
     return {**MOVED, "place": place}

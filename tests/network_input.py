@@ -37,6 +37,10 @@ def looking_at(place, target=(0.0, 0.0, 1.0)):
     return R, -R @ place
 
 
+COVARIANCE = np.array([[9.0, 0.0, 0.0], [0.0, 1.0, 0.5], [0.0, 0.5, 1.0]]) * 1e-7
+"""That of the position of cam1, square of the baseline: three times as far along x as along y."""
+
+
 def made_up(count=4, unit="baseline", refused=("cam3",), lost=("cam4",), floor=True):
     """A network on a circle; some cameras are refused, some have no place."""
     cameras, clocks, pairs = {}, {}, []
@@ -52,6 +56,7 @@ def made_up(count=4, unit="baseline", refused=("cam3",), lost=("cam4",), floor=T
             "rotation": R,
             "translation": t,
             "expected": {"focal": 0.01, "rotation": 0.2, "position": 0.002 if accepted else np.inf},
+            "position_covariance": COVARIANCE if name == "cam1" else None,
         }
         cameras[name] = NetworkCamera(
             name,

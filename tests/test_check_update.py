@@ -72,6 +72,8 @@ def test_what_changes_and_what_stays(core):
     # Its own error, and what the two that stand are wrong by.
     assert camera.expected["rotation"] == pytest.approx(np.hypot(0.04, 0.2))
     assert camera.expected["focal"] == pytest.approx(np.hypot(0.003, 0.01))
+    theirs = np.mean([one.expected["position"] ** 2 for one in (net.cameras["cam1"], net.cameras["cam3"])])
+    assert np.allclose(camera.position_covariance, place["position_covariance"] + theirs / 2.5**2 * np.eye(3))
     for name in ("cam1", "cam3", "cam4"):
         assert now.cameras[name] is net.cameras[name]
     for key in (("cam1", "cam3"), ("cam1", "cam4"), ("cam2", "cam4")):

@@ -34,6 +34,7 @@ class Adding:
             "rotation": self.R,
             "translation": t,
             "expected": {"focal": 0.012, "rotation": 0.3, "position": 0.004},
+            "position_covariance": np.eye(3) * 1e-6,
         }
 
     def __call__(self, recordings, names, stored, known, pairs, clocks, progress):
@@ -401,6 +402,7 @@ def test_a_fourth_camera_is_added_to_three_true_ones():
         answer |= {"rotation": camera.R, "translation": camera.t, "deviates": (9.0, 9.0)}
         answer |= {"name": name, "accepted": True, "status": "accepted", "reason": "true"}
         answer |= {"expected": {"focal": 0.0, "rotation": 0.0, "position": 0.0}}
+        answer |= {"position_covariance": np.zeros((3, 3))}
         net.cameras[name] = camera_of(answer, camera.size)
     recordings = {name: made.recording(k, lines=1500, frames=600) for k, name in enumerate([*names, "cam9"])}
     more = net.extended(recordings, time_offset=0.0)

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from network_input import FRAMES, LINES, calibrated, made_up, recordings, situation
+from network_input import COVARIANCE, FRAMES, LINES, calibrated, made_up, recordings, situation
 
 import epibar
 from epibar import EpibarError, KnownCamera, Network, Recording, synthetic
@@ -40,6 +40,8 @@ def test_nothing_known_but_the_recordings():
         assert np.linalg.det(camera.rotation) == pytest.approx(1)
         assert camera.expected.keys() == {"focal", "rotation", "position"}
         assert 0 < camera.expected["rotation"] < 2
+        axes = 2.5 * np.sqrt(np.linalg.eigvalsh(camera.position_covariance))
+        assert axes[2] / 2.5 < camera.expected["position"] < np.linalg.norm(axes)
         # z is up: cameras hang above the floor, and look across it.
         assert camera.position[2] > 0
         assert (camera.rotation @ [0, 0, 1])[1] < 0
@@ -140,6 +142,8 @@ def test_join_pairs_takes_refused_pairs_and_leaves_a_camera_out():
         ({"distances": ("cam1", "cam2", -2.0)}, "positive"),
         ({"distances": ("cam1", "cam2", math.inf)}, "positive"),
         ({"person_height": 0}, "person_height"),
+        ({"camera_heights": [("cam7", 2.6)]}, "cam7"),
+        ({"camera_heights": ("cam1", 0.0)}, "camera_height"),
         ({"known": {"nobody": KnownCamera()}}, "nobody"),
         ({"known": {"cam1": 700.0}}, "KnownCamera"),
         ({"known": {"cam1": KnownCamera(focal=-1)}}, "cam1: focal"),
@@ -188,6 +192,8 @@ def test_a_distance():
         np.testing.assert_array_equal(metres.cameras["cam1"].rotation, net.cameras["cam1"].rotation)
         assert metres.cameras["cam1"].expected["position"] == pytest.approx(0.004)
         assert metres.cameras["cam1"].expected["rotation"] == 0.2
+        np.testing.assert_allclose(metres.cameras["cam1"].position_covariance, 4 * COVARIANCE)
+        assert metres.cameras["cam2"].position_covariance is None
         assert metres.cameras["cam4"].translation is None
         assert metres.ground.height == pytest.approx(0.7)
         assert metres.pairs is net.pairs
@@ -378,6 +384,15 @@ def damaged(change):
         (lambda c: c["cameras"][0].update(matrix=[[0] * 3] * 3), "cam1: matrix"),
         (lambda c: c["cameras"][0].update(width=-640), "cam1: size"),
         (lambda c: c["cameras"][0].update(expected={"focal": "small"}), "focal"),
+        (
+            lambda c: c["cameras"][0].update(position_covariance=[[1, 2, 0], [2, 1, 0], [0, 0, 1]]),
+            "which is none",
+        ),
+        (lambda c: c["cameras"][0].update(position_covariance=[1, 2, 3]), "cam1: position_covariance"),
+        (
+            lambda c: c["cameras"][0].update(position_covariance=[[1, 1, 0], [0, 1, 0], [0, 0, 1]]),
+            "which is none",
+        ),
         (lambda c: c["cameras"][3].update(accepted=True), "cam4 has no matrix"),
         (lambda c: c["cameras"][0].update(clock=None), "damaged"),
         (lambda c: c["pairs"][0].update(F=[1, 2, 3]), "cam1 - cam2: F"),
@@ -390,6 +405,16 @@ def test_damaged_files(change, named, tmp_path):
     with pytest.raises(EpibarError, match=named) as raised:
         Network.load(path)
     assert "network.json" in str(raised.value)
+
+
+def test_one_that_was_saved_before_ellipsoids_were(tmp_path):
+    content = json.loads(json_text(made_up().as_dict()))
+    for one in content["cameras"]:
+        del one["position_covariance"]
+    (tmp_path / "network.json").write_text(json.dumps(content))
+    loaded = Network.load(tmp_path / "network.json")
+    assert loaded.cameras["cam1"].position_covariance is None
+    assert loaded.cameras["cam1"].expected["position"] == 0.002
 
 
 def test_no_such_file(tmp_path):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from network_input import COVARIANCE
 from network_report_input import cameras, network, network_report, renamed, walkers
 from report_input import make_report_input
 
@@ -126,7 +127,7 @@ def test_pairs_have_the_colour_of_their_verdict(watched, report):
     assert lines.count() == 0
     page.get_by_label("position errors").uncheck()
     settled(page)
-    assert page.locator(f"{VIEW} .ball").count() == 0
+    assert page.locator(f"{VIEW} .station .error").count() == 0
     assert page.locator(f"{VIEW} .tracks path").count() == 3
     page.get_by_label("walkers").uncheck()
     settled(page)
@@ -146,16 +147,29 @@ def test_a_line_leads_to_its_pair(watched, tmp_path):
     assert page.get_by_text("refused here does not speak against the network").is_visible()
 
 
-def test_a_ball_is_the_stated_error_enlarged(watched, report):
+def test_an_ellipsoid_is_the_stated_error_enlarged(watched, report):
     page = drawn(watched(report, DESKTOP))
     page.get_by_role("button", name="From above").click()
     seen = places(page)
     made = network()
     length = np.linalg.norm(made.cameras["cam1"].position - made.cameras["cam5"].position)
     per_unit = np.linalg.norm(seen["cam1"] - seen["cam5"]) / length
-    radii = page.locator(f"{VIEW} .ball").evaluate_all("all => all.map(one => Number(one.getAttribute('r')))")
+    ellipses = page.locator(f"{VIEW} .station .error")
+    radii = np.array([[float(one.get_attribute(key)) for key in ("rx", "ry")] for one in ellipses.all()])
     assert len(radii) == 3, "that of a refused camera is not known"
-    assert np.allclose(radii, 20 * 0.002 * per_unit, rtol=1e-3)
+    # From above one that is alike in all directions is a circle, but for the perspective beside the middle.
+    longer = radii[:, 0] / radii[:, 1]
+    assert sorted(longer.round(1)) == pytest.approx([1.0, 1.0, 3.0], abs=0.2)
+    alike = radii[longer < 2]
+    assert np.allclose(alike[:, 1], 20 * 0.002 * per_unit, rtol=1e-2)
+    along_x = 20 * 2.5 * np.sqrt(COVARIANCE[0, 0]) * per_unit
+    assert radii[longer > 2][0, 0] == pytest.approx(along_x, rel=0.1)
+    turned = ellipses.nth(int(longer.argmax())).get_attribute("transform")
+    across = seen["cam5"] - seen["cam1"]
+    made_across = (made.cameras["cam5"].position - made.cameras["cam1"].position)[:2]
+    of_x = np.degrees(np.arctan2(*across[::-1]) + np.arctan2(*made_across[::-1]))
+    found = float(turned.split("rotate(")[1].rstrip(")"))
+    assert abs((found - of_x + 90) % 180 - 90) < 10, "along x"
 
 
 def test_a_row_picks_its_camera(watched, report):

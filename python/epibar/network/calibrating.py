@@ -29,6 +29,7 @@ def calibrate_network(
     known: Mapping[str, KnownCamera] | None = None,
     person_height: Any = None,
     distances: Any = (),
+    camera_heights: Any = (),
     search_seconds: float = SEARCH_SECONDS,
     upright: bool = True,
     progress: Progress | None = None,
@@ -51,9 +52,9 @@ def calibrate_network(
         for two cameras one number is that of the second.
     known : mapping of str to KnownCamera, optional
         What is known of cameras whose lens was not taken out.
-    person_height, distances : optional
-        Metres, as ``person_height`` and ``distance`` of :meth:`Network.scaled`. Where they cannot be used the
-        unit stays "baseline" and ``reason`` says why.
+    person_height, distances, camera_heights : optional
+        Metres, as ``person_height``, ``distance`` and ``camera_height`` of :meth:`Network.scaled`. Where they
+        cannot be used the unit stays "baseline" and ``reason`` says why.
     search_seconds : float
         How far either way an offset is looked for.
     upright : bool
@@ -84,7 +85,7 @@ def calibrate_network(
     seed = as_whole_number("seed", seed, 0, MAX_SEED)
     as_positive("search_seconds", search_seconds, "seconds")
     knowledge = knowledge_of(cameras, known)
-    check_lengths(names, distances, person_height)
+    check_lengths(names, distances, person_height, camera_heights)
     offsets = given_offsets(names, time_offset)
     tell = stages(progress)
     if len(names) == 2 and not all(map(has_focal, knowledge)):
@@ -100,7 +101,7 @@ def calibrate_network(
         chosen, of_pair = pairs_to_search(films, offsets), partial(tell, "pairs")
         pairs = search_pairs(cameras, chosen, offsets, of_pair, seed=seed, upright=upright)
     network = join_pairs(cameras, pairs, offsets, known=known, progress=tell("network"))
-    return in_metres(network, distances, person_height)
+    return in_metres(network, distances, person_height, camera_heights)
 
 
 def in_metres(

@@ -13,6 +13,7 @@ from .. import _core
 from ..arguments import Array, as_positive, core_errors
 from ..errors import EpibarError
 from ..recording import Recording
+from .core_parts import covariance_of
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .parts import NetworkCamera, NetworkParts, evidence_of
 from .recordings import Recordings, named_recordings
@@ -57,6 +58,8 @@ class NewPlace:
     expected : dict of str to float
         ``focal``, ``rotation`` and ``position`` as those of a :class:`NetworkCamera`, of what was solved for:
         errors against the cameras that did not move; 0 of what was not.
+    position_covariance : ndarray, shape (3, 3), or None
+        Of the same position, square of the network's unit; 0 where it was not solved for.
     pairs : dict of str to dict of str to float
         What speaks for the pairs with the other cameras, by their names, as the evidence of a
         :class:`NetworkPair`.
@@ -68,6 +71,7 @@ class NewPlace:
     zoomed: bool
     reposed: bool
     expected: dict[str, float]
+    position_covariance: Array | None
     pairs: dict[str, dict[str, float]]
 
 
@@ -225,7 +229,9 @@ def _answer(one: Mapping[str, Any], film: Recording) -> CameraCheck:
 
 def _place(one: Mapping[str, Any]) -> NewPlace:
     pairs = {name: evidence_of(deviates) for name, deviates in one["pairs"].items()}
-    return NewPlace(**{**one, "expected": dict(one["expected"]), "pairs": pairs})
+    covariance = covariance_of(one["position_covariance"])
+    told = {"expected": dict(one["expected"]), "position_covariance": covariance, "pairs": pairs}
+    return NewPlace(**{**one, **told})
 
 
 def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[str], dict[str, str]]:

@@ -6,9 +6,12 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from ..arguments import Array
 from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, evidence_of
 
-__all__ = ["camera_of", "clock_of", "finite", "ground_of", "pair_of"]
+__all__ = ["camera_of", "clock_of", "covariance_of", "finite", "ground_of", "pair_of"]
 
 
 def camera_of(one: Mapping[str, Any], size: tuple[int, int]) -> NetworkCamera:
@@ -24,8 +27,14 @@ def camera_of(one: Mapping[str, Any], size: tuple[int, int]) -> NetworkCamera:
         rotation=one["rotation"],
         translation=one["translation"],
         expected=None if one["expected"] is None else dict(one["expected"]),
+        position_covariance=covariance_of(one["position_covariance"]),
         evidence=evidence_of(one["deviates"]),
     )
+
+
+def covariance_of(value: Array | None) -> Array | None:
+    """Return a covariance; None where it is not known."""
+    return value if value is not None and np.isfinite(value).all() else None
 
 
 def clock_of(one: Mapping[str, Any]) -> NetworkClock:

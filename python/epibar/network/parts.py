@@ -64,6 +64,10 @@ class NetworkCamera:
         Errors to expect, which the true ones are below nine times in ten: ``focal`` relative, ``rotation`` in
         degrees, ``position`` in the network's unit, after the similarity that lays the network best over the
         truth. Infinite where the data does not tell.
+    position_covariance : ndarray, shape (3, 3), or None
+        What ``expected["position"]`` is by direction: covariance of the position along the axes of the
+        world, square of the network's unit. None where the data does not tell, and for networks that an
+        earlier version saved.
     evidence : dict of str to float
         What speaks for it on moments kept aside, as normal deviates: of ``tangents``, and of whole
         ``silhouettes``.
@@ -79,6 +83,7 @@ class NetworkCamera:
     rotation: Array | None = None
     translation: Array | None = None
     expected: dict[str, float] | None = None
+    position_covariance: Array | None = None
     evidence: dict[str, float] = field(default_factory=dict)
 
     @property

@@ -91,6 +91,7 @@ def _camera_dict(camera: NetworkCamera, clock: NetworkClock) -> dict[str, Any]:
         "rotation": camera.rotation,
         "translation": camera.translation,
         "expected": camera.expected,
+        "position_covariance": camera.position_covariance,
         "clock": {"offset": clock.offset, "drift": clock.drift, "offset_error": clock.offset_error},
         "evidence": camera.evidence,
     }
@@ -190,6 +191,7 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
         rotation=None if missing else _rotation(name, parts["rotation"]),
         translation=None if missing else as_numbers(f"{name}: translation", parts["translation"], (3,)),
         expected=None if missing else _expected(parts["expected"]),
+        position_covariance=None if missing else _covariance(name, one.get("position_covariance")),
         evidence=_evidence(one),
     )
 
@@ -205,6 +207,17 @@ def _rotation(name: str, value: Any) -> Array:
 def _expected(value: Mapping[str, Any]) -> dict[str, float]:
     found = {key: _number(value, key) for key in ("focal", "rotation", "position")}
     return {key: math.inf if number is None else number for key, number in found.items()}
+
+
+def _covariance(name: str, value: Any) -> Array | None:
+    if value is None:
+        return None
+    covariance = as_numbers(f"{name}: position_covariance", value, (3, 3))
+    largest = np.abs(covariance).max()
+    alike = np.abs(covariance - covariance.T).max() <= ORTHOGONAL * largest
+    if not alike or largest > covariance.diagonal().max() or (covariance.diagonal() < 0).any():
+        raise EpibarError(f"{name}: position_covariance is {covariance.tolist()}, which is none")
+    return covariance
 
 
 def _pair(one: Mapping[str, Any], names: Sequence[str]) -> NetworkPair:

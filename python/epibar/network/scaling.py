@@ -87,7 +87,13 @@ def _scaled_camera(camera: NetworkCamera, factor: float) -> NetworkCamera:
     if camera.translation is None or camera.expected is None:
         return camera
     expected = {**camera.expected, "position": factor * camera.expected["position"]}
-    return replace(camera, translation=factor * camera.translation, expected=expected)
+    covariance = None if camera.position_covariance is None else factor**2 * camera.position_covariance
+    return replace(
+        camera,
+        translation=factor * camera.translation,
+        expected=expected,
+        position_covariance=covariance,
+    )
 
 
 def _several(given: Any) -> list[Any]:

@@ -12,6 +12,7 @@ from ..errors import EpibarError
 from ..geometry.cameras import Pose, fundamental_from_cameras
 from .checking import CameraCheck, NetworkCheck, NewPlace
 from .parts import NetworkCamera, NetworkPair, NetworkPairs, NetworkParts
+from .scaling import IN_SPACE
 
 __all__ = ["CONFIRMED", "moved_parts", "update_notes"]
 
@@ -51,6 +52,12 @@ def _moved(
         key: math.hypot(place.expected[key], _typical(key, standing)) if new else before.get(key, math.inf)
         for key, new in solved.items()
     }
+    covariance = camera.position_covariance
+    if place.reposed:
+        typical = (_typical("position", standing) / IN_SPACE) ** 2
+        covariance = place.position_covariance
+        if covariance is not None:
+            covariance = covariance + typical * np.eye(3) if math.isfinite(typical) else None
     said = f"solved for again after it moved: {check.reason}"
     evidence = {} if check.deviate is None else {"tangents": check.deviate}
     return replace(
@@ -60,6 +67,7 @@ def _moved(
         rotation=place.rotation,
         translation=place.translation,
         expected=expected,
+        position_covariance=covariance,
         evidence=evidence,
     )
 

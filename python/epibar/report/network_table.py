@@ -88,7 +88,8 @@ def _caption(network: NetworkParts, tracks: Sequence[Track]) -> str:
         sentences.append("No floor was found: the grid lies below all cameras.")
     sentences.append("The thick edge of a camera's image is its upper one.")
     sentences.append(
-        "Balls: stated position errors" + (f", {enlarged:g} times enlarged." if enlarged > 1 else ".")
+        "Ellipsoids: each holds the true position nine times in ten"
+        + (f"; {enlarged:g} times enlarged." if enlarged > 1 else ".")
     )
     if tracks:
         sentences.append("Thin coloured lines: where people walked.")

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arguments import Array
 from ..network.parts import NetworkCamera, NetworkParts
+from ..network.scaling import IN_SPACE
 from .cameras_in_space import image_corners
 from .inputs import ReportPair
 from .tracks_file import Track
@@ -134,8 +135,27 @@ def _camera(camera: NetworkCamera, depth: float) -> dict[str, Any]:
         "accepted": camera.accepted,
         "place": _rounded(camera.position),
         "corners": _rounded(corners),
-        "error": _error(camera),
+        "error": _ellipsoid(camera),
     }
+
+
+def _ellipsoid(camera: NetworkCamera) -> list[list[float]] | None:
+    """Return the half axes of the ellipsoid that holds the true position nine times in ten, three (3,)."""
+    error = _error(camera)
+    if error is None:
+        return None
+    if camera.position_covariance is None:
+        return _vectors(error * np.eye(3))
+    variances, directions = np.linalg.eigh(camera.position_covariance)
+    return _vectors(IN_SPACE * np.sqrt(np.maximum(variances, 0.0))[:, None] * directions.T)
+
+
+def _vectors(vectors: Array) -> list[list[float]]:
+    """Return vectors as lists, to a thousandth of the longest."""
+    longest = float(np.abs(vectors).max())
+    digits = 3 - math.floor(math.log10(longest)) if longest else 0
+    found: list[list[float]] = np.round(vectors, digits).tolist()
+    return found
 
 
 def _floor(network: NetworkParts, tracks: Sequence[Track]) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from .network_errors import (
     accepted_cameras,
     network_errors,
     pair_error,
+    position_errors,
     world_error,
 )
 from .rigs import field_of_view
@@ -54,6 +55,7 @@ __all__ = [
     "noisy",
     "pair_error",
     "people",
+    "position_errors",
     "render_frames",
     "render_video",
     "situation",

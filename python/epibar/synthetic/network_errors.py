@@ -142,6 +142,21 @@ def network_errors(situation: Situation | Staging, found: Mapping[str, Camera]) 
     }
 
 
+def position_errors(situation: Situation | Staging, found: Mapping[str, Camera]) -> dict[str, Array]:
+    """Return how far each camera of a network is from where it truly stands, and which way.
+
+    Parameters and alignment as of :func:`network_errors`.
+
+    Returns
+    -------
+    dict of name to ndarray, shape (3,)
+        From the true place to the one found, along the axes of the network and in its unit.
+    """
+    true, turn, turned, (scale, shift) = _laid_over(situation, found)
+    places = np.array([camera.centre for camera in true])
+    return dict(zip(found, (turned + (shift - places) / scale) @ turn.T, strict=True))
+
+
 @dataclass(frozen=True)
 class WorldError:
     """How wrong the world of a network is, over the cameras that stand.

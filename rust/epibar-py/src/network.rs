@@ -175,6 +175,8 @@ pub fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'p
     dict.set_item("rotation", camera.rotation().map(|m| matrix(&m).into_pyarray(py)))?;
     dict.set_item("translation", camera.translation().map(|t| t.as_slice().to_vec().into_pyarray(py)))?;
     dict.set_item("expected", camera.expected.map(|e| errors(py, &e)).transpose()?)?;
+    let covariance = camera.expected.map(|e| matrix(&e.position_covariance).into_pyarray(py));
+    dict.set_item("position_covariance", covariance)?;
     dict.set_item("deviates", (camera.deviates.tangents, camera.deviates.whole))?;
     dict.set_item("clock", camera.clock())?;
     dict.set_item("offset_error", camera.offset_error)?;
@@ -277,6 +279,7 @@ fn place<'py>(py: Python<'py>, place: &Place, names: &[String]) -> PyResult<Boun
     dict.set_item("zoomed", place.zoomed)?;
     dict.set_item("reposed", place.reposed)?;
     dict.set_item("expected", errors(py, &place.expected)?)?;
+    dict.set_item("position_covariance", matrix(&place.expected.position_covariance).into_pyarray(py))?;
     let pairs = PyDict::new(py);
     for (other, d) in &place.pairs {
         pairs.set_item(&names[*other], (d.tangents, d.whole))?;

@@ -47,7 +47,7 @@ class Space {
       el("div", { class: "switches" },
         turned("From above", -90, 90), turned("From the side", -90, 0), turned("Aslant", -60, 24),
         magnified("+", "Magnify", 1.25), magnified("−", "Reduce", 0.8),
-        tick("lines", "pairs"), tick("balls", "position errors"), data.tracks.length ? tick("tracks", "walkers") : null),
+        tick("lines", "pairs"), tick("errors", "position errors"), data.tracks.length ? tick("tracks", "walkers") : null),
       el("ul", { class: "space-legend" },
         ...Object.keys(PAIR_WORDS).filter(status => data.pairs.some(pair => pair.status === status)).map(status =>
           el("li", {}, svg("svg", { width: 28, height: 8, "aria-hidden": true }, svg("path", { class: `link ${status}`, d: "M0,4h28" })),
@@ -157,17 +157,34 @@ class Space {
     const corners = camera.corners.map(at);
     const apex = camera.seen;
     const edges = corners.map(corner => way([apex, corner])).join("");
-    const ball = camera.error === null || this.off.has("balls") ? null : svg("circle", {
-      class: "ball", cx: apex[0], cy: apex[1], r: Math.min(4000, apex[2] * camera.error * this.data.magnification),
-    });
+    const error = camera.error === null || this.off.has("errors") ? null : this.ellipsoid(camera, at);
     return svg("g", { class: `station ${camera.accepted ? "accepted" : "refused"} ${this.faded(camera.name)}` },
-      svg("title", {}, camera.name + (camera.accepted ? "" : ": left out")), ball,
+      svg("title", {}, camera.name + (camera.accepted ? "" : ": left out")), error,
       svg("path", { class: "sides", d: [0, 1, 2, 3].map(k => `${way([apex, corners[k], corners[(k + 1) % 4]])}Z`).join("") }),
       svg("path", { class: "image", d: `${way(corners)}Z` }),
       svg("path", { class: "edges", d: edges }),
       // The upper side is thick, which tells what is up.
       svg("path", { class: "upper", d: way(corners.slice(0, 2)) }),
       svg("circle", { class: "apex", cx: apex[0], cy: apex[1], r: 3 }));
+  }
+
+  // Its outline: half axes u, v, w in the picture make the ellipse of the matrix uuᵀ + vvᵀ + wwᵀ.
+  ellipsoid(camera, at) {
+    const [x, y] = camera.seen, small = 1e-3;
+    const seen = camera.error.map(axis => {
+      const by = small * this.data.magnification;
+      const [right, down] = at(camera.place.map((place, k) => place + by * axis[k]));
+      return [(right - x) / small, (down - y) / small];
+    });
+    const sum = (i, j) => seen.reduce((all, one) => all + one[i] * one[j], 0);
+    const [xx, xy, yy] = [sum(0, 0), sum(0, 1), sum(1, 1)];
+    const middle = (xx + yy) / 2, apart = Math.hypot((xx - yy) / 2, xy);
+    const half = square => Math.min(4000, Math.sqrt(Math.max(square, 0))).toFixed(2);
+    const turn = Math.atan2(2 * xy, xx - yy) * 90 / Math.PI;
+    return svg("ellipse", {
+      class: "error", rx: half(middle + apart), ry: half(middle - apart),
+      transform: `translate(${x.toFixed(2)} ${y.toFixed(2)}) rotate(${turn.toFixed(2)})`,
+    });
   }
 
   name(camera) {

@@ -100,14 +100,14 @@ impl Case<'_> {
         let rotations = finished.expected.iter().zip(&network.placed).filter(|(_, stands)| **stands);
         let turned =
             median(rotations.map(|(e, _)| e.rotation / NINE_IN_TEN_IN_SPACE)).unwrap_or(f64::INFINITY);
-        let World { cameras: placed, ground, unit } = world::placed(network, finished.floor.as_ref(), turned);
+        let World { cameras: placed, ground, turn, unit } =
+            world::placed(network, finished.floor.as_ref(), turned);
         let rig = rig(&placed, &network.pairs());
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
                 let found = out.iter().find(|o| o.camera == c);
                 let stands = network.placed[c];
-                let expected =
-                    Expected { position: finished.expected[c].position / unit, ..finished.expected[c] };
+                let expected = finished.expected[c].in_world(&turn, unit);
                 let status = match found {
                     Some(out) => out.status,
                     None if !stands => CameraStatus::NothingInCommon,
@@ -262,7 +262,7 @@ mod tests {
 
     #[test]
     fn what_is_no_number_is_refused() {
-        let good = Expected { focal: 0.01, rotation: 0.01, position: 0.01 };
+        let good = Expected::new(0.01, 0.01, 0.01);
         assert_eq!(status_by_errors(&good, 1.0), CameraStatus::Accepted);
         assert_eq!(status_by_errors(&Expected::UNKNOWN, 1.0), CameraStatus::FocalLength);
         assert_eq!(status_by_errors(&Expected { rotation: f64::NAN, ..good }, 1.0), CameraStatus::Rotation);

@@ -1,5 +1,7 @@
 //! Where a new camera stands among those that are held, what speaks for it, and by how much that may be wrong.
 
+use nalgebra::Matrix3;
+
 use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{Case, Out};
@@ -193,16 +195,14 @@ impl<'a> Newcomer<'a> {
         let (expected, offset_error) = errors.map_or((Expected::UNKNOWN, f64::NAN), |errors| {
             // NaN where it was not solved for, which it was of a camera that is new.
             let block =
-                |from: usize| errors.block(self.camera, from).map_or(f64::NAN, |b| length_quantile(&b));
+                |from: usize| errors.block(self.camera, from).unwrap_or(Matrix3::from_element(f64::NAN));
             let focal = NINE_IN_TEN * errors.deviation(self.camera, FOCAL);
+            let own = Expected::of_position(focal, length_quantile(&block(ROTATION)), block(POSITION));
+            let expected = own.besides(&of_held);
             // One that is given and held is as good as whoever gave it says.
             let is_held = stated[self.camera].intrinsic[FOCAL].deviation == 0.0;
-            let expected = Expected::new(
-                if is_held { 0.0 } else { focal.hypot(of_held.focal) },
-                block(ROTATION).hypot(of_held.rotation),
-                block(POSITION).hypot(of_held.position),
-            );
-            (expected, errors.deviation(self.camera, CLOCK))
+            let focal = if is_held { 0.0 } else { expected.focal };
+            (Expected { focal, ..expected }, errors.deviation(self.camera, CLOCK))
         });
         let rig = rig(&solved.network.cameras, &solved.network.pairs());
         Found { solved, support, expected, offset_error, rig }

@@ -162,14 +162,11 @@ fn measure(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, 
 
 /// Errors to expect of what was solved for, with all that did not move where it stands; 0 of what was not.
 fn expected(found: &Move, errors: &Covariance, camera: usize) -> Expected {
-    let block = |from: usize| errors.block(camera, from).map_or(0.0, |block| length_quantile(&block));
+    let block = |from: usize| errors.block(camera, from).unwrap_or_default();
     let at = errors.active.iter().position(|p| *p == (camera, FOCAL)).filter(|_| found.zoomed);
     let focal = |p: usize| NINE_IN_TEN * errors.matrix[(p, p)].max(0.0).sqrt();
     // What is said of the change is of two focal lengths that are about as well known.
     let of_change = found.focal_error / std::f64::consts::SQRT_2;
-    Expected {
-        focal: at.map_or(0.0, |p| focal(p).max(of_change)),
-        rotation: block(ROTATION),
-        position: block(POSITION),
-    }
+    let focal = at.map_or(0.0, |p| focal(p).max(of_change));
+    Expected::of_position(focal, length_quantile(&block(ROTATION)), block(POSITION))
 }

@@ -8,7 +8,7 @@
 //! taken out by the similarity that fits best, so that a camera's error is what is left after the networks have been laid
 //! over one another.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector3};
 
 use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION};
 use crate::network::model::joint::{PairMeetings, Problem, weight};
@@ -177,25 +177,74 @@ pub struct Expected {
     pub rotation: f64,
     /// Of the position, unit of the network.
     pub position: f64,
+    /// Covariance of the position along the axes of the world, square of the unit: the position is off by more in one direction than in another.
+    pub position_covariance: Matrix3<f64>,
 }
 
 impl Expected {
-    /// Of a focal length, relative, of a rotation, radians, and of a position, unit of the network.
+    /// Of a focal length, relative, of a rotation, radians, and of a position, unit of the network, which is off alike in all directions.
     pub fn new(focal: f64, rotation: f64, position: f64) -> Self {
-        Self { focal, rotation, position }
+        Self { focal, rotation, position, position_covariance: alike(position) }
     }
 
     /// Nothing is known.
-    pub const UNKNOWN: Self = Self { focal: f64::NAN, rotation: f64::NAN, position: f64::NAN };
+    pub const UNKNOWN: Self = Self {
+        focal: f64::NAN,
+        rotation: f64::NAN,
+        position: f64::NAN,
+        position_covariance: Matrix3::new(
+            f64::NAN,
+            f64::NAN,
+            f64::NAN,
+            f64::NAN,
+            f64::NAN,
+            f64::NAN,
+            f64::NAN,
+            f64::NAN,
+            f64::NAN,
+        ),
+    };
+
+    /// Of a covariance of the position.
+    pub(in crate::network) fn of_position(focal: f64, rotation: f64, covariance: Matrix3<f64>) -> Self {
+        Self { focal, rotation, position: length_quantile(&covariance), position_covariance: covariance }
+    }
 
     /// The larger of each that depends on how networks are laid over one another; a focal length does not.
     fn or_larger(self, other: Self) -> Self {
+        let position = larger(self.position, other.position);
+        let of_other = self.position < position || other.position.is_nan();
         Self {
             rotation: larger(self.rotation, other.rotation),
-            position: larger(self.position, other.position),
+            position,
+            position_covariance: if of_other { other } else { self }.position_covariance,
             ..self
         }
     }
+
+    /// Besides errors that are independent of these, those of the position alike in all directions.
+    pub(in crate::network) fn besides(self, other: &Self) -> Self {
+        Self {
+            focal: self.focal.hypot(other.focal),
+            rotation: self.rotation.hypot(other.rotation),
+            position: self.position.hypot(other.position),
+            position_covariance: self.position_covariance + alike(other.position),
+        }
+    }
+
+    /// The same in a world that is turned and has another unit.
+    pub(in crate::network) fn in_world(self, turn: &Rotation3<f64>, unit: f64) -> Self {
+        Self {
+            position: self.position / unit,
+            position_covariance: turn * self.position_covariance * turn.inverse() / (unit * unit),
+            ..self
+        }
+    }
+}
+
+/// A covariance alike in all directions, of vectors of which nine in ten are shorter than this.
+fn alike(length: f64) -> Matrix3<f64> {
+    Matrix3::from_diagonal_element((length / NINE_IN_TEN_IN_SPACE).powi(2))
 }
 
 /// How much positions count, beside rotations, for the turn that lays one network over another. Who compares two networks lays them over
@@ -229,11 +278,7 @@ pub fn expected(
             .iter()
             .position(|p| *p == (camera, 0))
             .map_or(0.0, |p| NINE_IN_TEN * aligned[(p, p)].max(0.0).sqrt());
-        Expected {
-            focal,
-            rotation: length_quantile(&block(ROTATION)),
-            position: length_quantile(&block(POSITION)),
-        }
+        Expected::of_position(focal, length_quantile(&block(ROTATION)), block(POSITION))
     };
     (0..n).map(|camera| of_camera(camera, &ways[0]).or_larger(of_camera(camera, &ways[1]))).collect()
 }
@@ -294,4 +339,45 @@ fn aligned(
     let Some(inverse) = weighed.tr_mul(&moves).try_inverse() else { return covariance.clone() };
     let projector = DMatrix::identity(active.len(), active.len()) - &moves * inverse * weighed.transpose();
     &projector * covariance * projector.transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_turn_with_the_world() {
+        let along_x = Matrix3::from_diagonal(&Vector3::new(4.0, 1.0, 1.0));
+        let stated = Expected::of_position(0.01, 0.02, along_x);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+        let there = stated.in_world(&turn, 2.0);
+        let along_y = Matrix3::from_diagonal(&Vector3::new(0.25, 1.0, 0.25));
+        assert!((there.position_covariance - along_y).norm() < 1e-12, "{there:?}");
+        assert!((there.position - length_quantile(&along_y)).abs() < 1e-12);
+        assert_eq!((there.focal, there.rotation), (0.01, 0.02));
+    }
+
+    #[test]
+    fn what_is_alike_in_all_directions_is_added() {
+        let (own, other) = (Expected::new(0.03, 0.0, 0.3), Expected::new(0.04, 0.1, 0.4));
+        let both = own.besides(&other);
+        assert!(
+            (both.focal - 0.05).abs() < 1e-12 && both.rotation == 0.1 && (both.position - 0.5).abs() < 1e-12
+        );
+        assert!((both.position_covariance - alike(0.5)).norm() < 1e-12);
+        assert!((length_quantile(&alike(0.5)) - 0.5).abs() < 0.002, "nine in ten are shorter");
+        assert!(own.besides(&Expected::UNKNOWN).position_covariance.iter().all(|v| v.is_nan()));
+    }
+
+    #[test]
+    fn the_covariance_is_that_of_the_larger_error() {
+        let (small, large) = (Expected::new(0.01, 0.2, 0.1), Expected::new(0.01, 0.1, 0.3));
+        for found in [small.or_larger(large), large.or_larger(small)] {
+            assert_eq!((found.rotation, found.position_covariance), (0.2, large.position_covariance));
+        }
+        let unknown = large.or_larger(Expected::UNKNOWN);
+        assert!(unknown.position.is_nan() && unknown.position_covariance.iter().all(|v| v.is_nan()));
+        let unknown = Expected::UNKNOWN.or_larger(large);
+        assert!(unknown.position.is_nan() && unknown.position_covariance.iter().all(|v| v.is_nan()));
+    }
 }

@@ -71,6 +71,8 @@ pub struct World {
     pub cameras: Vec<Camera>,
     /// Where its vertical comes from.
     pub ground: Ground,
+    /// From the axes of the network before to its own.
+    pub turn: Rotation3<f64>,
     /// Its unit in that of the network before.
     pub unit: f64,
 }
@@ -128,5 +130,5 @@ pub fn placed(network: &Placed, floor: Option<&Floor>, turned: f64) -> World {
             breadth: floor.breadth,
         }
     });
-    World { cameras, ground, unit }
+    World { cameras, ground, turn, unit }
 }
