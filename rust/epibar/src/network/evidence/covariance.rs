@@ -366,7 +366,7 @@ mod tests {
         );
         assert!((both.position_covariance - alike(0.5)).norm() < 1e-12);
         assert!((length_quantile(&alike(0.5)) - 0.5).abs() < 0.002, "nine in ten are shorter");
-        assert!(own.besides(&Expected::UNKNOWN).position_covariance.iter().all(|v| v.is_nan()));
+        assert!(own.besides(&Expected::UNKNOWN).position_covariance.diagonal().iter().all(|v| v.is_nan()));
     }
 
     #[test]
