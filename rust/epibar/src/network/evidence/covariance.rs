@@ -207,7 +207,9 @@ impl Expected {
 
     /// Of a covariance of the position.
     pub(in crate::network) fn of_position(focal: f64, rotation: f64, covariance: Matrix3<f64>) -> Self {
-        Self { focal, rotation, position: length_quantile(&covariance), position_covariance: covariance }
+        // That of a weakly determined network is symmetric but for what rounding leaves, a hundred thousandth.
+        let symmetric = 0.5 * (covariance + covariance.transpose());
+        Self { focal, rotation, position: length_quantile(&covariance), position_covariance: symmetric }
     }
 
     /// The larger of each that depends on how networks are laid over one another; a focal length does not.
@@ -355,6 +357,17 @@ mod tests {
         assert!((there.position_covariance - along_y).norm() < 1e-12, "{there:?}");
         assert!((there.position - length_quantile(&along_y)).abs() < 1e-12);
         assert_eq!((there.focal, there.rotation), (0.01, 0.02));
+    }
+
+    #[test]
+    fn a_covariance_is_symmetric() {
+        let mut rounded = Matrix3::from_diagonal(&Vector3::new(4.0, 1.0, 1.0));
+        (rounded[(0, 1)], rounded[(1, 0)]) = (0.5, 0.5001);
+        let stated = Expected::of_position(0.01, 0.02, rounded).position_covariance;
+        assert_eq!(stated, stated.transpose());
+        let turn = Rotation3::from_euler_angles(0.3, 0.2, 0.1);
+        let there = Expected::of_position(0.01, 0.02, rounded).in_world(&turn, 2.0).position_covariance;
+        assert!((there - there.transpose()).norm() < 1e-12);
     }
 
     #[test]
