@@ -4,7 +4,8 @@
 //! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
 
 use super::case::{Case, Finished, Out};
-use super::evidence::covariance::{Covariance, Expected, covariance, expected};
+use super::evidence::covariance::{Covariance, covariance};
+use super::evidence::expected::{Expected, expected};
 use super::evidence::halves;
 use super::evidence::outlines::{Shapes, outline_errors};
 use super::evidence::support::Support;

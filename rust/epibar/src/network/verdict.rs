@@ -1,7 +1,7 @@
 //! The verdict: what is said of each camera, each pair and the whole.
 
 use super::case::{Case, Finished, Out};
-use super::evidence::covariance::{Expected, NINE_IN_TEN_IN_SPACE};
+use super::evidence::expected::{Expected, NINE_IN_TEN_IN_SPACE};
 use super::evidence::support::{Deviates, Support, knocked};
 use super::given::graph::all_pairs;
 use super::given::pair::PairFound;

@@ -24,7 +24,7 @@ use replace::replaced;
 pub(super) use stretch::FRAMES;
 use suspects::{Footage, judged};
 
-use super::evidence::covariance::Expected;
+use super::evidence::expected::Expected;
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::INSET;

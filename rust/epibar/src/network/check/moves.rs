@@ -4,7 +4,8 @@ use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
 use super::stretch::Stretch;
-use crate::network::evidence::covariance::{Covariance, NINE_IN_TEN, covariance, length_quantile};
+use crate::network::evidence::covariance::{Covariance, covariance};
+use crate::network::evidence::expected::{NINE_IN_TEN, length_quantile};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Belief, Beliefs, Problem};
 use crate::network::moments::survey::{Survey, summed};

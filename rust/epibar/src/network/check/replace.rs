@@ -3,7 +3,8 @@
 use super::moves::{Move, PARTS, deviates, focal_error, freed, pose_error};
 use super::stretch::FRAMES;
 use super::suspects::Judged;
-use crate::network::evidence::covariance::{Covariance, Expected, NINE_IN_TEN, covariance, length_quantile};
+use crate::network::evidence::covariance::{Covariance, covariance};
+use crate::network::evidence::expected::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::support::{Deviates, Support};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};

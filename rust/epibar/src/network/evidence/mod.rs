@@ -3,9 +3,11 @@
 //! * `support`: what speaks for each camera on moments kept aside.
 //! * `halves`: was a camera turned a little at half time?
 //! * `outlines`: by how much outlines of each camera are wrong.
-//! * `covariance`: errors to expect.
+//! * `covariance`: how well all is known together.
+//! * `expected`: errors to expect of each camera.
 
 pub mod covariance;
+pub mod expected;
 pub mod halves;
 pub mod outlines;
 pub mod support;
