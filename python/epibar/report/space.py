@@ -145,16 +145,11 @@ def _ellipsoid(camera: NetworkCamera) -> list[list[float]] | None:
     if error is None:
         return None
     if camera.position_covariance is None:
-        return _vectors(error * np.eye(3))
-    variances, directions = np.linalg.eigh(camera.position_covariance)
-    return _vectors(IN_SPACE * np.sqrt(np.maximum(variances, 0.0))[:, None] * directions.T)
-
-
-def _vectors(vectors: Array) -> list[list[float]]:
-    """Return vectors as lists, to a thousandth of the longest."""
-    longest = float(np.abs(vectors).max())
-    digits = 3 - math.floor(math.log10(longest)) if longest else 0
-    found: list[list[float]] = np.round(vectors, digits).tolist()
+        axes = error * np.eye(3)
+    else:
+        variances, directions = np.linalg.eigh(camera.position_covariance)
+        axes = IN_SPACE * np.sqrt(np.maximum(variances, 0.0))[:, None] * directions.T
+    found: list[list[float]] = axes.tolist()
     return found
 
 
