@@ -34,6 +34,7 @@ pub use crate::recording::pixel_words::{BLOCK_FRAMES, PixelBlock};
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
 pub use crate::refine::refine;
+pub use crate::search::resampled;
 pub use crate::verify::planarity::plane_residual;
 pub use crate::verify::rivals::Winner;
 pub use crate::verify::shift_curve::{HeldOut, normal_deviate, shift_curve};

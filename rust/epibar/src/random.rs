@@ -59,8 +59,8 @@ pub fn seed_of_source(seed: u64, source: u64) -> u64 {
     seed.wrapping_add((source + 1) << 56)
 }
 
-/// The seed by which a solution of a round is perturbed; of a hundred solutions at most.
-pub fn seed_of_perturbed(seed: u64, round: u64, solution: u64) -> u64 {
+/// The seed by which a solution of a round is resampled; of a hundred solutions at most.
+pub fn seed_of_resampled(seed: u64, round: u64, solution: u64) -> u64 {
     seed.wrapping_add(round * 100 + solution)
 }
 
@@ -108,7 +108,7 @@ mod tests {
     fn seeds_from_one_seed_are_those_that_they_always_were() {
         assert_eq!(seed_of_pass(7, 2), 7_u64.wrapping_add(GOLDEN.wrapping_mul(2)));
         assert_eq!(seed_of_source(7, 1), 7 + (2 << 56));
-        assert_eq!(seed_of_perturbed(u64::MAX, 1, 3), 102);
+        assert_eq!(seed_of_resampled(u64::MAX, 1, 3), 102);
         assert_eq!(seed_of_lines(6, 2, 10), 14);
     }
 }

@@ -26,7 +26,7 @@ pub enum Stage {
     TopView,
     /// The best hypotheses are refined.
     Refine,
-    /// The best solutions are perturbed and refined anew.
+    /// The best solutions are fitted anew to samples of what meets under them, and refined.
     Restart,
     /// The best solutions are followed along the valley of the score that they lie in.
     Explore,

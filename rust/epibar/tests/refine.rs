@@ -6,7 +6,7 @@ use common::cameras::{error, fundamental, random_pair};
 use common::flying::Scene;
 use common::masks::Random;
 use common::pairs;
-use epibar::internals::{SevenParameters, Step, Views, refine};
+use epibar::internals::{SevenParameters, Step, Views, refine, resampled};
 use nalgebra::Matrix3;
 
 /// Norm of the difference of two matrices of norm 1 that may differ in sign.
@@ -78,4 +78,29 @@ fn refinement_leads_back_to_the_true_matrix() {
     // Nothing to refine on.
     let nothing = Views::new(a, b, &pairs(1));
     assert!(refine(&nothing, f, &[2.0], 1).is_none());
+}
+
+#[test]
+fn samples_of_what_meets_lead_out_of_a_wrong_optimum() {
+    let scene = Scene::new(14, 120, 5);
+    let [a, b] = scene.recordings(1);
+    let views = Views::new(&a, &b, &pairs(120));
+    let truth = fundamental(&scene.cameras[0], &scene.cameras[1]);
+    let parameters = SevenParameters::new(&truth, views.sizes()).unwrap();
+    let mut random = Random(47);
+    let (mut stuck, mut led) = (0, 0);
+    for seed in 0..40 {
+        let step = Step::from_fn(|_, _| random.between(-0.08, 0.08));
+        let moved = parameters.stepped(&step).fundamental().unwrap();
+        // In a crowd refinement leaves it some pixels off.
+        let Some(refined) = refine(&views, &moved, &[8.0, 4.0], 2) else { continue };
+        let off = error(&refined, &scene.cameras);
+        let found = resampled(&views, &views, &refined, 5.0, seed);
+        assert!(found.len() <= 5);
+        if (5.0..12.0).contains(&off) {
+            stuck += 1;
+            led += usize::from(found.iter().any(|f| error(f, &scene.cameras) < 0.4 * off));
+        }
+    }
+    assert!(stuck > 10 && led * 10 > stuck * 8, "{led} of {stuck}");
 }

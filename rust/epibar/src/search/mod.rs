@@ -1,19 +1,20 @@
 //! The search of the frontier method: many hypotheses, few different starts, refinement, restarts.
 //!
 //! Of the hypotheses of every source a few dozen *different* ones are refined with a shrinking radius, and compared on
-//! more frames ([`starts`]); while they contest one another ([`contest`]) the best are perturbed and refined again
-//! ([`perturb`]), and followed along the valleys that they lie in ([`pass`]). What remains is a list of different geometries with
+//! more frames ([`starts`]); while they contest one another ([`contest`]) or the best still gains, the best are fitted anew to samples of what meets
+//! ([`resample`]) and refined again, and followed along the valleys that they lie in ([`pass`]). What remains is a list of different geometries with
 //! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames.
 
 mod contest;
 mod either_order;
 mod pass;
-mod perturb;
+mod resample;
 mod settle;
 mod solution;
 mod starts;
 mod training_set;
 
+pub use resample::resampled;
 pub use settle::settle;
 pub use solution::{Found, Searched, Solution};
 pub use training_set::{SearchOptions, TrainingSet};

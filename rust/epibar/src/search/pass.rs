@@ -1,13 +1,13 @@
 //! One pass of the search: from hypotheses to solutions.
 
 use super::contest::contest;
-use super::perturb::perturbed;
+use super::resample::resampled;
 use super::solution::{Solution, share_of};
 use super::starts::{Starts, with_refined};
 use super::training_set::TrainingSet;
 use crate::error::Result;
 use crate::hypotheses::Hypothesis;
-use crate::random::seed_of_perturbed;
+use crate::random::seed_of_resampled;
 use crate::refine::valley::walk;
 use crate::watch::{Stage, Watch, report};
 
@@ -15,8 +15,8 @@ use crate::watch::{Stage, Watch, report};
 struct Breadth {
     /// Solutions that are kept while others are sought.
     kept: usize,
-    /// How many of the best solutions are perturbed in a round.
-    perturbed: usize,
+    /// How many of the best solutions are resampled in a round.
+    resampled: usize,
     /// How many of the best solutions are walked from.
     walked: usize,
     /// A solution is not walked from with less than this share of the best one's score.
@@ -24,9 +24,9 @@ struct Breadth {
 }
 
 /// Where one geometry stands out among those found first.
-const USUAL: Breadth = Breadth { kept: 16, perturbed: 6, walked: 3, worth_walking: 0.7 };
+const USUAL: Breadth = Breadth { kept: 16, resampled: 6, walked: 3, worth_walking: 0.7 };
 /// Where none does: the truth may be none of them.
-const WIDE: Breadth = Breadth { kept: 40, perturbed: 16, walked: 12, worth_walking: 0.5 };
+const WIDE: Breadth = Breadth { kept: 40, resampled: 16, walked: 12, worth_walking: 0.5 };
 /// Times as many starts as the options say are refined there.
 const WIDE_STARTS: usize = 3;
 /// Share of the best one's score from which on another geometry contests it.
@@ -35,9 +35,12 @@ const CONTESTING: f64 = 0.7;
 const CLEAR: f64 = 0.5;
 /// Pixels, of a 640×480 image, by which starts differ.
 const STARTS_APART: f64 = 4.0;
-/// Radii of refinement, pixels of a 640×480 image: of starts, and of perturbed solutions.
+/// Radii of refinement, pixels of a 640×480 image: of starts, and of resampled solutions.
 const SCHEDULES: [&[f64]; 2] = [&[16.0, 8.0, 4.0], &[6.0, 3.0]];
-const PERTURBED_SCHEDULES: [&[f64]; 2] = [&[8.0, 4.0], &[3.0]];
+const RESAMPLED_SCHEDULES: [&[f64]; 2] = [&[8.0, 4.0], &[3.0]];
+/// Most rounds of resampling, while the best gains this share of its score or more.
+const ROUNDS: usize = 12;
+const GAIN: f64 = 0.05;
 /// Solutions that a pass ends with.
 const KEPT: usize = 12;
 
@@ -62,18 +65,41 @@ pub(super) fn pass(
         starts.add(scored.iter(), (WIDE_STARTS * options.starts).saturating_sub(refined));
         solutions = with_refined(training, solutions, &starts.from(refined), &SCHEDULES, breadth.kept);
     }
-    for round in 0..options.restarts {
-        if contest(training, &solutions) < CLEAR {
+    solutions = gained(training, solutions, breadth, seed, watch)?;
+    walked(training, &solutions, breadth, watch)
+}
+
+/// The best of solutions and of what they become when they are resampled, round after round: some while others contest the best one, more
+/// while it gains, which it does step by step where it comes from far.
+fn gained(
+    training: &TrainingSet,
+    mut solutions: Vec<Solution>,
+    breadth: &Breadth,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Solution>> {
+    let best = |solutions: &[Solution]| solutions.first().map_or(0.0, |best| best.score);
+    let (mut gains, mut before) = (false, best(&solutions));
+    for round in 0..ROUNDS {
+        let contested = round < training.options.restarts && contest(training, &solutions) >= CLEAR;
+        if !(contested || gains) {
             break;
         }
-        report(watch, Stage::Restart, round as f64 / options.restarts as f64)?;
+        report(watch, Stage::Restart, 1.0 - 0.5f64.powi(round as i32))?;
         let mut moved = Vec::new();
-        for (k, solution) in solutions.iter().take(breadth.perturbed).enumerate() {
-            moved.extend(perturbed(training, solution, seed_of_perturbed(seed, round as u64, k as u64)));
+        for (k, Solution { fundamental, source, .. }) in solutions.iter().take(breadth.resampled).enumerate()
+        {
+            let seed = seed_of_resampled(seed, round as u64, k as u64);
+            let radius = training.coarse_radius();
+            let found = resampled(&training.comparing, &training.scoring, fundamental, radius, seed);
+            moved.extend(found.into_iter().map(|f| (f, *source)));
         }
-        solutions = with_refined(training, solutions, &moved, &PERTURBED_SCHEDULES, breadth.kept);
+        solutions = with_refined(training, solutions, &moved, &RESAMPLED_SCHEDULES, breadth.kept);
+        let now = best(&solutions);
+        gains = now - before > GAIN * before.abs();
+        before = now;
     }
-    walked(training, &solutions, breadth, watch)
+    Ok(solutions)
 }
 
 /// Walks on from those that could win, on the frames that compare. What was visited stays as rivals.

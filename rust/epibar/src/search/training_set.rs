@@ -21,7 +21,7 @@ pub struct SearchOptions {
     pub starts: usize,
     /// Of those, starts that each source has for its own.
     pub own_starts: usize,
-    /// Rounds of perturbing the best.
+    /// Rounds of resampling the best; others follow while the best gains.
     pub restarts: usize,
     /// Most times that all is done with new hypotheses, while the best explains one class of tangents alone, or has
     /// a high score and another nearly as high a one.
