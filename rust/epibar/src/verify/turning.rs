@@ -4,9 +4,7 @@
 //! the plane knows better. So of the planes that `F` allows the one is taken to which half of the matched points keep closest: the
 //! floor, a path, a slab. About it `e'` is moved to all sides, until the geometries are far apart over the images, and least squares may
 //! turn them back. Where one neither comes back nor loses evidence, it may be the truth as well. That is asked of the silhouettes
-//! and not of the covariance, which knows what is near the answer, and takes what meets under it for true. Where the motion is flat,
-//! that all come back in the end proves little: what outlines are off alike in all frames pulls them to one place, right or wrong. So
-//! they must come back soon.
+//! and not of the covariance, which knows what is near the answer, and takes what meets under it for true.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +14,7 @@ use rayon::prelude::*;
 
 use super::over_image::image_distance;
 use super::rivals::Winner;
-use super::thresholds::{DEPTH, FLAT, MIN_POINTS, TURNED_SHARE, larger, reaches, within};
+use super::thresholds::{DEPTH, MIN_POINTS, TURNED_SHARE, larger, reaches};
 use crate::frontier::volume::{Correspondence, disagreement};
 use crate::frontier::{TangentMatch, Views};
 use crate::geometry::fundamental::{denormaliser, normaliser};
@@ -29,10 +27,8 @@ use crate::refine::refine;
 const AWAY: [f64; 2] = [10.0, 20.0];
 /// To how many sides the epipole is moved.
 const SIDES: usize = 8;
-/// Rounds of refinement that may turn a geometry back, and after which it is looked at; the first alone where the motion is flat.
-const ROUNDS: [usize; 4] = [3, 3, 6, 12];
-/// What moves by less between two looks has come to rest, pixels of a 640×480 image over the images.
-const AT_REST: f64 = 0.05;
+/// Rounds of refinement that may turn a geometry back.
+const ROUNDS: usize = 3;
 /// The epipole is moved by no more than this, radians in normalised coordinates.
 const FARTHEST: f64 = 0.8;
 /// Halvings that find the angle.
@@ -77,34 +73,16 @@ pub fn may_turn(
         return Turned::NONE;
     }
     let Some(plane) = Plane::new(&winner.fundamental, matches, views) else { return Turned::UNKNOWN };
-    let rounds = if reaches(plane_residual, FLAT) { &ROUNDS[..] } else { &ROUNDS[..1] };
     plane
         .turned(views.pixel_scale())
-        .into_par_iter()
-        .filter_map(|turned| last_likely(views, winner, turned, rounds))
+        .par_iter()
+        .filter_map(|turned| refine(views, turned, &[winner.radius], ROUNDS))
+        .filter(|turned| reaches(winner.share(turned), TURNED_SHARE))
         .map(|turned| Turned {
             image: image_distance(&winner.fundamental, &turned, views.sizes()),
             volume: disagreement(volume, &turned),
         })
         .reduce(|| Turned::NONE, Turned::or_larger)
-}
-
-/// The last geometry on the way of one that has turned which keeps its evidence: refinement may also lead from such a one to others
-/// that have less.
-fn last_likely(views: &Views, winner: &Winner, turned: Fundamental, rounds: &[usize]) -> Option<Fundamental> {
-    let (mut current, mut likely) = (turned, None);
-    for &rounds in rounds {
-        let Some(refined) = refine(views, &current, &[winner.radius], rounds) else { break };
-        if reaches(winner.share(&refined), TURNED_SHARE) {
-            likely = Some(refined);
-        }
-        let moved = image_distance(&current, &refined, views.sizes());
-        current = refined;
-        if within(moved, AT_REST * views.pixel_scale()) {
-            break;
-        }
-    }
-    likely
 }
 
 /// A plane that `F` allows, in normalised coordinates.
