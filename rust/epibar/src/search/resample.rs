@@ -1,9 +1,9 @@
 //! Geometries fitted anew to a few of the tangents that meet, to leave a local optimum.
 //!
 //! A geometry that is some pixels off has enough true meetings within a wide radius for some small samples of them to be all true;
-//! a fit to all of them, false ones among them, stays where it is. So does the local optimisation of Chum, Matas and Kittler
-//! (*Locally optimized RANSAC*, DAGM 2003). Moves at random in the seven parameters hardly ever end as near: of samples the best
-//! was 2 px from the truth where of as many moves it was 10 px.
+//! a fit to all of them, false ones among them, stays where it is. Such samples are the local optimisation of Chum, Matas and Kittler
+//! (*Locally optimized RANSAC*, DAGM 2003). Moves at random in the seven parameters hardly ever end as near: of one pair the best sample
+//! was 2 px from the truth, the best of as many moves 10 px.
 
 use rayon::prelude::*;
 
