@@ -22,9 +22,6 @@ from network_worlds import world, worlds_table
 from options import add_networks
 from tables import progress
 
-IN_SPACE = 2.5
-"""Standard deviations of a half axis of the ellipsoid that holds nine in ten."""
-
 WRONG = (3.0, 1.0)
 """An accepted camera is wrong beyond so many times its stated rotation error, and so many degrees."""
 
@@ -117,15 +114,15 @@ def errors(situation: Any, network: Any) -> dict[str, list[float]]:
 def half_axes(situation: Any, network: Any) -> list[float]:
     """How many half axes of its ellipsoid each accepted camera is from where it truly stands."""
     from epibar import synthetic
+    from epibar.network.scaling import IN_SPACE
 
     found = synthetic.accepted_cameras(network)
     if len(found) < 2:
         return []
-    away = []
-    for name, off in synthetic.position_errors(situation, found).items():
-        variances, directions = np.linalg.eigh(network.cameras[name].position_covariance)
-        away.append(float(np.linalg.norm(off @ directions / (IN_SPACE * np.sqrt(variances)))))
-    return away
+    return [
+        float(np.sqrt(off @ np.linalg.solve(network.cameras[name].position_covariance, off)) / IN_SPACE)
+        for name, off in synthetic.position_errors(situation, found).items()
+    ]
 
 
 def row(outcomes: list[dict[str, Any]]) -> str:

@@ -79,6 +79,7 @@ fn gained(
     watch: &mut dyn Watch,
 ) -> Result<Vec<Solution>> {
     let best = |solutions: &[Solution]| solutions.first().map_or(0.0, |best| best.score);
+    let radius = training.coarse_radius();
     let (mut gains, mut before) = (false, best(&solutions));
     for round in 0..ROUNDS {
         let contested = round < training.options.restarts && contest(training, &solutions) >= CLEAR;
@@ -90,7 +91,6 @@ fn gained(
         for (k, Solution { fundamental, source, .. }) in solutions.iter().take(breadth.resampled).enumerate()
         {
             let seed = seed_of_resampled(seed, round as u64, k as u64);
-            let radius = training.coarse_radius();
             let found = resampled(&training.comparing, &training.scoring, fundamental, radius, seed);
             moved.extend(found.into_iter().map(|f| (f, *source)));
         }
