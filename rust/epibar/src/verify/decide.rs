@@ -7,9 +7,9 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    CLEAN_RADIUS, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND, MAX_TURN, MIN_BOTH_ENDS,
-    MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, PLACE,
-    REPEATS, SAME, reaches, within,
+    CLEAN_RADIUS, DEPTH, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND, MAX_TURN,
+    MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z,
+    MIRROR_SHARE, PLACE, REPEATS, SAME, SHALLOW_POSSIBLE, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -98,6 +98,11 @@ fn is_flat(f: &Findings) -> bool {
     !reaches(f.evidence.plane_residual, FLAT)
 }
 
+/// Not much leaves the plane, as far as is known: flat motion is that as well.
+fn is_shallow(f: &Findings) -> bool {
+    !reaches(f.evidence.plane_residual, DEPTH)
+}
+
 fn may_not_turn(f: &Findings) -> Option<Verdict> {
     let turned = f.evidence.may_turn;
     let most = if is_flat(f) { FLAT_TURN } else { MAX_TURN };
@@ -108,12 +113,10 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     if f.beyond_motion.is_nan() {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
-    let known = if is_flat(f) {
-        within(f.beyond_motion, FLAT_BEYOND) && within(f.possible_beyond, FLAT_POSSIBLE * f.scale)
-    } else {
-        within(f.beyond_motion, MAX_BEYOND * f.scale)
-    };
-    unless(known, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
+    let known = within(f.beyond_motion, if is_flat(f) { FLAT_BEYOND } else { MAX_BEYOND * f.scale });
+    let most = if is_flat(f) { FLAT_POSSIBLE } else { SHALLOW_POSSIBLE };
+    let possible = !is_shallow(f) || within(f.possible_beyond, most * f.scale);
+    unless(known && possible, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
 }
 
 fn as_tested(f: &Findings) -> Option<Verdict> {
@@ -235,7 +238,14 @@ mod tests {
         let turned = Evidence { may_turn: 3.6, ..flat };
         assert_eq!(kind(&findings(&turned, &walk)), Kind::Undetermined);
         assert_eq!(kind(&findings(&Evidence { plane_residual: 4.0, ..turned }, &walk)), Kind::Accepted);
-        assert_eq!(kind(&Findings { possible_beyond: 2.1, ..findings(&GOOD, &walk) }), Kind::Accepted);
+        let shallow = Evidence { plane_residual: 1.5, ..GOOD };
+        for (evidence, possible_beyond, expected) in [
+            (&shallow, 4.9, Kind::Accepted),
+            (&shallow, 5.1, Kind::Undetermined),
+            (&GOOD, 5.1, Kind::Accepted),
+        ] {
+            assert_eq!(kind(&Findings { possible_beyond, ..findings(evidence, &walk) }), expected);
+        }
         assert_eq!(
             kind(&Findings { best_radius: 3.0, beyond_motion: 1.9, ..findings(&GOOD, &walk) }),
             Kind::Accepted
@@ -276,7 +286,10 @@ mod tests {
         }
         assert!(refused(&Findings { beyond_motion: unknown, ..findings(&GOOD, &walk) }));
         let flat = Evidence { plane_residual: 0.5, ..GOOD };
-        assert!(refused(&Findings { possible_beyond: unknown, ..findings(&flat, &walk) }));
+        for plane_residual in [0.5, 1.5, unknown] {
+            let near_a_plane = Evidence { plane_residual, ..GOOD };
+            assert!(refused(&Findings { possible_beyond: unknown, ..findings(&near_a_plane, &walk) }));
+        }
         assert!(refused(&Findings { expected_error: unknown, ..findings(&GOOD, &walk) }));
 
         let matrix = nalgebra::Matrix3::new(0.0, 1.0, 2.0, -1.0, 0.0, 3.0, -2.0, -3.0, 0.0);

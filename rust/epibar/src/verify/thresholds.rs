@@ -64,6 +64,9 @@ pub const FLAT_BEYOND: f64 = 0.333;
 /// had 2.1 to 3.0, four of which were off by 2 to 3.9 px over the room, and eight 0.6 to 1.9, none of them by as much as 1 px; of right ones of families
 /// with an answer three of nine had more.
 pub const FLAT_POSSIBLE: f64 = 2.0;
+/// Nor by more than this where the motion is not flat and has less than [`DEPTH`]: a pair on one path that was accepted 8.2 px off over
+/// the room had 5.4, another one 5.2; of 45 right ones with an answer one had more, 6.3, and all others at most 4.4.
+pub const SHALLOW_POSSIBLE: f64 = 5.0;
 /// A geometry that has turned about the plane and kept this share of the evidence may be the truth as well, however certain the
 /// difference is: what outlines have in common is the same in all frames. On a plane and without a baseline turned ones kept 0.988 to
 /// 1.03 of it; where there is an answer those as far away at most 0.92, and 0.99 once.
