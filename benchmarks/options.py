@@ -16,7 +16,7 @@ METHODS: dict[str, tuple[Method, ...]] = {
 }
 
 NETWORKS = (
-    *("network", "network_plain", "network_off_centre", "network_large"),
+    *("network", "network_plain", "network_off_centre", "network_fisheye", "network_large"),
     *("network_stranger", "network_reversed", "network_shifted", "network_knocked", "network_split"),
     "network_false_pair",
 )

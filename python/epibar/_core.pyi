@@ -20,6 +20,7 @@ __all__ = [
     "examine",
     "frame_interval",
     "join_network",
+    "lens_reach",
     "match_barcodes",
     "motion_lines",
     "pairs_to_add",
@@ -168,6 +169,11 @@ def common_frames(
     a: Recording, b: Recording, time_offset: float, frames_per_frame: float
 ) -> NDArray[np.int64]: ...
 def frame_interval(recording: Recording) -> float: ...
+def lens_reach(
+    camera_matrix: NDArray[np.float64],
+    distortions: tuple[float, float, float, float, float],
+    size: tuple[int, int],
+) -> float | None: ...
 def join_network(
     recordings: Sequence[Recording],
     names: Sequence[str],

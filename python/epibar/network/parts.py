@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from .. import _core
 from ..arguments import Array
 from ..camera_files.world import METRE
 from ..errors import EpibarError
@@ -92,6 +93,18 @@ class NetworkCamera:
         if self.rotation is None or self.translation is None:
             return None
         return -self.rotation.T @ self.translation
+
+    @property
+    def lens_reach(self) -> float | None:
+        """How far from the principal point its lens shows anything, pixels; None where that is all of an image.
+
+        The polynomial that fits where things moved may turn back before the corners, where nothing moved that
+        would tell. No direction is seen beyond, and what undoes a lens makes nonsense of it.
+        """
+        if self.matrix is None or self.distortions is None:
+            return None
+        k1, k2, p1, p2, k3 = self.distortions.tolist()
+        return _core.lens_reach(self.matrix, (k1, k2, p1, p2, k3), self.size)
 
     def intrinsics(self, lens: Intrinsics | None = None) -> Intrinsics:
         """Return it as camera files describe it; ``lens`` is one that was taken out of the recording.

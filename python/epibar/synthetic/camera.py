@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Array
 from ..geometry.cameras import fundamental_from_cameras, project, projection_matrix
-from .lens import bend, image_limit, unbend
+from . import fisheye, lens
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +28,8 @@ class Camera:
     distortions : tuple of float
         k1, k2, p1, p2, k3 of OpenCV's lens model; empty for a pinhole. They bend what is drawn; projections
         and fundamental matrices are in undistorted pixels of the same K.
+    fisheye : float, optional
+        k of a lens of :mod:`~epibar.synthetic.fisheye`, in place of distortions.
     """
 
     K: Array
@@ -36,6 +38,7 @@ class Camera:
     size: tuple[int, int]
     name: str = ""
     distortions: tuple[float, ...] = ()
+    fisheye: float | None = None
 
     @classmethod
     def look_at(
@@ -81,12 +84,14 @@ class Camera:
     @property
     def distorted(self) -> bool:
         """Whether the lens bends lines."""
-        return any(self.distortions)
+        return self.fisheye is not None or any(self.distortions)
 
     @cached_property
     def lens_limit(self) -> float:
         """How far from the axis the lens follows its polynomial, in units of the focal length."""
-        return image_limit(self.K, self.distortions, self.size) if self.distorted else float("inf")
+        return (
+            lens.image_limit(self.K, self.distortions, self.size) if any(self.distortions) else float("inf")
+        )
 
     def distort(self, pixels: ArrayLike) -> Array:
         """Take (..., 2) undistorted pixels to where the lens shows them."""
@@ -94,7 +99,10 @@ class Camera:
         if not self.distorted:
             return pixels
         focal, middle = self.K[[0, 1], [0, 1]], self.K[:2, 2]
-        return bend((pixels - middle) / focal, self.distortions, self.lens_limit) * focal + middle
+        straight = (pixels - middle) / focal
+        if self.fisheye is not None:
+            return fisheye.bend(straight, self.fisheye) * focal + middle
+        return lens.bend(straight, self.distortions, self.lens_limit) * focal + middle
 
     def undistort(self, pixels: ArrayLike) -> Array:
         """Take (..., 2) pixels as the lens shows them to undistorted ones."""
@@ -102,11 +110,14 @@ class Camera:
         if not self.distorted:
             return pixels
         focal, middle = self.K[[0, 1], [0, 1]], self.K[:2, 2]
-        return unbend((pixels - middle) / focal, self.distortions, self.lens_limit) * focal + middle
+        bent = (pixels - middle) / focal
+        if self.fisheye is not None:
+            return fisheye.unbend(bent, self.fisheye) * focal + middle
+        return lens.unbend(bent, self.distortions, self.lens_limit) * focal + middle
 
     def without_lens(self) -> Camera:
         """Return the same camera as a pinhole."""
-        return replace(self, distortions=())
+        return replace(self, distortions=(), fisheye=None)
 
 
 def true_fundamental(cam_a: Camera, cam_b: Camera) -> Array:

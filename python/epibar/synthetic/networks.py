@@ -10,7 +10,7 @@ import numpy as np
 from . import casts
 from .film import Clock, Film
 from .motion import rotations
-from .rigs import Lenses, Rig
+from .rigs import FisheyeLenses, Lenses, Rig
 from .settings import POINTS, Rng, Setting, draw, ragged, stream, turned, whole
 from .situations import Fault, Situation
 from .world import World
@@ -66,6 +66,7 @@ NETWORK = Setting(
 SETTINGS: dict[str, Setting] = {
     "network": NETWORK,
     "network_off_centre": replace(NETWORK, lenses=Lenses(tangential=3e-4, off_centre=0.02, aspect=0.003)),
+    "network_fisheye": replace(NETWORK, lenses=FisheyeLenses()),
     "network_plain": replace(NETWORK, lenses=None, clocks=None, frames=(800, 1500), rates=(7.0, 12.5)),
     "network_large": replace(NETWORK, cameras=(9, 16), frames=(1200, 1800)),
 }

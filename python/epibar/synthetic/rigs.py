@@ -274,6 +274,34 @@ class Lenses:
         return float(np.hypot(*((corners - K[:2, 2]) / K[0, 0]).T).max())
 
 
+@dataclass(frozen=True)
+class FisheyeLenses:
+    """What fisheye lenses are drawn from; their principal points are in the middle.
+
+    Attributes
+    ----------
+    view : (low, high)
+        Degrees from corner to corner of the image, below 180.
+    k : (low, high)
+        Of :mod:`~epibar.synthetic.fisheye`; cameras of one situation have one.
+    """
+
+    view: Range = (100.0, 160.0)
+    k: Range = (-0.04, 0.08)
+
+    def maker(self, rng: np.random.Generator) -> Callable[[np.random.Generator, Camera], Camera]:
+        """Draw what the lenses of one situation have in common; returns what gives a camera its lens."""
+        k = rng.uniform(*self.k)
+
+        def make(rng: np.random.Generator, camera: Camera) -> Camera:
+            theta = np.deg2rad(rng.uniform(*self.view) / 2)
+            K = camera.K.copy()
+            K[0, 0] = K[1, 1] = np.hypot(*camera.size) / 2 / (theta * (1 + k * theta**2))
+            return replace(camera, K=K, fisheye=k)
+
+        return make
+
+
 def field_of_view(camera: Camera) -> float:
     """Angle from the left of an image to its right through its middle, degrees."""
     middle = (camera.size[1] - 1) / 2

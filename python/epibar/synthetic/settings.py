@@ -18,7 +18,7 @@ from .dirt import Dirt
 from .figures import Movers
 from .film import Clock, Film, Outlines
 from .motion import rotations
-from .rigs import Lenses, Rig, draw_cameras, log_uniform
+from .rigs import FisheyeLenses, Lenses, Rig, draw_cameras, log_uniform
 from .situations import Situation
 from .world import Furniture, World
 
@@ -72,7 +72,7 @@ class Setting:
         Of boxes and ellipses, as a share of their size.
     dirt : callable, optional
         ``dirt(rng)`` draws how dirty; None from it is clean.
-    lenses : Lenses, optional
+    lenses : Lenses or FisheyeLenses, optional
     clocks : callable, optional
         ``clocks(rng, fps, frames, count)`` gives them; by default all are one.
     budget : float
@@ -95,7 +95,7 @@ class Setting:
     outlines: Outlines = "silhouettes"
     jitter: Range = (0.0, 0.0)
     dirt: Callable[[Rng], Dirt | None] | None = None
-    lenses: Lenses | None = None
+    lenses: Lenses | FisheyeLenses | None = None
     clocks: Callable[[Rng, float, int, int], list[Clock]] | None = None
     budget: float = BUDGET
     spare: float = 0.0

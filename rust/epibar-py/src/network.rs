@@ -1,16 +1,18 @@
 //! Networks of cameras: their clocks, which pairs to search, and all pairs joined.
 
+use epibar::ImageSize;
+use epibar::internals::{Lens, Optics};
 use epibar::nalgebra::Vector3;
 use epibar::network::{
     Aspect, CameraInput, Expected, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime,
     Offsets, PairFound, Place, StoredCamera,
 };
-use numpy::IntoPyArray;
+use numpy::{IntoPyArray, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{enter, matrix, matrix_of_rows, to_python_error};
+use crate::convert::{enter, matrix, matrix_of, matrix_of_rows, to_python_error};
 use crate::recording::Recording;
 use crate::watch::watched;
 
@@ -162,6 +164,24 @@ fn dict_of<'py>(py: Python<'py>, network: &Network) -> PyResult<Bound<'py, PyDic
     }
     dict.set_item("ground", ground)?;
     Ok(dict)
+}
+
+/// How far from the principal point a camera shows anything, pixels; None where that is all of its images.
+#[pyfunction]
+pub fn lens_reach(
+    camera_matrix: PyReadonlyArrayDyn<'_, f64>,
+    distortions: [f64; 5],
+    size: (usize, usize),
+) -> PyResult<Option<f64>> {
+    let matrix = matrix_of("matrix", &camera_matrix)?;
+    let [k1, k2, _, _, k3] = distortions;
+    let optics = Optics {
+        focal: [matrix[(0, 0)], matrix[(1, 1)]],
+        principal: [matrix[(0, 2)], matrix[(1, 2)]],
+        lens: Lens { k: [k1, k2, k3] },
+    };
+    let size = ImageSize::new(size.0, size.1).map_err(|error| to_python_error(&error))?;
+    Ok(optics.reach(size))
 }
 
 pub fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'py, PyDict>> {

@@ -25,6 +25,7 @@ pub use crate::matching::{
     Candidate, CandidateOptions, Candidates, Match, MotionLineOptions, correlation, find_candidates,
     motion_lines, mutual_matches,
 };
+pub use crate::network::optics::Optics;
 pub use crate::random::generator;
 pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;

@@ -54,6 +54,8 @@ const SMALL: f64 = 1e-7;
 const LEAST_SLOPE: f64 = 0.02;
 /// Distorted distances, squared, below which the series is exact.
 const AXIS: f64 = 1e-6;
+/// Steps in which the undistorted distance goes out to where a lens turns back, units of the focal length, and as a share.
+const REACH_STEP: f64 = 1e-3;
 
 impl Lens {
     /// No distortion.
@@ -101,6 +103,14 @@ impl Lens {
             }
         }
         None
+    }
+
+    /// The distorted distance up to which there is a way back, or `most` where that is nearer.
+    pub fn reach(&self, most: f64) -> f64 {
+        let radii = std::iter::successors(Some(0.0), |r| Some(r + REACH_STEP * (1.0 + r)));
+        let ends = |[value, slope, _]: &[f64; 3]| !(*value < most && *slope >= LEAST_SLOPE);
+        let found = radii.map(|r| self.polynomial(r)).find(ends);
+        found.map_or(most, |[value, ..]| value.min(most))
     }
 
     /// The direction that is seen at a place; `None` where no direction is.
@@ -201,6 +211,19 @@ mod tests {
             assert!(lens.undistort([x, 0.0]).is_none(), "{x}");
         }
         assert!(lens.undistort([f64::NAN, 0.0]).is_none());
+    }
+
+    #[test]
+    fn a_lens_reaches_to_its_fold() {
+        let lens = Lens { k: [-0.3, 0.0, 0.0] };
+        let fold = lens.reach(2.0);
+        assert!((fold - 0.703).abs() < 1e-3, "{fold}");
+        assert!(
+            lens.undistort([0.999 * fold, 0.0]).is_some() && lens.undistort([1.001 * fold, 0.0]).is_none()
+        );
+        assert_eq!(lens.reach(0.5), 0.5);
+        assert_eq!(Lens { k: [0.05, 0.01, 0.0] }.reach(2.0), 2.0);
+        assert_eq!(Lens::NONE.reach(2.0), 2.0);
     }
 
     #[test]

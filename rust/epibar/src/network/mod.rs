@@ -68,6 +68,7 @@ pub use given::clocks::Offsets;
 pub use given::input::{Aspect, CameraInput, Knowledge};
 pub use given::pair::PairFound;
 pub use join::join;
+pub(crate) use model::optics;
 pub use result::{
     CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus, Place,
 };

@@ -35,7 +35,7 @@ pub(super) fn of_camera(
                 "what moves in it does not move as in the other cameras".to_owned()
             };
             format!(
-                "left out: {sees}. Does it show the same place at the same time, unmirrored, with a pinhole lens? Film where several cameras see the same things move"
+                "left out: {sees}. Does it show the same place at the same time, unmirrored? Film where several cameras see the same things move"
             )
         }
         CameraStatus::Apart => {
@@ -67,6 +67,13 @@ pub(super) fn of_camera(
             "two cameras determine a network only with known focal lengths: give intrinsics, or add a third camera".to_owned()
         }
     }
+}
+
+/// What is added of a camera whose lens shows nothing in the corners of its images.
+pub(super) fn short_lens(reach: f64) -> String {
+    format!(
+        "; its lens holds up to {reach:.0} px from the principal point, beyond which nothing moved that would tell: leave out what lies there"
+    )
 }
 
 /// What was found of the whole.

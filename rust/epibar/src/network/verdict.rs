@@ -114,13 +114,17 @@ impl Case<'_> {
                     None if rivalled => CameraStatus::Ambiguous,
                     None => status_by_errors(&expected, rig),
                 };
-                NetworkCamera {
+                let mut camera = NetworkCamera {
                     camera: stands.then_some(placed[c]),
                     expected: stands.then_some(expected),
                     deviates: found.map_or(finished.support.cameras[c], |o| o.deviates),
                     offset_error: finished.offsets[c],
                     ..self.unplaced(c, status, found, &expected, rig)
+                };
+                if let (CameraStatus::Accepted, Some(reach)) = (status, camera.lens_reach()) {
+                    camera.reason += &prose::short_lens(reach);
                 }
+                camera
             })
             .collect();
         let pairs =

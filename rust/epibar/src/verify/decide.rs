@@ -285,7 +285,6 @@ mod tests {
             assert!(refused(&findings(&evidence, &walk)), "{evidence:?}");
         }
         assert!(refused(&Findings { beyond_motion: unknown, ..findings(&GOOD, &walk) }));
-        let flat = Evidence { plane_residual: 0.5, ..GOOD };
         for plane_residual in [0.5, 1.5, unknown] {
             let near_a_plane = Evidence { plane_residual, ..GOOD };
             assert!(refused(&Findings { possible_beyond: unknown, ..findings(&near_a_plane, &walk) }));

@@ -3,6 +3,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use crate::geometry::lens::Lens;
+use crate::image::ImageSize;
 
 /// Parameters of a camera by itself: `f, f_y / f_x, c_x, c_y, k₁, k₂, k₃`.
 pub const INTRINSIC: usize = 7;
@@ -43,6 +44,14 @@ impl Optics {
     fn distorted(&self, [u, v]: [f64; 2]) -> Vector2<f64> {
         let ([fx, fy], [cx, cy]) = (self.focal, self.principal);
         Vector2::new((u - cx) / fx, (v - cy) / fy)
+    }
+
+    /// Pixels from the principal point up to which the lens shows anything; `None` where that is all of an image.
+    pub fn reach(&self, size: ImageSize) -> Option<f64> {
+        let corners = [[0.0, 0.0], [size.x_max(), 0.0], [0.0, size.y_max()], [size.x_max(), size.y_max()]];
+        let farthest = corners.map(|c| self.distorted(c).norm()).into_iter().fold(0.0, f64::max);
+        let reach = self.lens.reach(farthest);
+        (reach < farthest).then(|| reach * self.focal[0].min(self.focal[1]))
     }
 
     /// The direction `(x, y)` of the ray `(x, y, 1)` that is seen at a pixel; `None` where the lens shows nothing.
