@@ -96,7 +96,7 @@ class NetworkCamera:
 
     @property
     def lens_reach(self) -> float | None:
-        """How far from the principal point its lens shows anything, pixels; None where that is the image.
+        """How far out its lens shows anything, pixels from the principal point; None where all is covered.
 
         The polynomial that fits where things moved may turn back before the corners, where nothing moved that
         would tell. No direction is seen beyond, and what undoes a lens makes nonsense of it.

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from ..arguments import Array
 
-STEPS = 20
-"""Newton steps on the way back; six are needed."""
+STEPS = 8
+"""Newton steps on the way back; four are needed."""
 
 STRAIGHT_AHEAD = 1e-12
 """Distances below this are taken for this one: on the axis all directions are alike."""
