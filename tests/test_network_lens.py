@@ -10,6 +10,7 @@ from network_input import LINES, made_up
 import epibar
 from epibar import synthetic
 from epibar.network import NetworkCamera
+from epibar.report.cameras_in_space import field_of_view, image_corners
 from epibar.synthetic.networks import SETTINGS
 from epibar.synthetic.settings import draw
 
@@ -30,6 +31,31 @@ def test_a_lens_reaches_to_where_its_polynomial_turns_back():
     assert camera(0.0, 0.0, -0.5).lens_reach < 400
     assert replace(camera(-0.3, 0.0, 0.0), matrix=MATRIX + np.diag([200.0, 200.0, 0.0])).lens_reach is None
     assert made_up().cameras["cam4"].lens_reach is None
+
+
+def test_directions_undo_a_strong_lens():
+    one = camera(-0.34, 0.16, -0.04)
+    rays = np.array([[0.0, 0.0], [0.3, -0.2], [-0.9, 0.4], [0.8, 0.8]])
+    nowhere = np.zeros(3)
+    points = np.column_stack([rays, np.ones(4)])
+    pixels = cv2.projectPoints(points, nowhere, nowhere, one.matrix, one.distortions)[0][:, 0]
+    np.testing.assert_allclose(one.directions(pixels), rays, atol=1e-6)
+    assert np.isnan(camera(-0.3, 0.0, 0.0).directions([[319.5 + 360.0, 239.5]])).all()
+    np.testing.assert_allclose(replace(one, distortions=None).directions([[819.5, 239.5]]), [[1.0, 0.0]])
+    with pytest.raises(epibar.EpibarError, match="cam4 has no place"):
+        made_up().cameras["cam4"].directions([[0.0, 0.0]])
+
+
+def test_the_report_shows_what_a_lens_holds_for():
+    one = replace(camera(-0.3, 0.0, 0.0), rotation=np.eye(3), translation=np.zeros(3))
+    assert one.lens_reach < 400
+    corners = image_corners(one, 1.0)
+    focal = one.matrix[0, 0]
+    radius = np.hypot(*corners[:, :2].T)
+    np.testing.assert_allclose(focal * radius * (1 - 0.3 * radius**2), 0.98 * one.lens_reach, rtol=1e-6)
+    # Half of the width is within reach.
+    half = np.tan(np.deg2rad(field_of_view(one) / 2))
+    assert focal * half * (1 - 0.3 * half**2) == pytest.approx(320, abs=0.01)
 
 
 def test_the_lenses_of_fisheye_cameras_are_found():

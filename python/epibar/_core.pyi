@@ -20,6 +20,7 @@ __all__ = [
     "examine",
     "frame_interval",
     "join_network",
+    "lens_directions",
     "lens_reach",
     "match_barcodes",
     "motion_lines",
@@ -169,6 +170,11 @@ def common_frames(
     a: Recording, b: Recording, time_offset: float, frames_per_frame: float
 ) -> NDArray[np.int64]: ...
 def frame_interval(recording: Recording) -> float: ...
+def lens_directions(
+    camera_matrix: NDArray[np.float64],
+    distortions: tuple[float, float, float, float, float],
+    pixels: list[list[float]],
+) -> NDArray[np.float64]: ...
 def lens_reach(
     camera_matrix: NDArray[np.float64],
     distortions: tuple[float, float, float, float, float],

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import _core
 from ..arguments import Array
@@ -101,10 +102,36 @@ class NetworkCamera:
         The polynomial that fits where things moved may turn back before the corners, where nothing moved that
         would tell. No direction is seen beyond, and what undoes a lens makes nonsense of it.
         """
-        if self.matrix is None or self.distortions is None:
+        if self.matrix is None:
             return None
-        k1, k2, p1, p2, k3 = self.distortions.tolist()
-        return _core.lens_reach(self.matrix, (k1, k2, p1, p2, k3), self.size)
+        return _core.lens_reach(self.matrix, self._lens(), self.size)
+
+    def directions(self, pixels: ArrayLike) -> Array:
+        """Return where pixels look, through the lens that was found.
+
+        Parameters
+        ----------
+        pixels : (n, 2) array
+            As the camera filmed them, where it is not known with a lens that was taken out of the recording.
+
+        Returns
+        -------
+        ndarray, shape (n, 2)
+            x and y of rays ``(x, y, 1)`` in the camera's frame; NaN beyond :attr:`lens_reach`.
+
+        Raises
+        ------
+        EpibarError
+            It has no place in the network.
+        """
+        if self.matrix is None:
+            raise EpibarError(f"{self.name} has no place in the network: {self.reason}")
+        points = np.asarray(pixels, dtype=np.float64).reshape(-1, 2)
+        return _core.lens_directions(self.matrix, self._lens(), points.tolist())
+
+    def _lens(self) -> tuple[float, float, float, float, float]:
+        k1, k2, p1, p2, k3 = (0.0,) * 5 if self.distortions is None else self.distortions.tolist()
+        return k1, k2, p1, p2, k3
 
     def intrinsics(self, lens: Intrinsics | None = None) -> Intrinsics:
         """Return it as camera files describe it; ``lens`` is one that was taken out of the recording.

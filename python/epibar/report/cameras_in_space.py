@@ -8,19 +8,27 @@ import numpy as np
 
 from ..arguments import Array
 from ..network.parts import NetworkCamera
-from ..sources.opencv import opencv
 
 __all__ = ["field_of_view", "focal_length", "image_corners", "tilt"]
 
 
+WITHIN = 0.98
+"""Of the distance up to which a lens holds: nearer to it a pixel more is any angle more."""
+
+
 def _rays(camera: NetworkCamera, pixels: Array) -> Array:
-    """Take (n, 2) pixels, as the lens shows them, to (n, 3) directions in the camera, z = 1."""
+    """Take (n, 2) pixels, as the lens shows them, to (n, 3) directions in the camera, z = 1.
+
+    Those beyond where the lens holds are taken back to there.
+    """
     assert camera.matrix is not None
-    distortions = np.zeros(5) if camera.distortions is None else camera.distortions
-    straight = opencv().undistortPoints(
-        np.ascontiguousarray(pixels, np.float64).reshape(-1, 1, 2), camera.matrix, distortions
-    )
-    return np.column_stack([straight.reshape(-1, 2), np.ones(len(pixels))])
+    reach = camera.lens_reach
+    if reach is not None:
+        middle = camera.matrix[:2, 2]
+        out = pixels - middle
+        far = np.linalg.norm(out, axis=1, keepdims=True) / (WITHIN * reach)
+        pixels = middle + out / np.maximum(far, 1.0)
+    return np.column_stack([camera.directions(pixels), np.ones(len(pixels))])
 
 
 def focal_length(camera: NetworkCamera) -> float | None:
@@ -31,7 +39,10 @@ def focal_length(camera: NetworkCamera) -> float | None:
 
 
 def field_of_view(camera: NetworkCamera) -> float | None:
-    """Angle from the left of the image to its right through its middle, degrees; None without a place."""
+    """Angle from the left of the image to its right through its middle, degrees; None without a place.
+
+    As far as the lens holds that was found.
+    """
     if camera.matrix is None:
         return None
     width, height = camera.size

@@ -39,6 +39,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(network::check_network, module)?)?;
     module.add_function(wrap_pyfunction!(network::clock_offsets, module)?)?;
     module.add_function(wrap_pyfunction!(network::join_network, module)?)?;
+    module.add_function(wrap_pyfunction!(network::lens_directions, module)?)?;
     module.add_function(wrap_pyfunction!(network::lens_reach, module)?)?;
     module.add_function(wrap_pyfunction!(network::pairs_to_search, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;

@@ -7,12 +7,12 @@ use epibar::network::{
     Aspect, CameraInput, Expected, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime,
     Offsets, PairFound, Place, StoredCamera,
 };
-use numpy::{IntoPyArray, PyReadonlyArrayDyn};
+use numpy::{IntoPyArray, PyArray2, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{enter, matrix, matrix_of, matrix_of_rows, to_python_error};
+use crate::convert::{enter, matrix, matrix_of, matrix_of_rows, rows, to_python_error};
 use crate::recording::Recording;
 use crate::watch::watched;
 
@@ -173,15 +173,31 @@ pub fn lens_reach(
     distortions: [f64; 5],
     size: (usize, usize),
 ) -> PyResult<Option<f64>> {
-    let matrix = matrix_of("matrix", &camera_matrix)?;
+    let size = ImageSize::new(size.0, size.1).map_err(|error| to_python_error(&error))?;
+    Ok(optics(&camera_matrix, distortions)?.reach(size))
+}
+
+/// Where pixels look, x and y of a ray whose z is 1; NaN where the lens shows nothing.
+#[pyfunction]
+pub fn lens_directions<'py>(
+    py: Python<'py>,
+    camera_matrix: PyReadonlyArrayDyn<'py, f64>,
+    distortions: [f64; 5],
+    pixels: Vec<[f64; 2]>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let optics = optics(&camera_matrix, distortions)?;
+    rows(py, pixels.into_iter().map(|pixel| optics.direction(pixel).unwrap_or([f64::NAN; 2])))
+}
+
+/// What the pixels of a camera show; the tangential part of its lens is not used.
+fn optics(camera_matrix: &PyReadonlyArrayDyn<'_, f64>, distortions: [f64; 5]) -> PyResult<Optics> {
+    let matrix = matrix_of("matrix", camera_matrix)?;
     let [k1, k2, _, _, k3] = distortions;
-    let optics = Optics {
+    Ok(Optics {
         focal: [matrix[(0, 0)], matrix[(1, 1)]],
         principal: [matrix[(0, 2)], matrix[(1, 2)]],
         lens: Lens { k: [k1, k2, k3] },
-    };
-    let size = ImageSize::new(size.0, size.1).map_err(|error| to_python_error(&error))?;
-    Ok(optics.reach(size))
+    })
 }
 
 pub fn camera<'py>(py: Python<'py>, camera: &NetworkCamera) -> PyResult<Bound<'py, PyDict>> {
