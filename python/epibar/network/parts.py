@@ -112,7 +112,7 @@ class NetworkCamera:
         Parameters
         ----------
         pixels : (n, 2) array
-            As the camera filmed them, where it is not known with a lens that was taken out of the recording.
+            As the camera filmed them; undistorted ones where its lens was taken out of the recording.
 
         Returns
         -------
