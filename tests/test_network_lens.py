@@ -42,6 +42,8 @@ def test_directions_undo_a_strong_lens():
     np.testing.assert_allclose(one.directions(pixels), rays, atol=1e-6)
     assert np.isnan(camera(-0.3, 0.0, 0.0).directions([[319.5 + 360.0, 239.5]])).all()
     np.testing.assert_allclose(replace(one, distortions=None).directions([[819.5, 239.5]]), [[1.0, 0.0]])
+    with pytest.raises(epibar.EpibarError, match="shape"):
+        one.directions([1.0, 2.0])
     with pytest.raises(epibar.EpibarError, match="cam4 has no place"):
         made_up().cameras["cam4"].directions([[0.0, 0.0]])
 
@@ -78,6 +80,7 @@ def test_the_lenses_of_fisheye_cameras_are_found():
         expected = net.cameras[name].expected
         assert abs(error.focal) < 2 * expected["focal"] < 0.1, name
         assert error.rotation < 2 * expected["rotation"] < 4, name
+    assert any(camera.lens_reach is not None for camera in net.cameras.values())
     for one in made.cameras:
         reach = net.cameras[one.name].lens_reach
         middle = (np.array(one.size) - 1) / 2

@@ -97,14 +97,14 @@ class NetworkCamera:
 
     @property
     def lens_reach(self) -> float | None:
-        """How far out its lens shows anything, pixels from the principal point; None where all is covered.
+        """How far out its lens shows anything, pixels from the principal point; None where that is all.
 
-        The polynomial that fits where things moved may turn back before the corners, where nothing moved that
-        would tell. No direction is seen beyond, and what undoes a lens makes nonsense of it.
+        The polynomial that fits where things moved may turn back before the corners. No direction is seen
+        beyond, and what undoes a lens makes nonsense of it. None as well where it has no place.
         """
         if self.matrix is None:
             return None
-        return _core.lens_reach(self.matrix, self._lens(), self.size)
+        return _core.lens_reach(np.ascontiguousarray(self.matrix), self._lens(), self.size)
 
     def directions(self, pixels: ArrayLike) -> Array:
         """Return where pixels look, through the lens that was found.
@@ -117,17 +117,20 @@ class NetworkCamera:
         Returns
         -------
         ndarray, shape (n, 2)
-            x and y of rays ``(x, y, 1)`` in the camera's frame; NaN beyond :attr:`lens_reach`.
+            x and y of rays ``(x, y, 1)`` in the camera's frame; NaN beyond :attr:`lens_reach`. The tangential
+            part of a lens, which is 0 of all that a network finds, is not used.
 
         Raises
         ------
         EpibarError
-            It has no place in the network.
+            It has no place in the network, or the pixels are not (n, 2).
         """
         if self.matrix is None:
             raise EpibarError(f"{self.name} has no place in the network: {self.reason}")
-        points = np.asarray(pixels, dtype=np.float64).reshape(-1, 2)
-        return _core.lens_directions(self.matrix, self._lens(), points.tolist())
+        points = np.asarray(pixels, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 2:
+            raise EpibarError(f"pixels are (n, 2), not of shape {points.shape}")
+        return _core.lens_directions(np.ascontiguousarray(self.matrix), self._lens(), points.tolist())
 
     def _lens(self) -> tuple[float, float, float, float, float]:
         k1, k2, p1, p2, k3 = (0.0,) * 5 if self.distortions is None else self.distortions.tolist()

@@ -13,7 +13,7 @@ __all__ = ["field_of_view", "focal_length", "image_corners", "tilt"]
 
 
 WITHIN = 0.98
-"""Of the distance up to which a lens holds: nearer to it a pixel more is any angle more."""
+"""Share of the reach that is drawn: next to its end a pixel more is a large angle."""
 
 
 def _rays(camera: NetworkCamera, pixels: Array) -> Array:

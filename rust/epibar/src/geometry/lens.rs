@@ -54,8 +54,10 @@ const SMALL: f64 = 1e-7;
 const LEAST_SLOPE: f64 = 0.02;
 /// Distorted distances, squared, below which the series is exact.
 const AXIS: f64 = 1e-6;
-/// Steps in which the undistorted distance goes out to where a lens turns back, units of the focal length, and as a share.
+/// Steps on the way out from the axis: this, in units of the focal length, and this share of the distance.
 const REACH_STEP: f64 = 1e-3;
+/// Halvings of such a step.
+const HALVINGS: usize = 50;
 
 impl Lens {
     /// No distortion.
@@ -107,10 +109,38 @@ impl Lens {
 
     /// The distorted distance up to which there is a way back, or `most` where that is nearer.
     pub fn reach(&self, most: f64) -> f64 {
-        let radii = std::iter::successors(Some(0.0), |r| Some(r + REACH_STEP * (1.0 + r)));
-        let ends = |[value, slope, _]: &[f64; 3]| !(*value < most && *slope >= LEAST_SLOPE);
-        let found = radii.map(|r| self.polynomial(r)).find(ends);
-        found.map_or(most, |[value, ..]| value.min(most))
+        match self.first_to(most) {
+            Ok(_) => most,
+            Err(farthest) => self.polynomial(farthest)[0],
+        }
+    }
+
+    /// The undistorted distance of a distorted one on the way out from the axis, by halving: slow, and sure. `None` beyond the
+    /// [reach](Self::reach).
+    pub fn undistorted_distance(&self, distorted: f64) -> Option<f64> {
+        let [mut low, mut high] = self.first_to(distorted).ok()?;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.polynomial(middle)[0] < distorted { low = middle } else { high = middle }
+        }
+        Some(high)
+    }
+
+    /// Undistorted distances between which the polynomial first comes to a value; otherwise the last one before it turns back.
+    fn first_to(&self, value: f64) -> Result<[f64; 2], f64> {
+        let mut last = 0.0;
+        let mut r = 0.0;
+        loop {
+            let [reached, slope, _] = self.polynomial(r);
+            if reached >= value {
+                return Ok([last, r]);
+            }
+            if slope >= LEAST_SLOPE && reached < value {
+                (last, r) = (r, r + REACH_STEP * (1.0 + r));
+            } else {
+                return Err(last);
+            }
+        }
     }
 
     /// The direction that is seen at a place; `None` where no direction is.
@@ -224,6 +254,24 @@ mod tests {
         assert_eq!(lens.reach(0.5), 0.5);
         assert_eq!(Lens { k: [0.05, 0.01, 0.0] }.reach(2.0), 2.0);
         assert_eq!(Lens::NONE.reach(2.0), 2.0);
+    }
+
+    #[test]
+    fn within_its_reach_every_lens_has_a_way_back_and_beyond_it_none() {
+        let (second_branch, lost_by_newton) = ([-0.312, -0.169, 0.052], [-0.236, 0.032, -0.001]);
+        for k in LENSES.into_iter().chain([second_branch, lost_by_newton, [-0.591, 0.249, -0.035]]) {
+            let lens = Lens { k };
+            let reach = lens.reach(2.0);
+            for share in [0.01, 0.3, 0.7, 0.9, 0.999] {
+                let back = lens.undistorted_distance(share * reach).unwrap();
+                assert!((lens.polynomial(back)[0] - share * reach).abs() < 1e-12, "{k:?} {share}");
+            }
+            if reach < 2.0 {
+                assert_eq!(lens.undistorted_distance(1.001 * reach), None, "{k:?}");
+            }
+        }
+        assert_eq!(Lens::NONE.undistorted_distance(f64::NAN), None);
+        assert_eq!(Lens::NONE.undistorted_distance(0.0), Some(0.0));
     }
 
     #[test]

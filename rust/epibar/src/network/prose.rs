@@ -71,9 +71,7 @@ pub(super) fn of_camera(
 
 /// What is added of a camera whose lens shows nothing in the corners of its images.
 pub(super) fn short_lens(reach: f64) -> String {
-    format!(
-        "; its lens holds up to {reach:.0} px from the principal point, beyond which nothing moved that would tell: leave out what lies there"
-    )
+    format!("; its lens holds up to {reach:.0} px from the principal point: use no pixels farther out")
 }
 
 /// What was found of the whole.

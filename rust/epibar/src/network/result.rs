@@ -110,9 +110,9 @@ impl NetworkCamera {
         self.camera.map(|c| [c.lens.k[0], c.lens.k[1], 0.0, 0.0, c.lens.k[2]])
     }
 
-    /// How far from the principal point its lens shows anything, pixels of its images; `None` where that is all of them. The
-    /// polynomial that fits where things moved may turn back before the corners, as nothing moved there: no direction is seen
-    /// beyond, and what undoes a lens makes nonsense of it.
+    /// How far from the principal point its lens shows anything, pixels of its images; `None` where that is all of them, or it has
+    /// no place. The polynomial that fits where things moved may turn back before the corners: no direction is seen beyond, and
+    /// what undoes a lens makes nonsense of it.
     pub fn lens_reach(&self) -> Option<f64> {
         self.camera.and_then(|c| c.optics().reach(self.size))
     }

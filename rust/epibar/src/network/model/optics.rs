@@ -46,9 +46,20 @@ impl Optics {
         Vector2::new((u - cx) / fx, (v - cy) / fy)
     }
 
-    /// Pixels from the principal point up to which the lens shows anything; `None` where that is all of an image.
+    /// The direction of a pixel within the [reach](Self::reach), on whatever branch Newton's steps of [`Optics::direction`] end.
+    pub fn direction_within(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
+        let d = self.distorted(pixel);
+        let distorted = d.norm();
+        let stretch =
+            if distorted == 0.0 { 1.0 } else { self.lens.undistorted_distance(distorted)? / distorted };
+        Some([d.x * stretch, d.y * stretch])
+    }
+
+    /// Pixels from the principal point up to which the lens shows anything, along the shorter focal length; `None` where that is all
+    /// of an image.
     pub fn reach(&self, size: ImageSize) -> Option<f64> {
-        let corners = [[0.0, 0.0], [size.x_max(), 0.0], [0.0, size.y_max()], [size.x_max(), size.y_max()]];
+        let [left, top, right, bottom] = [-0.5, -0.5, size.x_max() + 0.5, size.y_max() + 0.5];
+        let corners = [[left, top], [right, top], [left, bottom], [right, bottom]];
         let farthest = corners.map(|c| self.distorted(c).norm()).into_iter().fold(0.0, f64::max);
         let reach = self.lens.reach(farthest);
         (reach < farthest).then(|| reach * self.focal[0].min(self.focal[1]))
