@@ -1,8 +1,13 @@
-"""A real browser for the tests of the report; they are skipped where there is none."""
+"""What several files of tests ask for: a real browser, and what stands for the compiled module.
+
+Tests in the browser are skipped where there is none.
+"""
 
 import shutil
 
 import pytest
+from check_input import stand_in
+from extended_input import stand_in_adding
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 
@@ -23,6 +28,18 @@ def browser():
             )
         yield opened
         opened.close()
+
+
+@pytest.fixture
+def core(monkeypatch):
+    """Stands for the compiled module where footage is checked against a network."""
+    return stand_in(monkeypatch)
+
+
+@pytest.fixture
+def adding(core, monkeypatch):
+    """Stands for it where a camera is added to one."""
+    return stand_in_adding(monkeypatch)
 
 
 @pytest.fixture

@@ -8,19 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from check_input import MOVED, UNMOVED, UNSURE, films, network, stand_in
+from check_input import MOVED, UNMOVED, UNSURE, films, network
 from network_input import LINES
 
 import epibar
 from epibar import EpibarError, Recording, _core, synthetic
 from epibar.network import CameraCheck, NetworkCheck
 from epibar.synthetic.settings import turned
-
-
-@pytest.fixture
-def core(monkeypatch):
-    return stand_in(monkeypatch)
-
 
 # --- from Python ---
 

@@ -4,15 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from check_input import FEW, MOVED, SIZE, UNSURE, network, some_masks, stand_in, suspect
+from check_input import FEW, MOVED, SIZE, UNSURE, network, some_masks, suspect
 
 from epibar.cli import main
 from epibar.lens import Intrinsics, write_cameras
-
-
-@pytest.fixture
-def core(monkeypatch):
-    return stand_in(monkeypatch)
 
 
 @pytest.fixture

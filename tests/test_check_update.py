@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from check_input import FEW, MOVED, UNSURE, films, network, replaced, some_masks, stand_in, suspect, write_run
+from check_input import FEW, MOVED, UNSURE, films, network, replaced, some_masks, suspect, write_run
 
 import epibar
 from epibar import EpibarError
@@ -17,11 +17,6 @@ from epibar.geometry.cameras import fundamental_from_cameras
 from epibar.jobs.folder import Folder
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import updating
-
-
-@pytest.fixture
-def core(monkeypatch):
-    return stand_in(monkeypatch)
 
 
 @pytest.fixture

@@ -6,24 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from check_input import MOVED, UNSURE, films, network, stand_in
-from extended_input import REFUSED, refused_pair, stand_in_adding
+from check_input import MOVED, UNSURE, films, network
+from extended_input import REFUSED, refused_pair
 
 import epibar
 from epibar import EpibarError, synthetic
 from epibar.geometry.cameras import fundamental_from_cameras
 from epibar.network import ClockOffsets, KnownCamera, NetworkClock, extending
 from epibar.network.core_parts import camera_of
-
-
-@pytest.fixture
-def core(monkeypatch):
-    return stand_in(monkeypatch)
-
-
-@pytest.fixture
-def adding(core, monkeypatch):
-    return stand_in_adding(monkeypatch)
 
 
 def test_what_is_asked_and_what_comes_out(adding):

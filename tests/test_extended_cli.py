@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from check_input import FEW, films, network, replaced, some_masks, stand_in, write_run
-from extended_input import REFUSED, refused_pair, stand_in_adding
+from check_input import FEW, films, network, replaced, some_masks, write_run
+from extended_input import REFUSED, refused_pair
 
 import epibar
 from epibar import EpibarError, _core
@@ -14,16 +14,6 @@ from epibar.cli import main
 from epibar.lens import Intrinsics, write_cameras
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import pair_search
-
-
-@pytest.fixture
-def core(monkeypatch):
-    return stand_in(monkeypatch)
-
-
-@pytest.fixture
-def adding(core, monkeypatch):
-    return stand_in_adding(monkeypatch)
 
 
 @pytest.fixture

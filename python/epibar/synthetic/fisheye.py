@@ -8,6 +8,8 @@ here for what its polynomial makes of them.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -20,12 +22,16 @@ STRAIGHT_AHEAD = 1e-12
 """Distances below this are taken for this one: on the axis all directions are alike."""
 
 
+def seen_at(theta: Any, k: float) -> Any:
+    """Return how far from the middle what is ``theta`` off the axis is seen, in units of the focal length."""
+    return theta * (1 + k * theta**2)
+
+
 def bend(points: ArrayLike, k: float) -> Array:
     """Apply a fisheye lens to (..., 2) points of a pinhole, in units of the focal length."""
     points = np.asarray(points, dtype=np.float64)
     r = np.maximum(np.hypot(points[..., 0], points[..., 1]), STRAIGHT_AHEAD)
-    theta = np.arctan(r)
-    bent: Array = points * (theta * (1 + k * theta**2) / r)[..., None]
+    bent: Array = points * (seen_at(np.arctan(r), k) / r)[..., None]
     return bent
 
 
@@ -35,8 +41,7 @@ def unbend(points: ArrayLike, k: float) -> Array:
     seen = np.maximum(np.hypot(points[..., 0], points[..., 1]), STRAIGHT_AHEAD)
     theta = np.minimum(seen, np.pi / 2)
     for _ in range(STEPS):
-        theta = theta - (theta * (1 + k * theta**2) - seen) / (1 + 3 * k * theta**2)
-    with np.errstate(invalid="ignore"):
-        r = np.where(theta < np.pi / 2, np.tan(theta), np.nan)
+        theta = theta - (seen_at(theta, k) - seen) / (1 + 3 * k * theta**2)
+    r = np.where(seen < seen_at(np.pi / 2, k), np.tan(theta), np.nan)
     straight: Array = points * (r / seen)[..., None]
     return straight

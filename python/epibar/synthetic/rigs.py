@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import Array
 from ..errors import EpibarError
+from . import fisheye
 from .camera import Camera
 from .lens import smooth_lens
 
@@ -296,7 +297,7 @@ class FisheyeLenses:
         def make(rng: np.random.Generator, camera: Camera) -> Camera:
             theta = np.deg2rad(rng.uniform(*self.view) / 2)
             K = camera.K.copy()
-            K[0, 0] = K[1, 1] = np.hypot(*camera.size) / 2 / (theta * (1 + k * theta**2))
+            K[0, 0] = K[1, 1] = np.hypot(*camera.size) / 2 / fisheye.seen_at(theta, k)
             return replace(camera, K=K, fisheye=k)
 
         return make

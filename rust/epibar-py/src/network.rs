@@ -189,14 +189,13 @@ pub fn lens_directions<'py>(
     rows(py, pixels.into_iter().map(|pixel| optics.direction_within(pixel).unwrap_or([f64::NAN; 2])))
 }
 
-/// What the pixels of a camera show; the tangential part of its lens is not used.
+/// What the pixels of a camera show.
 fn optics(camera_matrix: &PyReadonlyArrayDyn<'_, f64>, distortions: [f64; 5]) -> PyResult<Optics> {
     let matrix = matrix_of("matrix", camera_matrix)?;
-    let [k1, k2, _, _, k3] = distortions;
     Ok(Optics {
         focal: [matrix[(0, 0)], matrix[(1, 1)]],
         principal: [matrix[(0, 2)], matrix[(1, 2)]],
-        lens: Lens { k: [k1, k2, k3] },
+        lens: Lens::of_opencv(&distortions),
     })
 }
 

@@ -63,6 +63,11 @@ impl Lens {
     /// No distortion.
     pub const NONE: Self = Self { k: [0.0; 3] };
 
+    /// Of `OpenCV`'s `k₁ k₂ p₁ p₂ k₃`, of which the tangential ones are not used.
+    pub fn of_opencv(&[k1, k2, _, _, k3]: &[f64; 5]) -> Self {
+        Self { k: [k1, k2, k3] }
+    }
+
     /// Whether it bends anything.
     pub fn is_none(&self) -> bool {
         self.k == [0.0; 3]

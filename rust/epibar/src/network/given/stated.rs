@@ -31,11 +31,10 @@ impl Stated<'_> {
     /// The camera, its clock and inset not known.
     pub fn camera(&self, size: ImageSize) -> Camera {
         let rotation = Rotation3::from_matrix_unchecked(*self.rotation);
-        let [k1, k2, _, _, k3] = *self.distortions;
         Camera {
             log_aspect: (self.matrix.m22 / self.matrix.m11).ln(),
             principal: [self.matrix.m13, self.matrix.m23],
-            lens: Lens { k: [k1, k2, k3] },
+            lens: Lens::of_opencv(self.distortions),
             rotation,
             position: -(rotation.inverse() * self.translation),
             ..Camera::new(size, self.matrix.m11)
