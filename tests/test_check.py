@@ -29,10 +29,12 @@ def test_what_is_asked(core):
     assert all(isinstance(one, _core.Recording) for one in core.recordings)
     stored = net.cameras["cam3"]
     assert core.cameras[0] == {
-        "matrix": stored.matrix.tolist(),
-        "distortions": stored.distortions.tolist(),
-        "rotation": stored.rotation.tolist(),
-        "translation": stored.translation.tolist(),
+        "camera": {
+            "matrix": stored.matrix.tolist(),
+            "distortions": stored.distortions.tolist(),
+            "rotation": stored.rotation.tolist(),
+            "translation": stored.translation.tolist(),
+        },
         "expected": stored.expected,
     }
     assert isinstance(check, NetworkCheck)
@@ -67,8 +69,8 @@ def test_a_recording_without_its_lens(core):
     net = network()
     mine = films("cam2", matrix=net.cameras["cam2"].matrix)
     net.check({**films("cam1"), **mine}, 0.0)
-    assert core.cameras[0]["distortions"] == net.cameras["cam1"].distortions.tolist()
-    assert core.cameras[1]["distortions"] == [0.0] * 5
+    assert core.cameras[0]["camera"]["distortions"] == net.cameras["cam1"].distortions.tolist()
+    assert core.cameras[1]["camera"]["distortions"] == [0.0] * 5
     other = net.cameras["cam2"].matrix * [[1.001], [1.001], [1]]
     with pytest.raises(EpibarError, match=r"cam2: .*another camera matrix"):
         net.check({**films("cam1"), **films("cam2", matrix=other)}, 0.0)

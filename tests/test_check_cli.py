@@ -180,10 +180,10 @@ def test_lenses_that_the_run_took_out_are_taken_out_again(core, folder, capsys):
     intrinsics = folder / "known.toml"
     with_calibration(folder, intrinsics)
     assert main(["check", str(folder), *videos(folder), *FEW]) == 0, capsys.readouterr().err
-    assert [one["distortions"] for one in core.cameras] == [[0.0] * 5] * 3
+    assert [one["camera"]["distortions"] for one in core.cameras] == [[0.0] * 5] * 3
     moved = intrinsics.rename(folder / "elsewhere.toml")
     assert main(["check", str(folder), *videos(folder), *FEW]) == 2
     assert "--intrinsics says where" in capsys.readouterr().err
     core.cameras = None
     assert main(["check", str(folder), *videos(folder), *FEW, "--intrinsics", str(moved)]) == 0
-    assert [one["distortions"] for one in core.cameras] == [[0.0] * 5] * 3
+    assert [one["camera"]["distortions"] for one in core.cameras] == [[0.0] * 5] * 3

@@ -157,7 +157,7 @@ def test_the_share_of_a_search_never_goes_back(rounds):
         for stage in BEGINS:
             for within in (0.0, 0.5):
                 shares.append(search.tell(stage, within))
-        shares.append(search.tell("time offset", 0.0))
+        shares.append(search.tell("time_offset", 0.0))
         assert shares[-1] == pytest.approx(min((number + 0.945) / rounds, 0.98), abs=0.01)
     assert all(before <= after for before, after in pairwise(shares))
     assert shares[-1] < 1.0

@@ -17,7 +17,8 @@ ROOMS = (
 """From tools to jobs: each may import from those before it. The root and `internals` stand above all."""
 
 NETWORK_ROOMS = (
-    *("thresholds", "model", "given", "moments", "solve", "evidence", "result", "case", "prose", "verdict"),
+    *("thresholds", "model", "given", "observations", "solve", "evidence"),
+    *("result", "case", "prose", "verdict"),
     *("join", "calibrate", "check", "add", "tracks"),
 )
 """Those of the room `network`, in the same way; its own file re-exports, and stands above them."""

@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-import json
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from ..errors import EpibarError
 from .checks import check_format
 from .json_file import read_json_object
+from .json_schema import address, described
 
 __all__ = ["FORMAT", "SCHEMA", "is_plain_name", "read_json", "schema"]
 
 FORMAT = 1
 """Version of calibration.json; a file of another one is refused."""
 
-SCHEMA = (
-    "https://raw.githubusercontent.com/epibar/epibar/main/python/epibar/files/schemas/"
-    f"calibration-{FORMAT}.schema.json"
-)
+NAME = f"calibration-{FORMAT}"
+
+SCHEMA = address(NAME)
 """Where its description is: a JSON Schema, which is in the package too."""
 
 
 def schema() -> dict[str, Any]:
     """JSON Schema of calibration.json, in the format that is written."""
-    text = files(__package__).joinpath("schemas", f"calibration-{FORMAT}.schema.json").read_text("utf-8")
-    found: dict[str, Any] = json.loads(text)
-    return found
+    return described(NAME)
 
 
 def read_json(path: Path) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from ..files.json_file import read_json_object, write_json
 from ..lens.cameras_toml import written_by_epibar
 from ..lens.intrinsics import Intrinsics
 from ..network.result import Network
+from ..network.saved import as_file
 from .folder import Folder
 from .inputs import CAMERAS_FILE, NETWORK_FILE
 
@@ -73,7 +74,7 @@ def write_network(
             folder.remove(path)
             return [], []
     folder.will_write(path)
-    write_json(path, {**network.as_dict(), **({} if key is None else {KEY: key})})
+    write_json(path, {**as_file(network), **({} if key is None else {KEY: key})})
     if not accepted:
         return [path], []
     if not replaceable:

@@ -288,10 +288,12 @@ def stored_camera(camera: NetworkCamera, recording: Recording) -> dict[str, Any]
             )
         distortions = np.zeros(5)
     return {
-        "matrix": camera.matrix.tolist(),
-        "distortions": distortions.tolist(),
-        "rotation": camera.rotation.tolist(),
-        "translation": camera.translation.tolist(),
+        "camera": {
+            "matrix": camera.matrix.tolist(),
+            "distortions": distortions.tolist(),
+            "rotation": camera.rotation.tolist(),
+            "translation": camera.translation.tolist(),
+        },
         "expected": {key: (camera.expected or {}).get(key, math.inf) for key in EXPECTED},
     }
 

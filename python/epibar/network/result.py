@@ -21,7 +21,7 @@ from .knowledge import KnownCamera
 from .offsets import SEARCH_SECONDS, TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
 from .recordings import Recordings
-from .saved import as_dict, network_from
+from .saved import as_dict, as_file, network_from
 from .scaling import rescaled
 from .stages import Progress
 from .start_times import StartTime, start_times
@@ -375,7 +375,7 @@ class Network(NetworkParts):
         EpibarError
             The file cannot be written.
         """
-        write_json(path, self.as_dict())
+        write_json(path, as_file(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Network:

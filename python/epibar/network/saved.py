@@ -11,6 +11,7 @@ import numpy as np
 from ..arguments import Array, as_camera_matrix, as_numbers, is_number
 from ..errors import EpibarError
 from ..files.checks import LONGEST_SIDE, check_format
+from ..files.network_json import FORMAT, SCHEMA
 from .parts import (
     BASELINE,
     METRE,
@@ -23,10 +24,7 @@ from .parts import (
     Scale,
 )
 
-__all__ = ["FORMAT", "as_dict", "network_from"]
-
-FORMAT = 1
-"""Version of the file; a file of another one is refused."""
+__all__ = ["as_dict", "as_file", "network_from"]
 
 N = TypeVar("N", bound=NetworkParts)
 
@@ -76,6 +74,11 @@ def as_dict(network: NetworkParts) -> dict[str, Any]:
             for pair in network.pairs.values()
         ],
     }
+
+
+def as_file(network: NetworkParts) -> dict[str, Any]:
+    """Return what stands in network.json: :func:`as_dict`, and where that is described."""
+    return {"$schema": SCHEMA, **as_dict(network)}
 
 
 def _camera_dict(camera: NetworkCamera, clock: NetworkClock) -> dict[str, Any]:

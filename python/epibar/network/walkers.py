@@ -213,4 +213,4 @@ def _with_clock(network: NetworkParts, camera: NetworkCamera, films: Mapping[str
     if clock.offset is None:
         raise EpibarError(f"{camera.name}: the network has no clock of it")
     stored = stored_camera(camera, films[camera.name])
-    return {**stored, "clock": (clock.offset, clock.drift or 0.0)}
+    return {"camera": stored["camera"], "clock": (clock.offset, clock.drift or 0.0)}

@@ -5,7 +5,7 @@ use epibar::internals::{Lens, Optics};
 use epibar::nalgebra::Vector3;
 use epibar::network::{
     Aspect, CameraInput, Expected, Ground, Knowledge, Network, NetworkCamera, NetworkPair, NetworkTime,
-    Offsets, PairFound, Place, StoredCamera,
+    Offsets, PairFound, Place, PosedCamera, StoredCamera,
 };
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArrayDyn};
 use pyo3::exceptions::PyValueError;
@@ -108,7 +108,7 @@ pub fn camera_inputs<'r>(
     known: &[PythonKnowledge],
 ) -> Vec<CameraInput<'r>> {
     let input = |((r, name), known): ((&'r PyRef<'_, Recording>, &'r String), &PythonKnowledge)| {
-        CameraInput { name, recording: &r.inner, known: known.knowledge() }
+        CameraInput::new(name, &r.inner).known(known.knowledge())
     };
     recordings.iter().zip(names).zip(known).map(input).collect()
 }
@@ -229,14 +229,33 @@ pub fn pair<'py>(py: Python<'py>, pair: &NetworkPair) -> PyResult<Bound<'py, PyD
     Ok(dict)
 }
 
-/// A camera of a network as it is stored.
+/// A camera with its pose, as files state it.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct PythonStored {
+pub struct PythonPosed {
     matrix: [[f64; 3]; 3],
     distortions: [f64; 5],
     rotation: [[f64; 3]; 3],
     translation: [f64; 3],
+}
+
+impl PythonPosed {
+    /// The same as the crate takes it.
+    pub fn posed(&self) -> PosedCamera {
+        PosedCamera {
+            matrix: matrix_of_rows(&self.matrix),
+            distortions: self.distortions,
+            rotation: matrix_of_rows(&self.rotation),
+            translation: Vector3::from(self.translation),
+        }
+    }
+}
+
+/// A camera of a network as it is stored.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct PythonStored {
+    camera: PythonPosed,
     expected: PythonExpected,
 }
 
@@ -255,14 +274,10 @@ pub fn stored_cameras<'r>(
     names: &'r [String],
     cameras: &[PythonStored],
 ) -> Vec<StoredCamera<'r>> {
-    let stored = |((r, name), c): ((&'r PyRef<'_, Recording>, &'r String), &PythonStored)| StoredCamera {
-        name,
-        recording: &r.inner,
-        matrix: matrix_of_rows(&c.matrix),
-        distortions: c.distortions,
-        rotation: matrix_of_rows(&c.rotation),
-        translation: Vector3::from(c.translation),
-        expected: Expected::new(c.expected.focal, c.expected.rotation.to_radians(), c.expected.position),
+    let stored = |((r, name), c): ((&'r PyRef<'_, Recording>, &'r String), &PythonStored)| {
+        let e = &c.expected;
+        let expected = Expected::new(e.focal, e.rotation.to_radians(), e.position);
+        StoredCamera::new(name, &r.inner, c.camera.posed(), expected)
     };
     recordings.iter().zip(names).zip(cameras).map(stored).collect()
 }

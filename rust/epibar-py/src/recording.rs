@@ -189,27 +189,25 @@ impl Recording {
             .chunks_exact(4)
             .map(|s| Segment { x0: s[0], y0: s[1], x1: s[2], y1: s[3] })
             .collect();
-        let visible =
-            if arrays.contains("visible")? { Some(flat::<u8>(arrays, "visible", 2)?) } else { None };
+        let mut parts = RecordingParts::new([*width as usize, *height as usize], times);
+        parts.segments = segments;
+        parts.barcodes = barcodes.words().to_vec();
+        parts.frame_start = flat(arrays, "frame_start", 1)?;
+        parts.hull_start = flat(arrays, "hull_start", 1)?;
+        parts.hull_points = points(arrays, "hull_points")?;
+        parts.hull_area = flat(arrays, "hull_area", 1)?;
+        parts.hull_border = flat(arrays, "hull_border", 1)?;
         // Files of older versions have no outlines.
-        let outlined = arrays.contains("outline_start")?;
-        let parts = RecordingParts {
-            size: [*width as usize, *height as usize],
-            times,
-            segments,
-            barcodes: barcodes.words().to_vec(),
-            frame_start: flat(arrays, "frame_start", 1)?,
-            hull_start: flat(arrays, "hull_start", 1)?,
-            hull_points: points(arrays, "hull_points")?,
-            hull_area: flat(arrays, "hull_area", 1)?,
-            hull_border: flat(arrays, "hull_border", 1)?,
-            outline_start: if outlined { flat(arrays, "outline_start", 1)? } else { vec![0] },
-            outline_points: if outlined { points(arrays, "outline_points")? } else { Vec::new() },
-            heat: flat(arrays, "heat", 2)?,
-            moving_pixels: flat(arrays, "moving_pixels", 1)?,
-            visible,
-            seed: *seed,
-        };
+        if arrays.contains("outline_start")? {
+            parts.outline_start = flat(arrays, "outline_start", 1)?;
+            parts.outline_points = points(arrays, "outline_points")?;
+        }
+        parts.heat = flat(arrays, "heat", 2)?;
+        parts.moving_pixels = flat(arrays, "moving_pixels", 1)?;
+        if arrays.contains("visible")? {
+            parts.visible = Some(flat(arrays, "visible", 2)?);
+        }
+        parts.seed = *seed;
         Ok(Self { inner: enter(py, || epibar::Recording::try_from(parts))? })
     }
 }

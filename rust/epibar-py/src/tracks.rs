@@ -1,6 +1,5 @@
 //! Walkers as tracks over the cameras of a network.
 
-use epibar::nalgebra::Vector3;
 use epibar::network::{TrackPoint, TrackSighting, TrackingCamera};
 use numpy::IntoPyArray;
 use numpy::ndarray::{Array2, Array3};
@@ -8,7 +7,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{matrix_of_rows, rows};
+use crate::convert::rows;
+use crate::network::PythonPosed;
 use crate::recording::Recording;
 use crate::watch::watched;
 
@@ -16,10 +16,7 @@ use crate::watch::watched;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct PythonTracking {
-    matrix: [[f64; 3]; 3],
-    distortions: [f64; 5],
-    rotation: [[f64; 3]; 3],
-    translation: [f64; 3],
+    camera: PythonPosed,
     clock: (f64, f64),
 }
 
@@ -38,14 +35,7 @@ pub fn walker_tracks<'py>(
     let inputs: Vec<TrackingCamera> = recordings
         .iter()
         .zip(&cameras)
-        .map(|(r, c)| TrackingCamera {
-            recording: &r.inner,
-            matrix: matrix_of_rows(&c.matrix),
-            distortions: c.distortions,
-            rotation: matrix_of_rows(&c.rotation),
-            translation: Vector3::from(c.translation),
-            clock: c.clock,
-        })
+        .map(|(r, c)| TrackingCamera::new(&r.inner, c.camera.posed()).clock(c.clock.0, c.clock.1))
         .collect();
     let found = watched(py, progress, |watch| epibar::network::walker_tracks(&inputs, height, watch))?;
     let dict = PyDict::new(py);

@@ -44,15 +44,15 @@ impl Stage {
     /// A word for programs and progress bars.
     pub fn name(self) -> &'static str {
         match self {
-            Self::TimeOffset => "time offset",
+            Self::TimeOffset => "time_offset",
             Self::Candidates => "candidates",
             Self::BestLines => "best_lines",
             Self::AllLines => "all_lines",
             Self::LineInliers => "line_inliers",
             Self::Floor => "floor",
-            Self::FloorEpipoles => "floor epipoles",
+            Self::FloorEpipoles => "floor_epipoles",
             Self::Tracks => "tracks",
-            Self::TopView => "top view",
+            Self::TopView => "top_view",
             Self::Refine => "refine",
             Self::Restart => "restart",
             Self::Explore => "explore",

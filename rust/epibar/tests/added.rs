@@ -4,48 +4,16 @@ mod common;
 
 use common::cameras::Camera;
 use common::flying::Scene;
+use common::ring::{self, FRAMES, cameras, stored};
 use epibar::nalgebra::Rotation3;
 use epibar::network::{
     Added, CameraInput, CameraStatus, Expected, Knowledge, Offsets, PairFound, PairStatus, StoredCamera,
     add_cameras, pairs_to_add,
 };
-use epibar::{Recorder, RecorderOptions, Recording, Unwatched};
-
-const FRAMES: usize = 260;
-const NAMES: [&str; 3] = ["cam1", "cam2", "cam3"];
-
-/// Three that are stored, and a new one.
-fn cameras() -> Vec<Camera> {
-    [
-        ([5.4, -3.0, 2.6], (320, 240), 300.0, 0.10),
-        ([-2.6, -6.0, 1.5], (368, 208), 340.0, -0.14),
-        ([-4.5, 3.8, 2.9], (320, 240), 260.0, 0.03),
-        ([3.0, 5.5, 0.6], (336, 252), 350.0, 0.07),
-    ]
-    .map(|(position, size, focal, roll)| Camera::new(position, [0.0, 0.1, 1.2], size, focal, roll).centred())
-    .to_vec()
-}
+use epibar::{RecorderOptions, Recording, Unwatched};
 
 fn recorded(scene: &Scene, camera: &Camera, moment: impl Fn(usize) -> f64) -> Recording {
-    let mut recorder = Recorder::new(camera.size, RecorderOptions::new().lines(50)).unwrap();
-    for frame in 0..FRAMES {
-        recorder.push(&scene.seen_by(camera, moment(frame)), frame as f64 / 25.0).unwrap();
-    }
-    recorder.finish().unwrap()
-}
-
-fn stored<'r>(cameras: &[Camera], recordings: &'r [Recording], expected: Expected) -> Vec<StoredCamera<'r>> {
-    let held = cameras.iter().zip(recordings).zip(NAMES);
-    held.map(|((camera, recording), name)| StoredCamera {
-        name,
-        recording,
-        matrix: camera.matrix(),
-        distortions: [0.0; 5],
-        rotation: camera.rotation(),
-        translation: -(camera.rotation() * camera.centre()),
-        expected,
-    })
-    .collect()
+    ring::recorded(scene, camera, RecorderOptions::new().lines(50), moment)
 }
 
 /// The true geometry of a pair, as a search that went well brings it.
@@ -59,7 +27,7 @@ fn added(new: &Recording, scene: &Scene, expected: Expected, known: Knowledge) -
     let cameras = cameras();
     let recordings: Vec<Recording> = cameras[..3].iter().map(|c| recorded(scene, c, |f| f as f64)).collect();
     let stored = stored(&cameras, &recordings, expected);
-    let input = CameraInput { name: "cam9", recording: new, known };
+    let input = CameraInput::new("cam9", new).known(known);
     let pairs = [pair(0, 3, &cameras), pair(1, 3, &cameras)];
     let clocks = Offsets::found(vec![0.0; 4]);
     add_cameras(&stored, &[input], &pairs, &clocks, &mut Unwatched).unwrap()
@@ -120,7 +88,7 @@ fn what_cannot_be_added_to_is_refused() {
     let (scene, cameras) = (Scene::new(2, FRAMES, 33), cameras());
     let recordings: Vec<Recording> = cameras.iter().map(|c| recorded(&scene, c, |f| f as f64)).collect();
     let held = stored(&cameras[..3], &recordings, exact());
-    let input = |name| CameraInput { name, recording: &recordings[3], known: Knowledge::new() };
+    let input = |name| CameraInput::new(name, &recordings[3]);
     let of = |stored: &[StoredCamera], new: CameraInput, pairs: &[PairFound], seconds: &[f64]| {
         let clocks = Offsets::found(seconds.to_vec());
         add_cameras(stored, &[new], pairs, &clocks, &mut Unwatched).unwrap_err().to_string()

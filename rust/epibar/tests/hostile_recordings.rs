@@ -127,23 +127,13 @@ fn parts() -> impl Strategy<Value = RecordingParts> {
                 }
                 frame_start.push(hull_area.len() as u32);
             }
-            RecordingParts {
-                size: [width, height],
-                times,
-                segments,
-                barcodes,
-                frame_start,
-                hull_start,
-                hull_points,
-                hull_area,
-                hull_border,
-                outline_start,
-                outline_points,
-                heat,
-                moving_pixels: moving,
-                visible: None,
-                seed,
-            }
+            let mut parts = RecordingParts::new([width, height], times);
+            (parts.segments, parts.barcodes) = (segments, barcodes);
+            (parts.frame_start, parts.hull_start, parts.hull_points) = (frame_start, hull_start, hull_points);
+            (parts.hull_area, parts.hull_border) = (hull_area, hull_border);
+            (parts.outline_start, parts.outline_points) = (outline_start, outline_points);
+            (parts.heat, parts.moving_pixels, parts.seed) = (heat, moving, seed);
+            parts
         })
 }
 

@@ -187,23 +187,12 @@ fn recording(
     let frames = barcodes.frames();
     let total: u64 = heat.iter().map(|&h| u64::from(h)).sum();
     let share = |k: u64| (total * (k + 1) / frames as u64 - total * k / frames as u64) as u32;
-    let parts = RecordingParts {
-        outline_start: Vec::new(),
-        outline_points: Vec::new(),
-        size: [size.width(), size.height()],
-        times: (0..frames).map(|k| k as f64).collect(),
-        segments,
-        barcodes: barcodes.words().to_vec(),
-        frame_start: vec![0; frames + 1],
-        hull_start: vec![0],
-        hull_points: Vec::new(),
-        hull_area: Vec::new(),
-        hull_border: Vec::new(),
-        heat,
-        moving_pixels: (0..frames as u64).map(share).collect(),
-        visible: None,
-        seed: 0,
-    };
+    let mut parts =
+        RecordingParts::new([size.width(), size.height()], (0..frames).map(|k| k as f64).collect());
+    parts.segments = segments;
+    parts.barcodes = barcodes.words().to_vec();
+    parts.heat = heat;
+    parts.moving_pixels = (0..frames as u64).map(share).collect();
     parts.try_into().unwrap()
 }
 

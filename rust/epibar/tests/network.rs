@@ -4,45 +4,28 @@ mod common;
 
 use common::cameras::Camera;
 use common::flying::Scene;
+use common::ring::{self, FRAMES, NAMES, cameras};
 use epibar::network::{
     CameraCheck, CameraInput, CameraStatus, CheckStatus, Expected, Ground, Knowledge, Network,
-    NetworkOptions, NetworkTime, Offsets, PairFound, PairStatus, StoredCamera, calibrate_network,
-    check_network, join, pairs_to_search,
+    NetworkOptions, NetworkTime, Offsets, PairFound, PairStatus, calibrate_network, check_network, join,
+    pairs_to_search,
 };
-use epibar::{Recorder, RecorderOptions, Recording, Unwatched};
+use epibar::{RecorderOptions, Recording, Unwatched};
 use nalgebra::{Matrix3, Rotation3};
 
-const FRAMES: usize = 260;
-
-fn cameras() -> Vec<Camera> {
-    [
-        ([5.4, -3.0, 2.6], (320, 240), 300.0, 0.10),
-        ([-2.6, -6.0, 1.5], (368, 208), 340.0, -0.14),
-        ([-4.5, 3.8, 2.9], (320, 240), 260.0, 0.03),
-        ([3.0, 5.5, 0.6], (336, 252), 350.0, 0.07),
-    ]
-    .map(|(position, size, focal, roll)| Camera::new(position, [0.0, 0.1, 1.2], size, focal, roll).centred())
-    .to_vec()
-}
-
+/// What a camera whose clock is late by so many frames sees.
 fn recorded(scene: &Scene, camera: &Camera, late: f64, seed: u64) -> Recording {
-    let mut recorder = Recorder::new(camera.size, RecorderOptions::new().lines(2500).seed(seed)).unwrap();
-    for frame in 0..FRAMES {
-        recorder.push(&scene.seen_by(camera, frame as f64 - late), frame as f64 / 25.0).unwrap();
-    }
-    recorder.finish().unwrap()
+    let options = RecorderOptions::new().lines(2500).seed(seed);
+    ring::recorded(scene, camera, options, |frame| frame as f64 - late)
 }
 
 fn network(recordings: &[Recording], known: &[Knowledge], time: NetworkTime) -> Network {
-    let names: Vec<String> = (1..=recordings.len()).map(|i| format!("cam{i}")).collect();
     let inputs: Vec<CameraInput> = recordings
         .iter()
-        .zip(&names)
+        .zip(NAMES)
         .enumerate()
-        .map(|(i, (recording, name))| CameraInput {
-            name,
-            recording,
-            known: known.get(i).copied().unwrap_or_default(),
+        .map(|(i, (recording, name))| {
+            CameraInput::new(name, recording).known(known.get(i).copied().unwrap_or_default())
         })
         .collect();
     calibrate_network(&inputs, &NetworkOptions::new().time(time)).unwrap()
@@ -151,7 +134,7 @@ fn two_cameras_need_to_be_known() {
 fn what_cannot_be_is_refused() {
     let scene = Scene::new(2, FRAMES, 3);
     let recording = recorded(&scene, &cameras()[0], 0.0, 0);
-    let input = |name, known| CameraInput { name, recording: &recording, known };
+    let input = |name, known| CameraInput::new(name, &recording).known(known);
     let unknown = Knowledge::default();
     let of = |inputs: &[CameraInput], time| {
         calibrate_network(inputs, &NetworkOptions::new().time(time)).unwrap_err().to_string()
@@ -189,21 +172,7 @@ fn checked(filmed: &[Camera], stored: &[Camera], seed: u64) -> Vec<CameraCheck> 
     let scene = Scene::new(5, FRAMES, seed);
     let recordings: Vec<Recording> =
         filmed.iter().enumerate().map(|(i, c)| recorded(&scene, c, 0.0, i as u64)).collect();
-    let names = ["cam1", "cam2", "cam3", "cam4"];
-    let stored: Vec<StoredCamera> = stored
-        .iter()
-        .zip(&recordings)
-        .zip(names)
-        .map(|((camera, recording), name)| StoredCamera {
-            name,
-            recording,
-            matrix: camera.matrix(),
-            distortions: [0.0; 5],
-            rotation: camera.rotation(),
-            translation: -(camera.rotation() * camera.centre()),
-            expected: Expected::new(0.001, 0.001, 0.01),
-        })
-        .collect();
+    let stored = ring::stored(stored, &recordings, Expected::new(0.001, 0.001, 0.01));
     check_network(&stored, &Offsets::given(vec![0.0; filmed.len()]), &mut |_, _| true).unwrap()
 }
 

@@ -4,7 +4,8 @@ mod common;
 
 use common::cameras::{Camera, fundamental};
 use common::flying::{fill, hull};
-use epibar::network::{TrackPoint, TrackingCamera, walker_tracks};
+use common::ring;
+use epibar::network::{PosedCamera, TrackPoint, TrackingCamera, walker_tracks};
 use epibar::{Recorder, RecorderOptions, Recording, Unwatched, symmetric_epipolar_distance};
 use nalgebra::{Matrix3, Vector3};
 
@@ -59,13 +60,10 @@ fn tracked(cameras: &[Camera], recordings: &[Recording], late: &[f64], scale: f6
         .iter()
         .zip(recordings)
         .zip(late)
-        .map(|((camera, recording), late)| TrackingCamera {
-            recording,
-            matrix: camera.matrix(),
-            distortions: [0.0; 5],
-            rotation: camera.rotation(),
-            translation: -(camera.rotation() * camera.centre()) * scale,
-            clock: (-late, 0.0),
+        .map(|((camera, recording), late)| {
+            let posed = ring::posed(camera);
+            let scaled = PosedCamera { translation: posed.translation * scale, ..posed };
+            TrackingCamera::new(recording, scaled).clock(-late, 0.0)
         })
         .collect();
     walker_tracks(&inputs, 1.75 * scale, &mut Unwatched).unwrap()
@@ -188,24 +186,20 @@ fn what_only_two_cameras_see_differently_is_nobody() {
 fn numbers_that_no_camera_has_are_refused() {
     let camera = &cameras()[0];
     let recording = recorded(camera, 0.0, &[0]);
-    let input = TrackingCamera {
-        recording: &recording,
-        matrix: camera.matrix(),
-        distortions: [0.0; 5],
-        rotation: camera.rotation(),
-        translation: Vector3::zeros(),
-        clock: (0.0, 0.0),
-    };
-    let other = TrackingCamera { translation: Vector3::x(), ..input };
+    let posed = PosedCamera { translation: Vector3::zeros(), ..ring::posed(camera) };
+    let input = TrackingCamera::new(&recording, posed);
+    let beside = |rotation| PosedCamera { translation: Vector3::x(), rotation, ..posed };
+    let other = TrackingCamera::new(&recording, beside(posed.rotation));
+    let collapsed = TrackingCamera::new(&recording, beside(Matrix3::zeros()));
     let said = |inputs: &[TrackingCamera], height: f64| {
         walker_tracks(inputs, height, &mut Unwatched).unwrap_err().to_string()
     };
     assert!(said(&[input], 1.0).contains("two cameras"));
     assert!(said(&[input, other], f64::NAN).contains("height"));
-    assert!(said(&[input, TrackingCamera { rotation: Matrix3::zeros(), ..other }], 1.0).contains("rotation"));
-    assert!(said(&[input, TrackingCamera { clock: (0.0, -1e6), ..other }], 1.0).contains("clock"));
+    assert!(said(&[input, collapsed], 1.0).contains("rotation"));
+    assert!(said(&[input, other.clock(0.0, -1e6)], 1.0).contains("clock"));
     // Clocks that have nothing in common make no work.
-    let apart = TrackingCamera { clock: (1e300, 0.0), ..other };
+    let apart = other.clock(1e300, 0.0);
     assert!(walker_tracks(&[input, apart], 1.0, &mut Unwatched).unwrap().is_empty());
     // A watch that says no ends it.
     let mut no = |_: epibar::Stage, _: f64| false;

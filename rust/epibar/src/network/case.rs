@@ -7,8 +7,8 @@ use super::given::input::CameraInput;
 use super::given::pair::{PairFound, PairHypotheses};
 use super::model::camera::Camera;
 use super::model::joint::Beliefs;
-use super::moments::floor::Floor;
-use super::moments::observed::Observed;
+use super::observations::floor::Floor;
+use super::observations::observed::Observed;
 use super::result::CameraStatus;
 use super::solve::networks::Solved;
 

@@ -14,7 +14,7 @@ use super::given::input::{CameraInput, PRINCIPAL_LEVELS};
 use super::given::pair::PairFound;
 use super::model::camera::CLOCK;
 use super::model::joint::{Problem, standing};
-use super::moments::survey::{Survey, shared};
+use super::observations::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
 use super::solve::networks::{FRAMES_IN_THE_END, Solved, Solver, settled};
 use super::solve::principal;

@@ -5,7 +5,7 @@
 //! * `calibrate`, `join`: the whole job; from recordings, clocks and pairs to one network.
 //! * `given`: what is known of each camera before; which pairs are searched, and what they bring; clocks.
 //! * `model`: what is solved for, how far two tangents are from meeting, the joint problem over cameras only.
-//! * `moments`: outlines of silhouettes, their epipolar tangents under known cameras, and what stands on the floor, at some moments.
+//! * `observations`: outlines of silhouettes, their epipolar tangents under known cameras, and what stands on the floor, at some moments.
 //! * `solve`: from the geometries of pairs to networks, and to the world that they stand in.
 //! * `evidence`: what speaks for each camera on moments kept aside, and by how much it may be wrong.
 //! * `case`, `result`: what a network is made of on its way to the verdict; what comes out.
@@ -17,11 +17,11 @@
 //! * `add`: one more camera.
 //! * `tracks`: walkers over time.
 //!
-//! The tools are in another order, as a camera that is given is a camera that is solved for: `thresholds`, `model`, `given`, `moments`,
+//! The tools are in another order, as a camera that is given is a camera that is solved for: `thresholds`, `model`, `given`, `observations`,
 //! `solve`, `evidence`, and then the rest. Each imports from those before it only.
 //!
 //! ```no_run
-//! use epibar::network::{CameraInput, Knowledge, NetworkOptions, calibrate_network};
+//! use epibar::network::{CameraInput, NetworkOptions, calibrate_network};
 //! # fn recordings() -> Vec<epibar::Recording> { Vec::new() }
 //!
 //! # fn main() -> epibar::Result<()> {
@@ -30,7 +30,7 @@
 //! let cameras: Vec<CameraInput> = names
 //!     .iter()
 //!     .zip(&recordings)
-//!     .map(|(name, recording)| CameraInput { name, recording, known: Knowledge::default() })
+//!     .map(|(name, recording)| CameraInput::new(name, recording))
 //!     .collect();
 //! let network = calibrate_network(&cameras, &NetworkOptions::new())?;
 //! println!("{}", network.reason);
@@ -49,7 +49,7 @@ mod evidence;
 mod given;
 mod join;
 mod model;
-mod moments;
+mod observations;
 mod prose;
 mod result;
 mod solve;
@@ -67,6 +67,7 @@ pub use evidence::support::Deviates;
 pub use given::clocks::Offsets;
 pub use given::input::{Aspect, CameraInput, Knowledge};
 pub use given::pair::PairFound;
+pub use given::posed::PosedCamera;
 pub use join::join;
 pub(crate) use model::optics;
 pub use result::{

@@ -7,7 +7,7 @@ use super::given::graph::all_pairs;
 use super::given::pair::PairFound;
 use super::model::camera::Camera;
 use super::model::residual::Pair;
-use super::moments::survey::Survey;
+use super::observations::survey::Survey;
 use super::prose;
 use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
 use super::solve::networks::{Solved, gain};

@@ -8,7 +8,10 @@ use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
 
 /// The arrays that a [`Recording`] consists of, which may contradict each other: [`Recording::try_from`] finds out.
+///
+/// Made of a recording, or by [`new`](Self::new), and then changed field by field.
 #[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
 pub struct RecordingParts {
     /// Width and height, pixels.
     pub size: [usize; 2],
@@ -41,6 +44,31 @@ pub struct RecordingParts {
     pub visible: Option<Vec<u8>>,
     /// Seed of the lines.
     pub seed: u64,
+}
+
+impl RecordingParts {
+    /// Those of a recording without lines in which nothing moves: its size, pixels, and the time of each frame, seconds.
+    ///
+    /// `heat` is empty; it takes a number for each pixel.
+    pub fn new(size: [usize; 2], times: Vec<f64>) -> Self {
+        Self {
+            size,
+            segments: Vec::new(),
+            barcodes: Vec::new(),
+            frame_start: vec![0; times.len() + 1],
+            hull_start: vec![0],
+            hull_points: Vec::new(),
+            hull_area: Vec::new(),
+            hull_border: Vec::new(),
+            outline_start: vec![0],
+            outline_points: Vec::new(),
+            heat: Vec::new(),
+            moving_pixels: vec![0; times.len()],
+            visible: None,
+            seed: 0,
+            times,
+        }
+    }
 }
 
 impl From<Recording> for RecordingParts {

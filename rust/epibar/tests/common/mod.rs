@@ -5,6 +5,7 @@
 pub mod cameras;
 pub mod flying;
 pub mod masks;
+pub mod ring;
 
 use epibar::internals::FramePair;
 

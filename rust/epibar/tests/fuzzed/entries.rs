@@ -4,8 +4,8 @@ use arbitrary::{Result, Unstructured};
 use epibar::internals::{barcodes_of_segments, mutual_matches};
 use epibar::nalgebra::{Matrix3, Rotation3, Vector3};
 use epibar::network::{
-    Aspect, CameraInput, Expected, Knowledge, NetworkOptions, NetworkTime, Offsets, StoredCamera,
-    TrackingCamera, calibrate_network, check_network, walker_tracks,
+    Aspect, CameraInput, Expected, Knowledge, NetworkOptions, NetworkTime, Offsets, PosedCamera,
+    StoredCamera, TrackingCamera, calibrate_network, check_network, walker_tracks,
 };
 use epibar::{
     Barcodes, CalibrateOptions, CameraMatrices, ExamineOptions, Fundamental, ImageSize, Method, Recorder,
@@ -156,7 +156,7 @@ fn network_any(u: &mut Unstructured) -> Result<()> {
         .iter()
         .zip(known)
         .zip(NAMES)
-        .map(|((recording, known), name)| CameraInput { name, recording, known })
+        .map(|((recording, known), name)| CameraInput::new(name, recording).known(known))
         .collect();
     if let Ok(network) = calibrate_network(&cameras, &options) {
         assert_eq!(network.cameras.len(), cameras.len());
@@ -202,18 +202,9 @@ fn check_any(u: &mut Unstructured) -> Result<()> {
         (0..count).map(|_| if u.ratio(1, 6)? { number(u) } else { Ok(0.0) }).collect::<Result<Vec<_>>>()?;
     let found = recordings(u, count)?;
     for (index, recording) in found.iter().enumerate() {
-        let (matrix, distortions, rotation, translation) = places[index];
-        stored.push(StoredCamera {
-            name: NAMES[index],
-            recording,
-            matrix,
-            distortions,
-            rotation,
-            translation,
-            expected: Expected::new(0.01, 0.01, 0.1),
-        });
-        let clock = (clocks[index], 0.0);
-        tracking.push(TrackingCamera { recording, matrix, distortions, rotation, translation, clock });
+        let expected = Expected::new(0.01, 0.01, 0.1);
+        stored.push(StoredCamera::new(NAMES[index], recording, places[index], expected));
+        tracking.push(TrackingCamera::new(recording, places[index]).clock(clocks[index], 0.0));
         seconds.push(clocks[index]);
     }
     if let Ok(found) = check_network(&stored, &Offsets::given(seconds), &mut Unwatched) {
@@ -225,10 +216,8 @@ fn check_any(u: &mut Unstructured) -> Result<()> {
     Ok(())
 }
 
-type Place = (Matrix3<f64>, [f64; 5], Matrix3<f64>, Vector3<f64>);
-
 /// A camera that looks at the origin, or one of any numbers.
-fn place(u: &mut Unstructured) -> Result<Place> {
+fn place(u: &mut Unstructured) -> Result<PosedCamera> {
     let matrix = if u.ratio(1, 8)? {
         matrix(u)?
     } else {
@@ -247,5 +236,6 @@ fn place(u: &mut Unstructured) -> Result<Place> {
     if u.ratio(1, 8)? {
         rotation[u.int_in_range(0..=8)?] = number(u)?;
     }
-    Ok((matrix, distortions, rotation, Vector3::new(number(u)?, number(u)?, number(u)?)))
+    let translation = Vector3::new(number(u)?, number(u)?, number(u)?);
+    Ok(PosedCamera { matrix, distortions, rotation, translation })
 }

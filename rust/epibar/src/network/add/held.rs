@@ -6,8 +6,8 @@ use crate::network::given::input::{CameraInput, Knowledge};
 use crate::network::given::pair::PairFound;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
-use crate::network::moments::observed::Observed;
-use crate::network::moments::survey::Survey;
+use crate::network::observations::observed::Observed;
+use crate::network::observations::survey::Survey;
 use crate::network::solve::networks::FRAMES;
 
 /// The cameras that are held.
@@ -25,7 +25,7 @@ pub struct Held<'a> {
 impl<'a> Held<'a> {
     /// Stored cameras, with the clocks that they have by what they saw together.
     pub fn of(stored: &'a [StoredCamera], clocks: &Offsets) -> Self {
-        let through = |c: &StoredCamera| c.stated().camera(c.recording.size());
+        let through = |c: &StoredCamera| c.solvable();
         let observed: Vec<Observed> =
             stored.iter().map(|c| Observed::new(c.recording).through(&through(c))).collect();
         let (held, beliefs) = by_new_clocks(stored, clocks, &Survey::new(&observed, FRAMES[1]));
@@ -53,9 +53,9 @@ impl<'a> Given<'a> {
         clocks: &Offsets,
     ) -> Self {
         let n = held.stored.len();
-        let known = |c: &StoredCamera| Knowledge::new().matrix(c.matrix).distortions(c.distortions);
-        let input =
-            |c: &StoredCamera<'a>| CameraInput { name: c.name, recording: c.recording, known: known(c) };
+        let known =
+            |c: &StoredCamera| Knowledge::new().matrix(c.camera.matrix).distortions(c.camera.distortions);
+        let input = |c: &StoredCamera<'a>| CameraInput::new(c.name, c.recording).known(known(c));
         let own = pairs.iter().filter(|p| p.b == camera && p.a < n);
         Self {
             inputs: held.stored.iter().map(input).chain([*added]).collect(),

@@ -13,7 +13,7 @@ use crate::network::evidence::support::{Deviates, Support, knocked};
 use crate::network::given::input::PRINCIPAL_LEVELS;
 use crate::network::model::camera::{CLOCK, Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Beliefs, Problem};
-use crate::network::moments::survey::{Survey, shared};
+use crate::network::observations::survey::{Survey, shared};
 use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair};
 use crate::network::solve::networks::{FRAMES, FRAMES_IN_THE_END, Solved, settled};
 use crate::network::solve::principal;

@@ -17,8 +17,6 @@ mod stretch;
 mod suspects;
 mod zoom;
 
-use nalgebra::{Matrix3, Vector3};
-
 use prose::{Seen, said};
 use replace::replaced;
 pub(super) use stretch::FRAMES;
@@ -28,11 +26,11 @@ use super::evidence::expected::Expected;
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::INSET;
-use super::given::stated::{EXPECTED, Stated};
+use super::given::posed::{EXPECTED, PosedCamera};
 use super::model::camera::Camera;
 use super::model::joint::{Belief, Beliefs};
-use super::moments::observed::Observed;
-use super::moments::survey::Survey;
+use super::observations::observed::Observed;
+use super::observations::survey::Survey;
 use super::result::CameraCheck;
 use super::solve::relocate::Placed;
 use super::solve::settle::settle;
@@ -42,21 +40,28 @@ use crate::watch::Watch;
 
 /// A camera as it is stored, and what it saw since.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct StoredCamera<'r> {
     /// Name, for messages and results.
     pub name: &'r str,
     /// New footage, in raw pixels of the stored lens.
     pub recording: &'r Recording,
-    /// The camera matrix, pixels.
-    pub matrix: Matrix3<f64>,
-    /// `k₁ k₂ p₁ p₂ k₃` of `OpenCV`; the tangential ones are not used.
-    pub distortions: [f64; 5],
-    /// `R` of `X_c = R X + t`.
-    pub rotation: Matrix3<f64>,
-    /// `t` of `X_c = R X + t`.
-    pub translation: Vector3<f64>,
+    /// The camera, as it is stored.
+    pub camera: PosedCamera,
     /// Errors to expect of it, as they are stored: those of a camera that is added hold them, a check does not ask.
     pub expected: Expected,
+}
+
+impl<'r> StoredCamera<'r> {
+    /// A camera of a stored network, and what it saw since.
+    pub fn new(name: &'r str, recording: &'r Recording, camera: PosedCamera, expected: Expected) -> Self {
+        Self { name, recording, camera, expected }
+    }
+
+    /// What is solved for, as it is stored; its clock and inset not known.
+    pub(super) fn solvable(&self) -> Camera {
+        self.camera.solvable(self.recording.size())
+    }
 }
 
 /// Which of the cameras of a network has moved since it was calibrated.
@@ -73,10 +78,8 @@ pub fn check_network(
     if clocks.seconds.len() != cameras.len() {
         return refused("clocks", clocks.seconds.len().to_string(), "a clock for each camera");
     }
-    let observed: Vec<Observed> = cameras
-        .iter()
-        .map(|c| Observed::new(c.recording).through(&c.stated().camera(c.recording.size())))
-        .collect();
+    let observed: Vec<Observed> =
+        cameras.iter().map(|c| Observed::new(c.recording).through(&c.solvable())).collect();
     let survey = Survey::new(&observed, FRAMES);
     let (stored, beliefs) = by_new_clocks(cameras, clocks, &survey);
     let mut judged = judged(&Footage { observed: &observed, beliefs: &beliefs }, &stored, watch)?;
@@ -92,14 +95,6 @@ pub fn check_network(
         .collect())
 }
 
-impl StoredCamera<'_> {
-    /// What is stored, in words of the network's room.
-    pub(super) fn stated(&self) -> Stated<'_> {
-        let Self { matrix, distortions, rotation, translation, .. } = self;
-        Stated { matrix, distortions, rotation, translation }
-    }
-}
-
 /// Refuses stored cameras that cannot be those of a network.
 pub(super) fn refuse(cameras: &[StoredCamera]) -> Result<()> {
     if cameras.len() < 2 {
@@ -109,7 +104,7 @@ pub(super) fn refuse(cameras: &[StoredCamera]) -> Result<()> {
         if cameras[..i].iter().any(|other| other.name == c.name) {
             return refused("cameras", c.name.to_owned(), "names of cameras that differ");
         }
-        if !c.stated().is_camera() {
+        if !c.camera.is_camera() {
             return refused("camera", c.name.to_owned(), EXPECTED);
         }
     }
@@ -137,7 +132,7 @@ pub(super) fn by_new_clocks(
     let stored = |(c, beliefs): (&StoredCamera, &Beliefs)| Camera {
         offset: beliefs.clock[0].mean,
         inset: INSET.mean,
-        ..c.stated().camera(c.recording.size())
+        ..c.solvable()
     };
     let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
     let placed = vec![true; at.len()];

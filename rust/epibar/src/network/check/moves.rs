@@ -8,7 +8,7 @@ use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::expected::{NINE_IN_TEN, length_quantile};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Belief, Beliefs, Problem};
-use crate::network::moments::survey::{Survey, summed};
+use crate::network::observations::survey::{Survey, summed};
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::{Settled, settle};
 use crate::network::thresholds as limits;

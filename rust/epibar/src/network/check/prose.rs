@@ -3,7 +3,7 @@
 use super::moves::Move;
 use super::replace::Replaced;
 use super::suspects::Judged;
-use crate::network::moments::observed::Observed;
+use crate::network::observations::observed::Observed;
 use crate::network::result::{CameraCheck, CheckStatus};
 use crate::network::thresholds as limits;
 

@@ -1,7 +1,7 @@
 //! Footage from some moment on, and fewer of its frames.
 
-use crate::network::moments::observed::Observed;
-use crate::network::moments::survey::Survey;
+use crate::network::observations::observed::Observed;
+use crate::network::observations::survey::Survey;
 
 /// Frames of each camera that are looked at.
 pub const FRAMES: usize = 400;

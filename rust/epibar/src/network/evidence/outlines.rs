@@ -5,7 +5,7 @@
 
 use crate::geometry::median::deviation;
 use crate::network::model::residual::Pair;
-use crate::network::moments::observed::Observed;
+use crate::network::observations::observed::Observed;
 use crate::network::solve::settle::Settled;
 use crate::network::thresholds as limits;
 

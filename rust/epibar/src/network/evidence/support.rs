@@ -8,9 +8,9 @@
 use rayon::prelude::*;
 
 use crate::network::model::camera::Camera;
-use crate::network::moments::observed::Observed;
-use crate::network::moments::survey::{Survey, shared};
-use crate::network::moments::tangents::Score;
+use crate::network::observations::observed::Observed;
+use crate::network::observations::survey::{Survey, shared};
+use crate::network::observations::tangents::Score;
 use crate::network::solve::networks::{Solved, settled};
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::Again;

@@ -50,6 +50,7 @@ pub enum Aspect {
 
 /// A camera of a network: its name, its recording, and what is known of it.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct CameraInput<'r> {
     /// Name, for messages and results.
     pub name: &'r str,
@@ -57,6 +58,19 @@ pub struct CameraInput<'r> {
     pub recording: &'r Recording,
     /// What is known of it before.
     pub known: Knowledge,
+}
+
+impl<'r> CameraInput<'r> {
+    /// A camera of which nothing is known.
+    pub fn new(name: &'r str, recording: &'r Recording) -> Self {
+        Self { name, recording, known: Knowledge::default() }
+    }
+
+    /// With what is known of it before.
+    #[must_use]
+    pub fn known(self, known: Knowledge) -> Self {
+        Self { known, ..self }
+    }
 }
 
 /// Focal length that a camera is believed to have before, in widths of its image, and the standard deviation of its log:

@@ -1,7 +1,7 @@
 //! What is known before anything is solved for.
 //!
 //! * `input`: of each camera: its recording, and what is known of its lens and focal length.
-//! * `stated`: a camera as files state it.
+//! * `posed`: a camera with its pose as files state it.
 //! * `graph`: which pairs are searched for.
 //! * `clocks`: offsets of all clocks from barcodes.
 //! * `pair`: what a pair brings: geometries, and the tangents that meet under them.
@@ -10,4 +10,4 @@ pub mod clocks;
 pub mod graph;
 pub mod input;
 pub mod pair;
-pub mod stated;
+pub mod posed;

@@ -6,8 +6,8 @@ use super::start::{Started, Starter};
 use crate::network::given::pair::PairHypotheses;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
-use crate::network::moments::observed::Observed;
-use crate::network::moments::survey::{Survey, shared};
+use crate::network::observations::observed::Observed;
+use crate::network::observations::survey::{Survey, shared};
 use crate::network::thresholds as limits;
 
 /// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands; of many cameras fewer.

@@ -15,7 +15,7 @@ use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
 use crate::network::model::pose::{placed_beside, relative_pose};
 use crate::network::model::residual::Pair;
-use crate::network::moments::survey::{Rays, Survey};
+use crate::network::observations::survey::{Rays, Survey};
 use crate::network::thresholds as limits;
 
 /// Lengths of the baseline that are tried, in mean distances of the cameras.

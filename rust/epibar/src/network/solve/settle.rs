@@ -8,7 +8,7 @@ use crate::geometry::median::deviation;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::{Beliefs, PairMeetings, Problem, standing, weight};
 use crate::network::model::residual::Pair;
-use crate::network::moments::survey::Survey;
+use crate::network::observations::survey::Survey;
 use crate::network::thresholds as limits;
 
 /// Radii, pixels of a 640×480 image, within which tangents meet: the first, and the least.

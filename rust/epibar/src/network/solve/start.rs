@@ -13,7 +13,7 @@ use crate::network::model::camera::Camera;
 use crate::network::model::joint::{Beliefs, PairMeetings, Problem, standing};
 use crate::network::model::pose::{placed_beside, relative_pose};
 use crate::network::model::residual::{Meeting, Pair};
-use crate::network::moments::evenly::evenly;
+use crate::network::observations::evenly::evenly;
 use crate::network::thresholds as limits;
 
 /// A network of some of the cameras.

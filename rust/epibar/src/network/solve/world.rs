@@ -8,10 +8,10 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::relocate::Placed;
 use crate::network::model::camera::Camera;
-use crate::network::moments::evenly::evenly;
-use crate::network::moments::floor::Floor;
-use crate::network::moments::survey::Survey;
-use crate::network::moments::walkers;
+use crate::network::observations::evenly::evenly;
+use crate::network::observations::floor::Floor;
+use crate::network::observations::survey::Survey;
+use crate::network::observations::walkers;
 use crate::network::thresholds as limits;
 
 /// Where the vertical of a network comes from.

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::groups::Group;
-use crate::network::moments::observed::Observed;
+use crate::network::observations::observed::Observed;
 
 /// A track that is not seen for so many seconds has ended.
 const GAP: f64 = 0.8;

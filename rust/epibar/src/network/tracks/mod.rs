@@ -17,7 +17,6 @@ mod triangulate;
 
 pub use points::{TrackPoint, TrackSighting};
 
-use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use groups::{Group, Scale, groups};
@@ -25,11 +24,11 @@ use linking::Crowd;
 use sightings::{Eye, Sighting, sightings};
 
 use super::given::input::INSET;
-use super::given::stated::{EXPECTED, Stated};
+use super::given::posed::{EXPECTED, PosedCamera};
 use super::model::camera::Camera;
 use super::model::joint::{Belief, Beliefs};
-use super::moments::observed::Observed;
-use super::moments::survey::Survey;
+use super::observations::observed::Observed;
+use super::observations::survey::Survey;
 use super::solve::relocate::Placed;
 use super::solve::settle::settle;
 use crate::error::{Error, Result};
@@ -38,19 +37,27 @@ use crate::watch::{Stage, Watch, report};
 
 /// A camera of a network, its clock, and what it recorded.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct TrackingCamera<'r> {
     /// What it saw, in raw pixels of the lens.
     pub recording: &'r Recording,
-    /// The camera matrix, pixels.
-    pub matrix: Matrix3<f64>,
-    /// `k₁ k₂ p₁ p₂ k₃` of `OpenCV`; the tangential ones are not used.
-    pub distortions: [f64; 5],
-    /// `R` of `X_c = R X + t`; z is up in the world, and 0 on the floor.
-    pub rotation: Matrix3<f64>,
-    /// `t` of `X_c = R X + t`.
-    pub translation: Vector3<f64>,
+    /// Where it stands, in a world with z up, and 0 on the floor.
+    pub camera: PosedCamera,
     /// Offset, seconds, and drift, ppm: t seconds of the network are `t + offset + 1e-6 drift t` here.
     pub clock: (f64, f64),
+}
+
+impl<'r> TrackingCamera<'r> {
+    /// A camera with the clock of the network.
+    pub fn new(recording: &'r Recording, camera: PosedCamera) -> Self {
+        Self { recording, camera, clock: (0.0, 0.0) }
+    }
+
+    /// With a clock of its own: offset, seconds, and drift, ppm.
+    #[must_use]
+    pub fn clock(self, offset: f64, drift: f64) -> Self {
+        Self { clock: (offset, drift), ..self }
+    }
 }
 
 /// Frames of each camera by which insets are found.
@@ -119,13 +126,6 @@ fn is_chosen(moment: usize, all: usize) -> bool {
     before(moment) < before(moment + 1)
 }
 
-impl TrackingCamera<'_> {
-    fn stated(&self) -> Stated<'_> {
-        let Self { matrix, distortions, rotation, translation, .. } = self;
-        Stated { matrix, distortions, rotation, translation }
-    }
-}
-
 fn refuse(cameras: &[TrackingCamera], height: f64) -> Result<()> {
     let wrong = |name, value: String, expected| Err(Error::Argument { name, value, expected });
     if cameras.len() < 2 {
@@ -138,7 +138,7 @@ fn refuse(cameras: &[TrackingCamera], height: f64) -> Result<()> {
         if c.clock.1.abs() > MOST_DRIFT {
             return wrong("clock", c.clock.1.to_string(), "a drift in ppm that a clock has");
         }
-        if !(c.stated().is_camera() && c.clock.0.is_finite() && c.clock.1.is_finite()) {
+        if !(c.camera.is_camera() && c.clock.0.is_finite() && c.clock.1.is_finite()) {
             return wrong("camera", i.to_string(), EXPECTED);
         }
     }
@@ -153,7 +153,7 @@ fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f6
             offset: c.clock.0,
             drift: c.clock.1,
             inset: INSET.mean,
-            ..c.stated().camera(c.recording.size())
+            ..c.camera.solvable(c.recording.size())
         })
         .collect();
     let known = Beliefs {

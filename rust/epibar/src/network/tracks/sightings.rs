@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::triangulate::{Ray, covariance};
 use crate::network::model::camera::Camera;
-use crate::network::moments::ends::{Ends, Seen, ends, wrapped};
-use crate::network::moments::observed::{Between, Observed};
-use crate::network::moments::walkers::triangulated;
+use crate::network::observations::ends::{Ends, Seen, ends, wrapped};
+use crate::network::observations::observed::{Between, Observed};
+use crate::network::observations::walkers::triangulated;
 use crate::recording::visible::on_border;
 
 /// Below this share of up in a tangent's normal, top and bottom mean nothing.
