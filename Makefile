@@ -72,8 +72,8 @@ READERS := .readers
 
 $(READERS)/.made: $(VENV)/.created
 	$(BIN)/python -m venv $(READERS)
-	$(READERS)/bin/python -m pip install anytree c3d matplotlib numba numpy opencv-python-headless pandas platformdirs pydantic rich rtoml scipy toml tqdm
-	$(READERS)/bin/python -m pip install --no-deps aniposelib caliscope freemocap pose2sim
+	$(READERS)/bin/python -m pip install anytree c3d matplotlib numba numpy opencv-python-headless pandas pillow platformdirs pydantic rich rtoml scipy toml tqdm
+	$(READERS)/bin/python -m pip install --no-deps aniposelib caliscope freemocap nerfbaselines pose2sim
 	$(BIN)/python -m venv $(READERS)/blender
 	$(READERS)/blender/bin/python -m pip install --only-binary :all: bpy || echo "Blender cannot be installed" >&2
 	touch $@

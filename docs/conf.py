@@ -38,7 +38,8 @@ html_css_files = ["wide.css"]
 
 def link_to_sources(app: Sphinx, name: str, text: list[str]) -> None:
     """Send links that leave this folder, and work in a checkout, to the repository."""
-    text[0] = text[0].replace("](../", "](https://github.com/epibar/epibar/blob/main/")
+    up = "../" * (name.count("/") + 1)
+    text[0] = text[0].replace(f"]({up}", "](https://github.com/epibar/epibar/blob/main/")
 
 
 def setup(app: Sphinx) -> None:

@@ -32,7 +32,7 @@ from epibar.lens.cameras_toml import write_cameras
 from epibar.lens.intrinsics import Intrinsics
 
 ROOT = Path(__file__).parents[1]
-DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
 PACKAGE = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 
 BLOCK = re.compile(

@@ -1,6 +1,6 @@
-"""What docs/exports.md tells to do in each program is done, by its own reader where that is installed.
+"""What docs/use_in/ tells to do in each program is done, by its own reader where that is installed.
 
-The command of a section below *Use it in the program* writes the files, from a run whose network has twelve
+The command of a page writes the files, from a run whose network has twelve
 cameras; its Python then runs as it stands, and what it read is projected. Programs that need other libraries
 than epibar's (`make readers` installs them) run in an environment of their own, or are skipped.
 """
@@ -13,6 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 from camera_formats_input import POINTS, expected, network
@@ -22,13 +23,15 @@ from epibar.files.json_file import write_json
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs" / "exports.md").read_text()
+PAGES = sorted((ROOT / "docs" / "use_in").glob("*.md"))
 READERS = Path(os.environ.get("EPIBAR_READERS", ROOT / ".readers"))
 """An environment with what goes together, and in it one for Blender, which needs another NumPy."""
 LENS = (-0.2, 0.05, 0.001, -0.002, 0)
 """Its k3 is 0, for which Pose2Sim has no place."""
 
-SECTION = re.compile(r"^### (?P<program>.+?)\n(?P<text>.*?)(?=^##)", re.MULTILINE | re.DOTALL)
-SECTIONS = {one["program"]: one["text"] for one in SECTION.finditer(PAGE + "\n##")}
+TITLE = "# Use it in "
+TOLD = {text.splitlines()[0].removeprefix(TITLE): text for text in (page.read_text() for page in PAGES)}
+"""What each page tells, by the program of its title."""
 
 BEFORE = "import sys, json\nimport numpy as np\npoints = np.load('points.npy')\nfound = {}\n"
 AFTER = """
@@ -64,6 +67,12 @@ PROBES = {
     "every = [cameras.at(k) for k in range(cameras.size())]\n"
     "rows = {one.getNode('name').string(): [one.getNode(key).mat() for key in keys] for one in every}\n"
     + FROM_ROWS,
+    # It goes by pictures, and its pixels begin at a corner.
+    "nerfstudio": "\nfrom pathlib import Path\nfrom nerfbaselines.cameras import project\n"
+    "for part in parts:\n"
+    "    for k, path in enumerate(part['image_paths']):\n"
+    "        found[Path(path).stem] = project(part['cameras'][k], points.astype(np.float32)) - 0.5\n"
+    "found = {f'cam{k + 1}': found[f'cam{k + 1}'] for k in range(len(found))}\n",
     "COLMAP": "\nfor image in sorted(model.images.values(), key=lambda one: one.image_id):\n"
     "    camera, pose = model.cameras[image.camera_id], image.cam_from_world()\n"
     "    seen = points @ pose.rotation.matrix().T + pose.translation\n"
@@ -93,6 +102,7 @@ NEEDS = {
     "Caliscope": "caliscope",
     "FreeMoCap": "freemocap",
     "Pose2Sim": "Pose2Sim",
+    "nerfstudio": "nerfbaselines",
 }
 OF_OURS = {"OpenCV": "cv2", "COLMAP": "pycolmap", "NumPy": "numpy"}
 
@@ -115,18 +125,21 @@ def run(net, tmp_path, monkeypatch):
     write_json(folder / "calibration.json", {**content, "network": net.as_dict()})
     net.save(folder / "network.json")
     np.save(tmp_path / "points.npy", POINTS)
+    (tmp_path / "images").mkdir()
+    for name in net.cameras:
+        cv2.imwrite(str(tmp_path / "images" / f"{name}.png"), np.zeros((480, 640, 3), np.uint8))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 def blocks(program, language):
-    found = re.findall(rf"^```{language}\n(.*?)^```$", SECTIONS[program], re.MULTILINE | re.DOTALL)
+    found = re.findall(rf"^```{language}\n(.*?)^```$", TOLD[program], re.MULTILINE | re.DOTALL)
     assert found, program
     return found
 
 
 def export(program):
-    """Run the command of a section."""
+    """Run the command of a page."""
     command = blocks(program, "sh")[0].split()
     assert command[:2] == ["epibar", "export"]
     assert main(command[1:]) == 0
@@ -198,7 +211,7 @@ def test_blender_sees_what_the_network_sees(net, run):
         np.testing.assert_allclose(seen, expected(net.cameras[name], np.zeros(5)), atol=0.01, err_msg=name)
 
 
-@pytest.mark.parametrize("program", ["EasyMocap", "nerfstudio", "Rerun"])
+@pytest.mark.parametrize("program", ["EasyMocap", "Rerun"])
 def test_what_has_no_reader_here_is_written_by_its_command(program, run):
     """What is in it, `test_camera_formats.py` reads."""
     if program == "Rerun" and importlib.util.find_spec("rerun") is None:
@@ -206,14 +219,14 @@ def test_what_has_no_reader_here_is_written_by_its_command(program, run):
     export(program)
     out = blocks(program, "sh")[0].split()[-1]
     assert (run / out).exists()
-    for code in re.findall(r"[\w/]+\.(?:yml|json|rrd)", SECTIONS[program]):
+    for code in re.findall(r"[\w/]+\.(?:yml|json|rrd)", TOLD[program]):
         assert (run / code).exists(), code
 
 
 def test_every_format_of_cameras_is_told_of():
     from epibar.camera_files.formats import FORMATS
 
-    written = {blocks(program, "sh")[0].split()[4] for program in SECTIONS}
+    written = {blocks(program, "sh")[0].split()[4] for program in TOLD}
     assert written == set(FORMATS)
 
 
