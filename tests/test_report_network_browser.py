@@ -68,6 +68,33 @@ def test_from_the_side_high_is_up(watched, report):
         assert abs(foot[0] - camera[0]) < 0.2
 
 
+@pytest.mark.parametrize("size", [DESKTOP, PHONE])
+def test_names_of_many_cameras_do_not_lie_over_one_another(watched, tmp_path, size):
+    made = network(20, refused=(), lost=())
+    path = write_report(tmp_path / "r.html", cameras(made.cameras), [], network=NetworkReport(made))
+    page = drawn(watched(path.as_uri(), size))
+    names = page.locator(f"{VIEW} .names text")
+
+    def boxes():
+        settled(page)
+        return names.evaluate_all(
+            "all => all.map(one => one.getBBox()).map(b => [b.x, b.x + b.width, b.y + 3, b.y + b.height - 3])"
+        )
+
+    found = boxes()
+    assert 7 < len(found) <= 20
+    for k, (left, right, top, bottom) in enumerate(found):
+        for other in found[:k]:
+            assert left > other[1] or other[0] > right or top > other[3] or other[2] > bottom
+    # Whoever is left out is named when its row is looked at.
+    hidden = sorted(set(made.cameras) - set(names.all_text_contents()))
+    for name in hidden[:1]:
+        page.locator(f"tr[data-camera={name}]").focus()
+        settled(page)
+        assert name in names.all_text_contents()
+    assert hidden or size is DESKTOP
+
+
 def test_everything_is_inside_from_whichever_side(watched, report):
     page = drawn(watched(report, DESKTOP))
     view = page.locator(VIEW)

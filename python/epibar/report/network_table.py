@@ -31,6 +31,9 @@ HEADER = ("Camera", "Verdict", "Focal length", "Height", "Tilt", "Clock", "State
 
 UNKNOWN = "unknown"
 
+CROWDED = 8
+"""Of more cameras than this some names lie over others from most sides."""
+
 
 def no_network_note(reason: str | None) -> str:
     """Say why there is no network."""
@@ -93,6 +96,8 @@ def _caption(network: NetworkParts, tracks: Sequence[Track]) -> str:
     )
     if tracks:
         sentences.append("Thin coloured lines: where people walked.")
+    if len(standing) > CROWDED:
+        sentences.append("Names that would lie over others are left out; the row of a camera shows its own.")
     return " ".join(sentences)
 
 

@@ -6,6 +6,7 @@ const PAIR_WORDS = {
   contradicts: "contradicts: alone it has another geometry",
 };
 const SHOWN_NAME = 22;
+const NAME_HEIGHT = 14; // pixels
 const MANY = 20; // pairs, of which those that are confirmed are drawn thin
 
 class Space {
@@ -117,7 +118,7 @@ class Space {
       svg("g", { class: this.links.length > MANY ? "links many" : "links" },
         ...shown("lines", () => this.links.map(pair => this.link(pair, at)))),
       ...cameras.map(camera => this.camera(camera, at)),
-      svg("g", { class: "names" }, ...cameras.map(camera => this.name(camera))));
+      svg("g", { class: "names" }, ...this.names(cameras)));
   }
 
   floor(at) {
@@ -185,6 +186,19 @@ class Space {
       class: "error", rx: half(middle + apart), ry: half(middle - apart),
       transform: `translate(${x.toFixed(2)} ${y.toFixed(2)}) rotate(${turn.toFixed(2)})`,
     });
+  }
+
+  // Of those that would lie over one another that of the camera in front, or of the one that is picked.
+  names(cameras) {
+    const boxes = [];
+    const inFront = [...cameras].reverse().sort((p, q) => (q.name === this.picked) - (p.name === this.picked));
+    return inFront.map(camera => this.name(camera)).filter(text => {
+      const [x, y, wide] = [Number(text.getAttribute("x")), Number(text.getAttribute("y")), 8 * text.textContent.length];
+      const left = text.getAttribute("text-anchor") === "end" ? x - wide : x;
+      const free = boxes.every(([l, r, t]) => left > r || left + wide < l || Math.abs(t - y) > NAME_HEIGHT);
+      if (free) boxes.push([left, left + wide, y]);
+      return free;
+    }).reverse();
   }
 
   name(camera) {
