@@ -1,11 +1,11 @@
 //! Radial lens distortion, there and back, with its derivatives.
 //!
 //! Brown's polynomial as `OpenCV` writes it: a point at distance `r` from the axis, in units of the focal length, is
-//! seen at `r (1 + k₁ r² + k₂ r⁴ + k₃ r⁶)`. The way back has no formula: `r` is found by Newton steps, and its derivatives
-//! follow from those of the polynomial (implicit function theorem).
+//! seen at `r (1 + k₁ r² + k₂ r⁴ + k₃ r⁶)`. The way back has no formula: `r` is found by Newton's steps, or by
+//! halving where these do not end on the way out from the axis, and its derivatives follow from those of the polynomial (implicit function theorem).
 //!
 //! *Pitfall.* With a negative `k₁` alone the polynomial turns back at `r = 1/√(−3 k₁)`: nothing is seen beyond the
-//! radius that it has there, and a point that claims to be has no ray.
+//! radius that it has there, and a point that claims to be has no ray. The slope is a cubic in `r²`, whose first root is that fold.
 
 /// Coefficients of a lens, at distances in units of the focal length.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,10 +54,10 @@ const SMALL: f64 = 1e-7;
 const LEAST_SLOPE: f64 = 0.02;
 /// Distorted distances, squared, below which the series is exact.
 const AXIS: f64 = 1e-6;
-/// Steps on the way out from the axis: this, in units of the focal length, and this share of the distance.
-const REACH_STEP: f64 = 1e-3;
-/// Halvings of such a step.
-const HALVINGS: usize = 50;
+/// Halvings of an interval, after which its ends are neighbours.
+const HALVINGS: usize = 60;
+/// How often a distance is doubled on the way out of a lens that never turns back.
+const OCTAVES: usize = 40;
 
 impl Lens {
     /// No distortion.
@@ -90,8 +90,50 @@ impl Lens {
         [x * scale, y * scale]
     }
 
-    /// The undistorted distance of a distorted one; `None` beyond where the polynomial turns back.
-    fn radius(&self, distorted: f64) -> Option<f64> {
+    /// Slope of the polynomial at the square of an undistorted distance, above the least that shows anything.
+    fn slope_left(&self, q: f64) -> f64 {
+        let [k1, k2, k3] = self.k;
+        1.0 - LEAST_SLOPE + q * (3.0 * k1 + q * (5.0 * k2 + q * 7.0 * k3))
+    }
+
+    /// Squares of undistorted distances at which the slope stops falling or rising, in their order; NaN where there are fewer.
+    fn bends(&self) -> [f64; 2] {
+        // Roots of 3 k₁ + 10 k₂ q + 21 k₃ q², without the difference of numbers that are nearly alike.
+        let [c, b, a] = [3.0 * self.k[0], 10.0 * self.k[1], 21.0 * self.k[2]];
+        let half = -0.5 * (b + b.signum() * (b * b - 4.0 * a * c).sqrt());
+        let [one, other] = [half / a, c / half].map(|q| if q > 0.0 && q.is_finite() { q } else { f64::NAN });
+        if one > other || one.is_nan() { [other, one] } else { [one, other] }
+    }
+
+    /// The undistorted distance at which the polynomial turns back; infinite where it never does.
+    fn fold(&self) -> f64 {
+        let bends = self.bends().into_iter().filter(|q| !q.is_nan());
+        let last = bends.clone().next_back().unwrap_or(0.0);
+        let mut beyond = (0..OCTAVES as i32).map(|n| (1.0 + last) * 2f64.powi(n));
+        let mut low = 0.0;
+        for end in bends.chain(beyond.find(|q| self.slope_left(*q) < 0.0)) {
+            if self.slope_left(end) < 0.0 {
+                return halved([low, end], |q| self.slope_left(q) >= 0.0)[0].sqrt();
+            }
+            low = end;
+        }
+        f64::INFINITY
+    }
+
+    /// Whether the polynomial rises all the way from the axis to an undistorted distance.
+    fn rises_to(&self, r: f64) -> bool {
+        let square = r * r;
+        let between = self.bends().into_iter().filter(|q| *q < square);
+        between.chain([square]).all(|q| self.slope_left(q) >= 0.0)
+    }
+
+    /// The undistorted distance of a distorted one on the way out from the axis; `None` beyond the [reach](Self::reach).
+    pub fn undistorted_distance(&self, distorted: f64) -> Option<f64> {
+        self.by_steps(distorted).filter(|r| self.rises_to(*r)).or_else(|| self.by_halving(distorted))
+    }
+
+    /// By Newton's steps, which may end beyond a fold, or leave a root that is there.
+    fn by_steps(&self, distorted: f64) -> Option<f64> {
         let mut r = distorted;
         // A start on the near side of the fold; where the root is beyond it, the steps below leave it again.
         while r > 0.0 && self.polynomial(r)[1] < LEAST_SLOPE {
@@ -112,40 +154,19 @@ impl Lens {
         None
     }
 
+    /// By halving what lies before the fold: slow, and sure.
+    fn by_halving(&self, distorted: f64) -> Option<f64> {
+        let seen = |r: f64| self.polynomial(r)[0];
+        let fold = self.fold();
+        let far = (0..).map(|n| (1.0 + distorted) * 2f64.powi(n)).map(|r| r.min(fold));
+        let high = far.take(OCTAVES).find(|r| seen(*r) >= distorted)?;
+        Some(halved([0.0, high], |r| seen(r) < distorted)[1])
+    }
+
     /// The distorted distance up to which there is a way back, or `most` where that is nearer.
     pub fn reach(&self, most: f64) -> f64 {
-        match self.first_to(most) {
-            Ok(_) => most,
-            Err(farthest) => self.polynomial(farthest)[0],
-        }
-    }
-
-    /// The undistorted distance of a distorted one on the way out from the axis, by halving: slow, and sure. `None` beyond the
-    /// [reach](Self::reach).
-    pub fn undistorted_distance(&self, distorted: f64) -> Option<f64> {
-        let [mut low, mut high] = self.first_to(distorted).ok()?;
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if self.polynomial(middle)[0] < distorted { low = middle } else { high = middle }
-        }
-        Some(high)
-    }
-
-    /// Undistorted distances between which the polynomial first comes to a value; otherwise the last one before it turns back.
-    fn first_to(&self, value: f64) -> Result<[f64; 2], f64> {
-        let mut last = 0.0;
-        let mut r = 0.0;
-        loop {
-            let [reached, slope, _] = self.polynomial(r);
-            if reached >= value {
-                return Ok([last, r]);
-            }
-            if slope >= LEAST_SLOPE && reached < value {
-                (last, r) = (r, r + REACH_STEP * (1.0 + r));
-            } else {
-                return Err(last);
-            }
-        }
+        let fold = self.fold();
+        if fold.is_finite() { self.polynomial(fold)[0].min(most) } else { most }
     }
 
     /// The direction that is seen at a place; `None` where no direction is.
@@ -158,14 +179,14 @@ impl Lens {
             let s = 1.0 - self.k[0] * distorted * distorted;
             return Some([x * s, y * s]);
         }
-        let s = self.radius(distorted)? / distorted;
+        let s = self.undistorted_distance(distorted)? / distorted;
         Some([x * s, y * s])
     }
 
     /// The way back of a distorted distance that is not about the axis, given by its square.
     fn back(&self, q: f64) -> Option<Back> {
         let rho = q.sqrt();
-        let r = if self.is_none() { rho } else { self.radius(rho)? };
+        let r = if self.is_none() { rho } else { self.undistorted_distance(rho)? };
         let [_, slope, curvature] = self.polynomial(r);
         let first = 1.0 / slope;
         let s = r / rho;
@@ -219,8 +240,19 @@ impl Lens {
     }
 }
 
+/// Neighbouring ends of an interval: it holds up to the first one, and no more from the second one on.
+fn halved([mut low, mut high]: [f64; 2], holds: impl Fn(f64) -> bool) -> [f64; 2] {
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    [low, high]
+}
+
 #[cfg(test)]
 mod tests {
+    use rand::RngExt as _;
+
     use super::*;
 
     const LENSES: [[f64; 3]; 5] =
@@ -277,6 +309,27 @@ mod tests {
         }
         assert_eq!(Lens::NONE.undistorted_distance(f64::NAN), None);
         assert_eq!(Lens::NONE.undistorted_distance(0.0), Some(0.0));
+    }
+
+    #[test]
+    fn folds_and_ways_back_are_those_of_a_walk_from_the_axis() {
+        let (mut folded, mut random) = (0, rand_pcg::Pcg64Mcg::new(3));
+        for _ in 0..400 {
+            let lens = Lens { k: [0.6, 0.3, 0.1].map(|most| random.random_range(-most..most)) };
+            let walk = (0..20_000).map(|step| 1e-4 * f64::from(step));
+            let end = walk.clone().find(|r| lens.polynomial(*r)[1] < LEAST_SLOPE);
+            let reach = end.map_or(f64::INFINITY, |r| lens.polynomial(r)[0]);
+            assert!((lens.reach(0.9) - reach.min(0.9)).abs() < 3e-6, "{lens:?}");
+            folded += usize::from(reach < 0.9);
+            for r in walk.step_by(700).take_while(|r| end.is_none_or(|end| *r < end - 1e-4)) {
+                let back = lens.undistorted_distance(lens.polynomial(r)[0]).unwrap();
+                assert!((back - r).abs() < 1e-9, "{lens:?} {r} {back}");
+            }
+            if end.is_some() {
+                assert_eq!(lens.undistorted_distance(reach + 1e-3), None, "{lens:?}");
+            }
+        }
+        assert!((100..300).contains(&folded), "{folded}");
     }
 
     #[test]
