@@ -52,7 +52,7 @@ fn write_the_first_inputs() {
         &list(&saved::calibration_arrays(&calibration).unwrap(), &fuzzed::files::CALIBRATION),
     );
     let mut random = Random(1);
-    for name in ["recorder", "matching", "calibrate", "network", "network_check"] {
+    for name in ["recorder", "matching", "calibrate", "network", "network_add", "network_check"] {
         for length in [60, 300, 1200] {
             let bytes: Vec<u8> = (0..length).map(|_| random.between(0.0, 256.0) as u8).collect();
             put(name, &format!("random_{length}"), &bytes);

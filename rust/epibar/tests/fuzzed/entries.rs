@@ -4,8 +4,8 @@ use arbitrary::{Result, Unstructured};
 use epibar::internals::{barcodes_of_segments, mutual_matches};
 use epibar::nalgebra::{Matrix3, Rotation3, Vector3};
 use epibar::network::{
-    Aspect, CameraInput, Expected, Knowledge, NetworkOptions, NetworkTime, Offsets, PosedCamera,
-    StoredCamera, TrackingCamera, calibrate_network, check_network, walker_tracks,
+    Aspect, CameraInput, Expected, Knowledge, NetworkOptions, NetworkTime, Offsets, PairFound, PosedCamera,
+    StoredCamera, TrackingCamera, add_cameras, calibrate_network, check_network, walker_tracks,
 };
 use epibar::{
     Barcodes, CalibrateOptions, CameraMatrices, ExamineOptions, Fundamental, ImageSize, Method, Recorder,
@@ -212,6 +212,50 @@ fn check_any(u: &mut Unstructured) -> Result<()> {
     }
     if let Ok(points) = walker_tracks(&tracking, height, &mut Unwatched) {
         assert!(points.iter().all(|point| point.foot.iter().chain(&point.top).all(|v| v.is_finite())));
+    }
+    Ok(())
+}
+
+/// New cameras beside those of a stored network, some of whose pairs were searched.
+pub fn network_add(data: &[u8]) {
+    let _ = add_any(&mut Unstructured::new(data));
+}
+
+fn add_any(u: &mut Unstructured) -> Result<()> {
+    let (held, new) = (u.int_in_range(1..=3)?, u.int_in_range(1..=2)?);
+    let count = (held + new).min(CAMERAS);
+    let places = (0..held).map(|_| place(u)).collect::<Result<Vec<_>>>()?;
+    let known = (held..count).map(|_| knowledge(u)).collect::<Result<Vec<_>>>()?;
+    let seconds =
+        (0..count).map(|_| if u.ratio(1, 6)? { number(u) } else { Ok(0.0) }).collect::<Result<_>>()?;
+    let mut pairs = Vec::new();
+    for _ in 0..u.int_in_range(0..=3)? {
+        let (a, b) = (u.int_in_range(0..=4)?, u.int_in_range(0..=4)?);
+        let geometry = Matrix3::from_fn(|_, _| f64::from(u.arbitrary::<i8>().unwrap_or(1)) / 64.0);
+        if let Ok(pair) = PairFound::new(a, b, vec![(geometry, number(u)?)]) {
+            pairs.push(pair.verdict(number(u)?, u.arbitrary()?));
+        }
+    }
+    let found = recordings(u, count)?;
+    let expected = Expected::new(0.01, 0.01, 0.1);
+    let (old, fresh) = found.split_at(held.min(count));
+    let stored: Vec<StoredCamera> = old
+        .iter()
+        .zip(places)
+        .zip(NAMES)
+        .map(|((recording, place), name)| StoredCamera::new(name, recording, place, expected))
+        .collect();
+    let added: Vec<CameraInput> = fresh
+        .iter()
+        .zip(known)
+        .zip(&NAMES[stored.len()..])
+        .map(|((recording, known), name)| CameraInput::new(name, recording).known(known))
+        .collect();
+    if let Ok(found) = add_cameras(&stored, &added, &pairs, &Offsets::given(seconds), &mut Unwatched) {
+        assert_eq!(found.cameras.len(), added.len());
+        for camera in found.cameras.iter().filter(|camera| camera.accepted()) {
+            assert!(camera.position().is_some_and(|p| p.iter().all(|v| v.is_finite())));
+        }
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ mod scenes;
 type Target = fn(&[u8]);
 
 /// Every function, by the name of its target and of its folder of inputs.
-pub const ALL: [(&str, Target); 8] = [
+pub const ALL: [(&str, Target); 9] = [
     ("archive", files::archive),
     ("recording", files::recording),
     ("calibration", files::calibration),
@@ -19,6 +19,7 @@ pub const ALL: [(&str, Target); 8] = [
     ("matching", entries::matching),
     ("calibrate", entries::calibrate),
     ("network", entries::network),
+    ("network_add", entries::network_add),
     ("network_check", entries::network_check),
 ];
 
