@@ -27,7 +27,7 @@ from epibar.network import ClockOffsets, join_pairs
 
 COARSE = ("nothing", "lens, focal, principal")
 KNOWLEDGE = {
-    "four_people": ("nothing", "lens", "lens, focal, principal"),
+    "four_people": ("nothing", "lens", "lens, principal", "lens, focal", "lens, focal, principal"),
     "pets_cameras": ("nothing", "principal, aspect"),
     "wildtrack": ("nothing", "principal"),
     "walking": COARSE,
