@@ -15,6 +15,8 @@ const STEADY_SHARES: [f64; 4] = [0.25, 0.375, 0.5, 0.625];
 
 /// Pixels that are sorted together.
 const LANES: usize = 32;
+/// Samples whose sums 16 bits hold.
+const SUMMED: usize = 257;
 
 /// The most repeated value of each pixel of BGR samples, one frame after the other; as large as one of them.
 ///
@@ -35,15 +37,19 @@ pub fn steady_background(samples: &[u8], size: ImageSize) -> Result<Vec<u8>> {
     let network = sorting_network(count);
     let mut background = vec![0; bytes];
     background.par_chunks_mut(3 * size.width).enumerate().for_each(|(y, row)| {
+        let mut colours = vec![[[0; LANES]; 3]; count];
         let mut greys = vec![[0; LANES]; count];
         let mut ordered = greys.clone();
         for (g, found) in row.chunks_mut(3 * LANES).enumerate() {
             let start = 3 * (y * size.width + g * LANES);
-            let part = |n: usize| &samples[n * bytes + start..][..found.len()];
-            for (n, greys) in greys.iter_mut().enumerate() {
-                for (grey, [blue, green, red]) in greys.iter_mut().zip(part(n).as_chunks::<3>().0) {
-                    *grey = ((u16::from(*blue) + 2 * u16::from(*green) + u16::from(*red)) >> 2) as u8;
+            for (n, (colours, greys)) in colours.iter_mut().zip(&mut greys).enumerate() {
+                let part = &samples[n * bytes + start..][..found.len()];
+                for (lane, colour) in part.as_chunks::<3>().0.iter().enumerate() {
+                    for (plane, value) in colours.iter_mut().zip(colour) {
+                        plane[lane] = *value;
+                    }
                 }
+                *greys = grey(colours);
             }
             ordered.copy_from_slice(&greys);
             for &(low, high) in &network {
@@ -54,23 +60,57 @@ pub fn steady_background(samples: &[u8], size: ImageSize) -> Result<Vec<u8>> {
                 }
             }
             let (low, width) = steady_range(&ordered, windows);
-            let mut sums = [[0u32; 3]; LANES];
-            let mut inside = [0u32; LANES];
-            for (n, greys) in greys.iter().enumerate() {
-                for (lane, colour) in part(n).as_chunks::<3>().0.iter().enumerate() {
-                    let steady = u32::from(greys[lane].wrapping_sub(low[lane]) <= width[lane]);
-                    inside[lane] += steady;
-                    for (sum, &value) in sums[lane].iter_mut().zip(colour) {
-                        *sum += steady * u32::from(value);
-                    }
-                }
-            }
-            for ((colour, sums), inside) in found.as_chunks_mut::<3>().0.iter_mut().zip(sums).zip(inside) {
-                *colour = sums.map(|sum| (f64::from(sum) / f64::from(inside)).round_ties_even() as u8);
+            let (sums, inside) = sums_within(&colours, &greys, &low, &width);
+            for (lane, colour) in found.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let mean = |sum: u32| f64::from(sum) / f64::from(inside[lane]);
+                *colour = sums.map(|sums| mean(sums[lane]).round_ties_even() as u8);
             }
         }
     });
     Ok(background)
+}
+
+/// Grey levels of pixels side by side, of their blue, green and red.
+fn grey([blue, green, red]: &[[u8; LANES]; 3]) -> [u8; LANES] {
+    std::array::from_fn(|lane| {
+        ((u16::from(blue[lane]) + 2 * u16::from(green[lane]) + u16::from(red[lane])) >> 2) as u8
+    })
+}
+
+/// Sums of the colours of the samples whose grey level is at most `width` above `low`, and their number.
+fn sums_within(
+    colours: &[[[u8; LANES]; 3]],
+    greys: &[[u8; LANES]],
+    low: &[u8; LANES],
+    width: &[u8; LANES],
+) -> ([[u32; LANES]; 3], [u32; LANES]) {
+    let (mut sums, mut inside) = ([[0; LANES]; 3], [0; LANES]);
+    let add = |all: &mut [u32; LANES], some: [u16; LANES]| {
+        for (all, some) in all.iter_mut().zip(some) {
+            *all += u32::from(some);
+        }
+    };
+    for (colours, greys) in colours.chunks(SUMMED).zip(greys.chunks(SUMMED)) {
+        let (mut part, mut counted) = ([[0u16; LANES]; 3], [0u16; LANES]);
+        for (colours, greys) in colours.iter().zip(greys) {
+            let steady: [u8; LANES] = std::array::from_fn(|lane| {
+                if greys[lane].wrapping_sub(low[lane]) <= width[lane] { u8::MAX } else { 0 }
+            });
+            for (part, plane) in part.iter_mut().zip(colours) {
+                for lane in 0..LANES {
+                    part[lane] += u16::from(plane[lane] & steady[lane]);
+                }
+            }
+            for lane in 0..LANES {
+                counted[lane] += u16::from(steady[lane] & 1);
+            }
+        }
+        for (sums, part) in sums.iter_mut().zip(part) {
+            add(sums, part);
+        }
+        add(&mut inside, counted);
+    }
+    (sums, inside)
 }
 
 /// Lowest grey level that counts as background, and how far above it the highest is, of sorted samples.
@@ -79,13 +119,13 @@ fn steady_range(ordered: &[[u8; LANES]], windows: [usize; 4]) -> ([u8; LANES], [
     for (number, window) in windows.into_iter().enumerate() {
         let (mut lowest, mut width) = ([0; LANES], [u8::MAX; LANES]);
         for (n, (first, last)) in ordered.iter().zip(&ordered[window - 1..]).enumerate() {
-            let ends = first.iter().zip(last);
-            for ((lowest, width), (&first, last)) in lowest.iter_mut().zip(&mut width).zip(ends) {
-                let wide = last - first;
-                // The first of equals; the very first also where nothing is narrower than all.
-                let better = n == 0 || wide < *width;
-                *lowest = if better { first } else { *lowest };
-                *width = if better { wide } else { *width };
+            // The first of equals; the very first also where nothing is narrower than all.
+            let always = if n == 0 { u8::MAX } else { 0 };
+            for lane in 0..LANES {
+                let wide = last[lane].wrapping_sub(first[lane]);
+                let narrower = if wide < width[lane] { u8::MAX } else { 0 } | always;
+                lowest[lane] ^= narrower & (lowest[lane] ^ first[lane]);
+                width[lane] = width[lane].min(wide);
             }
         }
         if number == 0 {

@@ -227,7 +227,7 @@ fn add_any(u: &mut Unstructured) -> Result<()> {
     let places = (0..held).map(|_| place(u)).collect::<Result<Vec<_>>>()?;
     let known = (held..count).map(|_| knowledge(u)).collect::<Result<Vec<_>>>()?;
     let seconds =
-        (0..count).map(|_| if u.ratio(1, 6)? { number(u) } else { Ok(0.0) }).collect::<Result<_>>()?;
+        (0..count).map(|_| if u.ratio(1, 6)? { number(u) } else { Ok(0.0) }).collect::<Result<Vec<_>>>()?;
     let mut pairs = Vec::new();
     for _ in 0..u.int_in_range(0..=3)? {
         let (a, b) = (u.int_in_range(0..=4)?, u.int_in_range(0..=4)?);
@@ -238,7 +238,7 @@ fn add_any(u: &mut Unstructured) -> Result<()> {
     }
     let found = recordings(u, count)?;
     let expected = Expected::new(0.01, 0.01, 0.1);
-    let (old, fresh) = found.split_at(held.min(count));
+    let (old, fresh) = found.split_at(held.min(found.len()));
     let stored: Vec<StoredCamera> = old
         .iter()
         .zip(places)
@@ -251,7 +251,9 @@ fn add_any(u: &mut Unstructured) -> Result<()> {
         .zip(&NAMES[stored.len()..])
         .map(|((recording, known), name)| CameraInput::new(name, recording).known(known))
         .collect();
-    if let Ok(found) = add_cameras(&stored, &added, &pairs, &Offsets::given(seconds), &mut Unwatched) {
+    if let Ok(found) =
+        add_cameras(&stored, &added, &pairs, &Offsets::given(seconds[..found.len()].to_vec()), &mut Unwatched)
+    {
         assert_eq!(found.cameras.len(), added.len());
         for camera in found.cameras.iter().filter(|camera| camera.accepted()) {
             assert!(camera.position().is_some_and(|p| p.iter().all(|v| v.is_finite())));
