@@ -42,7 +42,7 @@ MAP_SHAPE = (24, 32)
 """Rows and columns of an error map."""
 
 SEARCH_SECONDS = 21.0
-"""How far either way ``time_offset="search"`` looks by default."""
+"""How far either way an offset is looked for, of a pair or of the clocks of a network, unless it is said."""
 
 
 @dataclass(frozen=True, eq=False)

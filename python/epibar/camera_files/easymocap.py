@@ -17,7 +17,7 @@ import numpy as np
 from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
-from ..sources.opencv import opencv
+from ..sources.quiet_opencv import opencv
 from .losses import fewer_coefficients, plain_names, tell, told
 from .opencv import write_metadata
 from .world import World

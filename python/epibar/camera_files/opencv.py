@@ -11,7 +11,7 @@ import numpy as np
 from ..files.atomic import write_text
 from ..files.opencv_text import opencv_text
 from ..lens.intrinsics import Intrinsics
-from ..sources.opencv import opencv
+from ..sources.quiet_opencv import opencv
 from .world import World
 
 __all__ = ["write_metadata", "write_opencv"]

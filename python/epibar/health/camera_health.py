@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arguments import AnyArray, Image, Mask
 from ..foreground.flooding import FLOOD_SHARE, moving_share
-from ..sources.opencv import opencv
+from ..sources.quiet_opencv import opencv
 from .camera_findings import camera_findings
 from .camera_motion import CameraMotion
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arguments import AnyArray, Image, Mask
-from ..sources.opencv import opencv
+from ..sources.quiet_opencv import opencv
 
 __all__ = ["CameraMotion", "Move"]
 

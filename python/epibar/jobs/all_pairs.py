@@ -86,6 +86,7 @@ def calibrate_all(
     frames: Sequence[int | None] | None = None,
     person_height: Any = None,
     distances: Any = (),
+    camera_heights: Any = (),
     every_pair: bool = False,
     seconds: float | None = None,
     chapters: bool = False,
@@ -108,8 +109,10 @@ def calibrate_all(
         are called like their files.
     out : path
         Folder for calibration.json, frontier points, pictures, the report and what is kept. Made if missing.
-    method, seed, upright, essential, search_seconds, max_expected_error
+    method, seed, upright, essential, max_expected_error
         Of every pair, see :func:`epibar.calibrate`.
+    search_seconds : float
+        How far either way the offsets of clocks are searched for, seconds.
     time_offset : "auto", float or "search"
         "auto" finds an offset for the clock of each camera, and whether all started together; with "search"
         every pair searches by itself; a number, in frames of B, is for two cameras, or 0 for all.
@@ -119,8 +122,8 @@ def calibrate_all(
         One per camera, see :func:`epibar.record`.
     intrinsics : path, optional
         Camera file in which each is found by its name, or else by its place.
-    person_height, distances : optional
-        Metres, as ``person_height`` and ``distance`` of :meth:`epibar.Network.scaled`.
+    person_height, distances, camera_heights : optional
+        Metres, as ``person_height``, ``distance`` and ``camera_height`` of :meth:`epibar.Network.scaled`.
     every_pair : bool
         Search every pair by itself. Else of more than six cameras only those are that are likeliest to see
         the same, as many as a network needs; it has all.
@@ -154,7 +157,11 @@ def calibrate_all(
     >>> sorted(done.calibrations)
     [('cam1', 'cam2'), ('cam1', 'cam3'), ('cam2', 'cam3')]
     """
-    lengths = {"distance": distances, "person_height": person_height}
+    lengths = {
+        "distance": distances,
+        "person_height": person_height,
+        "camera_height": camera_heights,
+    }
     job = Job(
         cameras=camera_inputs(
             cameras,

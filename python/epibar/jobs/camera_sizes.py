@@ -8,7 +8,7 @@ from ..errors import EpibarError, is_address
 from ..sources.chapters import chapter_files, has_chapters
 from ..sources.images import IMAGE_SUFFIXES, read_image
 from ..sources.mask_array_file import ARRAY_SUFFIXES, MaskArrayFile
-from ..sources.opencv import opencv
+from ..sources.quiet_opencv import opencv
 from ..sources.source import DEFAULT_FPS
 from .inputs import CameraInput, RecordOptions
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import Array, Image, as_camera_matrix, as_numbers
 from ..errors import EpibarError
 from ..geometry.cameras import Pose
-from ..sources.opencv import opencv
+from ..sources.quiet_opencv import opencv
 from .undistortion import Undistorter
 
 __all__ = ["Intrinsics", "rotation_vector"]

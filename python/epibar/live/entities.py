@@ -16,7 +16,7 @@ from ..lens.undistortion import Undistorter
 from ..recording import Recording
 from ..show.colours import RGB
 from ..sources.colour_frames import ColourFrames
-from ..sources.opencv import opencv
+from ..sources.quiet_opencv import opencv
 from .timeline import CameraClock
 
 __all__ = ["log_frames", "log_pair", "log_silhouettes"]

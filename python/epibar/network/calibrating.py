@@ -8,10 +8,11 @@ from functools import partial
 from typing import Any
 
 from ..arguments import MAX_SEED, as_positive, as_whole_number
+from ..calibration import SEARCH_SECONDS
 from ..errors import EpibarError
 from .joining import join_pairs
 from .knowledge import KnownCamera, has_focal, knowledge_of
-from .offsets import SEARCH_SECONDS, ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
+from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
 from .pair_search import calibrate_unsynchronised, offsets_of_pair, search_pairs
 from .recordings import Recordings, named_recordings
 from .result import Network

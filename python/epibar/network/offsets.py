@@ -15,9 +15,6 @@ from ..recording import Recording
 
 __all__ = ["ClockOffsets", "find_offsets", "given_offsets", "pairs_to_add", "pairs_to_search"]
 
-SEARCH_SECONDS = 30.0
-"""How far either way an offset is looked for, unless it is said."""
-
 GRID = 0.04
 """Seconds. A search starts from a found offset rounded to this, which it sharpens anyway: so the same search
 is known again though one more camera moved all offsets by a millisecond."""
@@ -119,8 +116,7 @@ def find_offsets(
 def pairs_to_search(recordings: Sequence[Recording], offsets: ClockOffsets) -> list[tuple[int, int]]:
     """Places a < b of the pairs worth a search: all of few cameras, of many those that see the same."""
     with core_errors():
-        pairs = _core.pairs_to_search([one._core for one in recordings], offsets.to_core())
-    return [pair for pair in pairs if _overlap(recordings, offsets, *pair)]
+        return _core.pairs_to_search([one._core for one in recordings], offsets.to_core())
 
 
 def pairs_to_add(
@@ -128,12 +124,4 @@ def pairs_to_add(
 ) -> list[tuple[int, int]]:
     """Places a < b of the pairs of a stored and a new camera worth a search; the stored ones come first."""
     with core_errors():
-        pairs = _core.pairs_to_add([one._core for one in recordings], stored, offsets.to_core())
-    return [pair for pair in pairs if _overlap(recordings, offsets, *pair)]
-
-
-def _overlap(recordings: Sequence[Recording], offsets: ClockOffsets, a: int, b: int) -> bool:
-    """Whether two recordings show some of the same time."""
-    seconds = offsets.seconds[b] - offsets.seconds[a]
-    length_a, length_b = (one.times[-1] - one.times[0] for one in (recordings[a], recordings[b]))
-    return bool(-length_a <= seconds <= length_b)
+        return _core.pairs_to_add([one._core for one in recordings], stored, offsets.to_core())

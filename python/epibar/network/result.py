@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ..calibration import SEARCH_SECONDS
 from ..camera_files.formats import FORMATS
 from ..camera_files.world import World
 from ..errors import EpibarError
@@ -18,7 +19,7 @@ from ..lens.intrinsics import Intrinsics
 from .checking import NetworkCheck, check_network
 from .extending import extend, with_added
 from .knowledge import KnownCamera
-from .offsets import SEARCH_SECONDS, TimeOffset
+from .offsets import TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
 from .recordings import Recordings
 from .saved import as_dict, as_file, network_from

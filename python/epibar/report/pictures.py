@@ -8,8 +8,8 @@ from collections.abc import Collection
 import numpy as np
 
 from ..recording import Recording
-from ..sources.opencv import opencv
 from ..sources.pictures import Pictures, as_jpeg, decoded, jpeg_within, to_width
+from ..sources.quiet_opencv import opencv
 
 __all__ = ["data_url", "heat_picture", "pictures_within"]
 

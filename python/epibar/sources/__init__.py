@@ -12,8 +12,8 @@ raises :class:`~epibar.EpibarError`.
 from .colour_frames import ColourFrames
 from .frame_range import FrameRange
 from .mask_frames import MaskFrames
-from .opencv import opencv
 from .prefetch import prefetched
+from .quiet_opencv import opencv
 from .source import DEFAULT_FPS
 
 __all__ = [

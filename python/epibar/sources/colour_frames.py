@@ -18,7 +18,7 @@ from ..errors import EpibarError, is_address
 from .frame_range import FrameRange
 from .images import IMAGE_SUFFIXES, as_bgr, natural_order, read_image
 from .mask_array_file import ARRAY_SUFFIXES
-from .opencv import opencv
+from .quiet_opencv import opencv
 from .source import FrameSource
 
 __all__ = ["ColourFrames"]

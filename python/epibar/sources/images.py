@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arguments import Image
 from ..errors import EpibarError
-from .opencv import opencv
+from .quiet_opencv import opencv
 
 __all__ = ["IMAGE_SUFFIXES", "as_bgr", "natural_order", "read_image"]
 

@@ -15,8 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ..arguments import Image, Mask
-from .opencv import opencv
 from .pictures import Pictures, jpeg_within
+from .quiet_opencv import opencv
 
 __all__ = ["MOST", "PicturePlan", "PictureTaker"]
 

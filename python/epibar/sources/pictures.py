@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import AnyArray, Image
 from ..errors import EpibarError
 from ..files.checks import check_format
-from .opencv import opencv
+from .quiet_opencv import opencv
 
 __all__ = ["KIND", "Pictures", "as_jpeg", "decoded", "jpeg_within", "to_width"]
 

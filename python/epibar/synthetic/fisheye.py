@@ -2,8 +2,8 @@
 
 That is OpenCV's fisheye model with its first coefficient alone
 (https://docs.opencv.org/4.x/db/d58/group__calib3d__fisheye.html). With k = 0 it is the equidistant lens, and
-near the equisolid one at −1/24 and the stereographic one at 1/12. No epibar lens is of this model: these are
-here for what its polynomial makes of them.
+near the equisolid one at −1/24 and the stereographic one at 1/12. Networks do not model it:
+these are here for what their polynomial makes of it.
 """
 
 from __future__ import annotations

@@ -186,7 +186,7 @@ pub fn lens_directions<'py>(
     pixels: Vec<[f64; 2]>,
 ) -> PyResult<Bound<'py, PyArray2<f64>>> {
     let optics = optics(&camera_matrix, distortions)?;
-    rows(py, pixels.into_iter().map(|pixel| optics.direction_within(pixel).unwrap_or([f64::NAN; 2])))
+    rows(py, pixels.into_iter().map(|pixel| optics.direction(pixel).unwrap_or([f64::NAN; 2])))
 }
 
 /// What the pixels of a camera show.

@@ -13,7 +13,7 @@ use crate::lines::{self, Filmed};
 use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
-use crate::search::{Found, SearchOptions, TrainingSet, search, settle};
+use crate::search::{Found, SearchOptions, Solution, TrainingSet, search, settle};
 use crate::verify::second_look::Earlier;
 use crate::verify::split::{self, Fold, Split};
 use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
@@ -131,7 +131,7 @@ impl<'a> Pair<'a> {
         let case = Case { earlier, ..seen.case(self, &found) };
         let verified = verify(&case, &winner.fundamental, watch)?;
         let again = Earlier::new(&verified, found.fitted);
-        Ok((self.calibration(&seen, &candidates, &found, verified), again))
+        Ok((self.calibration(&seen, &candidates, &found, winner, verified), again))
     }
 
     /// Candidates of the answer: tangents are searched on the fitted frames alone, lines on all.
@@ -186,12 +186,12 @@ impl<'a> Pair<'a> {
         seen: &Seen,
         candidates: &Candidates,
         found: &Found,
+        winner: &Solution,
         verified: Verified,
     ) -> Calibration {
         let (a, b) = (self.aligned.a(), self.aligned.b());
         let timing = Timing::of(self.aligned.clock(), a, b);
-        let nothing = Calibration::refused(verified.verdict, timing, self.options.method, self.options.seed);
-        let Some(winner) = found.solutions.first() else { return nothing };
+        let empty = Calibration::refused(verified.verdict, timing, self.options.method, self.options.seed);
         let f = &winner.fundamental;
         let inliers = LineModel::new(candidates.best(), seen.all.sizes()).inliers(f);
         let candidate_pairs = with_inliers(candidates, inliers.into_iter());
@@ -212,7 +212,7 @@ impl<'a> Pair<'a> {
             shift_curve: verified.curve.totals().map(|(shift, score)| ShiftScore { shift, score }).collect(),
             tested: found.fitted,
             source: Some(winner.source),
-            ..nothing
+            ..empty
         }
     }
 }

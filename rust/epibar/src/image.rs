@@ -51,6 +51,11 @@ impl ImageSize {
         (self.width as f64).hypot(self.height as f64)
     }
 
+    /// Pixels of two images for one of a 640×480 image, whose diagonal is 800: their mean diagonal over that, not below ¼.
+    pub(crate) fn pixel_scale([a, b]: [Self; 2]) -> f64 {
+        (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
+    }
+
     /// Right-most pixel centre.
     pub fn x_max(self) -> f64 {
         (self.width - 1) as f64

@@ -112,6 +112,20 @@ fn a_camera_that_sees_something_else_is_named_and_the_others_are_right() {
 }
 
 #[test]
+fn cameras_that_never_filmed_together_are_no_pair_to_search() {
+    let scene = Scene::new(3, FRAMES, 1);
+    let recordings: Vec<Recording> = cameras()[..3].iter().map(|c| recorded(&scene, c, 0.0, 1)).collect();
+    let searched = |seconds: [f64; 3]| {
+        let recordings: Vec<&Recording> = recordings.iter().collect();
+        pairs_to_search(&recordings, &Offsets::given(seconds.to_vec())).unwrap()
+    };
+    // A recording lasts 10.36 s.
+    assert_eq!(searched([0.0, 10.0, -10.0]), [(0, 1), (0, 2)]);
+    assert_eq!(searched([0.0, 11.0, 12.0]), [(1, 2)]);
+    assert_eq!(searched([0.0, f64::NAN, 0.0]), [(0, 2)]);
+}
+
+#[test]
 fn two_cameras_need_to_be_known() {
     let scene = Scene::new(5, FRAMES, 9);
     let cameras = &cameras()[..2];

@@ -246,10 +246,9 @@ impl Views {
         [self.a.size, self.b.size]
     }
 
-    /// Pixels of these images for one of a 640×480 image, whose diagonal is 800: their mean diagonal over that, not below ¼.
+    /// [`ImageSize::pixel_scale`] of these images.
     pub fn pixel_scale(&self) -> f64 {
-        let [a, b] = self.sizes();
-        (0.5 * (a.diagonal() + b.diagonal()) / 800.0).max(0.25)
+        ImageSize::pixel_scale(self.sizes())
     }
 }
 

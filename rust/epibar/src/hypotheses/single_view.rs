@@ -136,7 +136,7 @@ impl SingleView {
 
 /// Whole silhouettes, some of many.
 fn figures(view: &View) -> Vec<Extremes> {
-    let least = LEAST_HEIGHT * view.size.diagonal() / 800.0;
+    let least = LEAST_HEIGHT * ImageSize::pixel_scale([view.size; 2]);
     let hulls = (0..view.frames()).flat_map(|frame| view.hulls_of(frame));
     let all: Vec<Extremes> = hulls
         .filter_map(|hull| extremes(view, hull))

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::given::clocks::{Offsets, agreed, likeness, pair_offsets};
-use super::given::graph::{ALL_PAIRS, all_pairs, chosen};
 use super::given::input::CameraInput;
 use super::given::pair::PairFound;
+use super::given::pair_choice::{ALL_PAIRS, all_pairs, chosen};
 use super::join::join;
 use super::result::Network;
 use crate::calibrate::calibrate_watched;
@@ -41,7 +41,7 @@ pub struct NetworkOptions {
 
 impl Default for NetworkOptions {
     fn default() -> Self {
-        Self { pairs: CalibrateOptions::default(), time: NetworkTime::Search { seconds: 30.0 } }
+        Self { pairs: CalibrateOptions::default(), time: NetworkTime::Search { seconds: 21.0 } }
     }
 }
 
@@ -133,7 +133,8 @@ pub fn clock_offsets(
     }
 }
 
-/// The pairs `a < b` that are searched: all of few cameras, of many those that are likeliest to see the same.
+/// The pairs `a < b` that are searched, of cameras that filmed at the same time for a while: all of few cameras, of many those that are
+/// likeliest to see the same.
 ///
 /// # Errors
 /// [`Error::Argument`] where there is not an offset for each camera.
@@ -147,7 +148,10 @@ pub fn pairs_to_search(recordings: &[&Recording], offsets: &Offsets) -> Result<V
         });
     }
     let reachable = |c: usize| offsets.seconds[c].is_finite();
-    let all: Vec<(usize, usize)> = all_pairs(n).filter(|&(a, b)| reachable(a) && reachable(b)).collect();
+    let filmed = |a: usize, b: usize| {
+        reachable(a) && reachable(b) && offsets.overlap(a, b, recordings[a], recordings[b])
+    };
+    let all: Vec<(usize, usize)> = all_pairs(n).filter(|&(a, b)| filmed(a, b)).collect();
     let likely: Vec<(usize, usize, f64)> = if n <= ALL_PAIRS {
         Vec::new()
     } else {

@@ -1,6 +1,6 @@
 //! What a network is made of, on its way from what is given to the verdict.
 
-use super::evidence::expected::Expected;
+use super::evidence::stated_errors::Expected;
 use super::evidence::support::{Deviates, Support};
 use super::given::clocks::Offsets;
 use super::given::input::CameraInput;

@@ -5,9 +5,9 @@
 
 use super::case::{Case, Finished, Out};
 use super::evidence::covariance::{Covariance, covariance};
-use super::evidence::expected::{Expected, expected};
 use super::evidence::halves;
 use super::evidence::outlines::{Shapes, outline_errors};
+use super::evidence::stated_errors::{Expected, expected};
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::{CameraInput, PRINCIPAL_LEVELS};

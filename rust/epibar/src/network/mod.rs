@@ -62,7 +62,7 @@ pub use calibrate::{
     NetworkOptions, NetworkTime, calibrate_network, calibrate_network_watched, clock_offsets, pairs_to_search,
 };
 pub use check::{StoredCamera, check_network};
-pub use evidence::expected::Expected;
+pub use evidence::stated_errors::Expected;
 pub use evidence::support::Deviates;
 pub use given::clocks::Offsets;
 pub use given::input::{Aspect, CameraInput, Knowledge};

@@ -1,6 +1,6 @@
 //! What is said of cameras and networks, as sentences.
 
-use super::evidence::expected::Expected;
+use super::evidence::stated_errors::Expected;
 use super::given::input::CameraInput;
 use super::given::pair::PairFound;
 use super::result::{CameraStatus, NetworkCamera, NetworkPair, PairStatus};

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::evidence::expected::Expected;
+use super::evidence::stated_errors::Expected;
 use super::evidence::support::Deviates;
 use super::model::camera::Camera;
 use super::solve::world::Ground;

@@ -1,10 +1,10 @@
 //! The verdict: what is said of each camera, each pair and the whole.
 
 use super::case::{Case, Finished, Out};
-use super::evidence::expected::{Expected, NINE_IN_TEN_IN_SPACE};
+use super::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
 use super::evidence::support::{Deviates, Support, knocked};
-use super::given::graph::all_pairs;
 use super::given::pair::PairFound;
+use super::given::pair_choice::all_pairs;
 use super::model::camera::Camera;
 use super::model::residual::Pair;
 use super::observations::survey::Survey;
@@ -15,6 +15,7 @@ use super::solve::relocate::Placed;
 use super::solve::world::{self, World};
 use super::thresholds as limits;
 use crate::geometry::median::median;
+use crate::image::ImageSize;
 
 /// Whether another network has about the same evidence, and another geometry.
 pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
@@ -198,7 +199,7 @@ impl Case<'_> {
         let Some(pair) = self.hypotheses.iter().find(|h| (h.a, h.b) == (a, b)) else { return false };
         let geometry = Pair::new(one, other);
         let meetings = &pair.hypotheses[0].meetings;
-        let within = limits::AGREE * (one.size.diagonal() + other.size.diagonal()) / 1600.0;
+        let within = limits::AGREE * ImageSize::pixel_scale([one.size, other.size]);
         (geometry.agreeing(meetings, within) as f64) < limits::CONTRADICTS * meetings.len() as f64
     }
 

@@ -4,8 +4,8 @@
 //! paper asks for the OR of the pixels, frame by frame; here 512 frames are one step). A recording is
 //! streamed block by block, so memory is 64 bytes per pixel whatever its length.
 
+use super::transposition::{BitPlanes, TILE};
 use super::traversal::{Walk, for_each_pixel};
-use super::words_of_time::{BitPlanes, TILE};
 use crate::image::{ImageSize, Segment};
 use rayon::prelude::*;
 

@@ -11,7 +11,7 @@ use super::pixel_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;
-use super::words_of_time::BitPlanes;
+use super::transposition::BitPlanes;
 use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
 use std::sync::Arc;

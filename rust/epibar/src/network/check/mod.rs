@@ -6,7 +6,7 @@
 //!
 //! * `stretch`: new footage from some moment on.
 //! * `moves`, `zoom`: another pose of one camera, another focal length, and what that explains.
-//! * `suspects`: which camera moved.
+//! * `which_moved`: which camera moved.
 //! * `replace`: where those that moved stand now.
 //! * `prose`: sentences.
 
@@ -14,15 +14,15 @@ mod moves;
 mod prose;
 mod replace;
 mod stretch;
-mod suspects;
+mod which_moved;
 mod zoom;
 
 use prose::{Seen, said};
 use replace::replaced;
 pub(super) use stretch::FRAMES;
-use suspects::{Footage, judged};
+use which_moved::{Footage, judged};
 
-use super::evidence::expected::Expected;
+use super::evidence::stated_errors::Expected;
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::INSET;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::stretch::Stretch;
 use crate::network::evidence::covariance::{Covariance, covariance};
-use crate::network::evidence::expected::{NINE_IN_TEN, length_quantile};
+use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Belief, Beliefs, Problem};
 use crate::network::observations::survey::{Survey, summed};

@@ -2,7 +2,7 @@
 
 use super::moves::Move;
 use super::replace::Replaced;
-use super::suspects::Judged;
+use super::which_moved::Judged;
 use crate::network::observations::observed::Observed;
 use crate::network::result::{CameraCheck, CheckStatus};
 use crate::network::thresholds as limits;

@@ -2,10 +2,10 @@
 
 use super::moves::{Move, PARTS, deviates, focal_error, freed, pose_error};
 use super::stretch::FRAMES;
-use super::suspects::Judged;
+use super::which_moved::Judged;
 use crate::network::evidence::covariance::{Covariance, covariance};
-use crate::network::evidence::expected::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::outlines::{Shapes, outline_errors};
+use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::support::{Deviates, Support};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Beliefs, Problem};

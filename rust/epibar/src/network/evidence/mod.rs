@@ -4,10 +4,10 @@
 //! * `halves`: was a camera turned a little at half time?
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
-//! * `expected`: errors to expect of each camera.
+//! * `stated_errors`: errors to expect of each camera.
 
 pub mod covariance;
-pub mod expected;
 pub mod halves;
 pub mod outlines;
+pub mod stated_errors;
 pub mod support;

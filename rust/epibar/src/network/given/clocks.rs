@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::graph::{ALL_PAIRS, all_pairs};
+use super::pair_choice::{ALL_PAIRS, all_pairs};
 use crate::clock::{find_offset, score_at_offset};
 use crate::error::Result;
 use crate::network::model::joint::Belief;
@@ -52,6 +52,13 @@ impl Offsets {
     /// Given offsets, seconds.
     pub fn given(seconds: Vec<f64>) -> Self {
         Self { seconds, together: false, given: true }
+    }
+
+    /// Whether two cameras filmed at the same time for a while.
+    pub(in crate::network) fn overlap(&self, a: usize, b: usize, of_a: &Recording, of_b: &Recording) -> bool {
+        let between = self.seconds[b] - self.seconds[a];
+        let length = |times: &[f64]| times[times.len() - 1] - times[0];
+        (-length(of_a.times())..=length(of_b.times())).contains(&between)
     }
 
     /// What is believed of the offset and the drift of a camera's clock.

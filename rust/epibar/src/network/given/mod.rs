@@ -2,12 +2,12 @@
 //!
 //! * `input`: of each camera: its recording, and what is known of its lens and focal length.
 //! * `posed`: a camera with its pose as files state it.
-//! * `graph`: which pairs are searched for.
+//! * `pair_choice`: which pairs are searched for.
 //! * `clocks`: offsets of all clocks from barcodes.
 //! * `pair`: what a pair brings: geometries, and the tangents that meet under them.
 
 pub mod clocks;
-pub mod graph;
 pub mod input;
 pub mod pair;
+pub mod pair_choice;
 pub mod posed;

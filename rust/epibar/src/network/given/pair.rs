@@ -7,6 +7,7 @@ use crate::clock::{Aligned, Clock};
 use crate::error::{Error, Result};
 use crate::frontier::{Up, compare};
 use crate::geometry::Fundamental;
+use crate::image::ImageSize;
 use crate::network::model::residual::Meeting;
 use crate::network::thresholds as limits;
 use crate::recording::Recording;
@@ -112,7 +113,7 @@ impl PairFound {
         let aligned = Aligned::new(a, b, &links, clock, [Up::IMAGE; 2]).thinned(FRAMES);
         let common = aligned.frame_pairs();
         let views = aligned.views(&common);
-        let scale = 0.5 * (a.size().diagonal() + b.size().diagonal()) / 800.0;
+        let scale = ImageSize::pixel_scale([a.size(), b.size()]);
         let mut hypotheses = Vec::new();
         for (matrix, share) in &self.geometries {
             let Some(f) = Fundamental::from_matrix(matrix, a.size(), b.size()) else { continue };

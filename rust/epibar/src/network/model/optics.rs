@@ -46,15 +46,6 @@ impl Optics {
         Vector2::new((u - cx) / fx, (v - cy) / fy)
     }
 
-    /// The direction of a pixel within the [reach](Self::reach), on whatever branch Newton's steps of [`Optics::direction`] end.
-    pub fn direction_within(&self, pixel: [f64; 2]) -> Option<[f64; 2]> {
-        let d = self.distorted(pixel);
-        let distorted = d.norm();
-        let stretch =
-            if distorted == 0.0 { 1.0 } else { self.lens.undistorted_distance(distorted)? / distorted };
-        Some([d.x * stretch, d.y * stretch])
-    }
-
     /// Pixels from the principal point up to which the lens shows anything, along the shorter focal length; `None` where that is all
     /// of an image.
     pub fn reach(&self, size: ImageSize) -> Option<f64> {

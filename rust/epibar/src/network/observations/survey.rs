@@ -8,6 +8,7 @@ use super::evenly::evenly;
 use super::observed::Observed;
 use super::tangents::{Score, Tangents};
 use super::walkers::{PairFigures, figures};
+use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::PairMeetings;
 
@@ -199,10 +200,9 @@ impl<'a> Survey<'a> {
         pairs.par_iter().map(of_pair).collect()
     }
 
-    /// Pixels of an 800-pixel diagonal (640×480) in the images of a pair.
+    /// [`ImageSize::pixel_scale`] of a pair.
     pub fn scale(&self, a: usize, b: usize) -> f64 {
-        let diagonal = |i: usize| self.observed[i].size.diagonal();
-        (0.5 * (diagonal(a) + diagonal(b)) / 800.0).max(0.25)
+        ImageSize::pixel_scale([a, b].map(|c| self.observed[c].size))
     }
 }
 

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::settle::settle;
 use super::start::FOCALS;
-use crate::network::given::graph::all_pairs;
 use crate::network::given::pair::PairHypotheses;
+use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
 use crate::network::model::pose::{placed_beside, relative_pose};

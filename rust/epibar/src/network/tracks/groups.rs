@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::points::TrackSighting;
 use super::sightings::{DEVIATIONS, Eye, Sighting, stands};
 use super::triangulate::{Ray, covariance, point};
+use crate::image::ImageSize;
 
 /// Standard deviation of tops of one walker in two pairs of cameras, over the median height: of places on a head.
 const TOPS: f64 = 0.03;
@@ -201,7 +202,7 @@ fn is_denied(eyes: &[Eye], moment: usize, group: &Group) -> bool {
     let others = eyes.iter().zip(&group.silhouettes).filter(|(_, own)| own.is_none());
     others.into_iter().any(|(eye, _)| {
         eye.looks_at(moment, &middle).is_some_and(|pixel| {
-            let margin = COVERED * (eye.observed.size.diagonal() / 800.0).max(0.25);
+            let margin = COVERED * ImageSize::pixel_scale([eye.observed.size; 2]);
             !eye.covers(moment, pixel, margin)
         })
     })

@@ -32,6 +32,7 @@ use super::observations::survey::Survey;
 use super::solve::relocate::Placed;
 use super::solve::settle::settle;
 use crate::error::{Error, Result};
+use crate::image::ImageSize;
 use crate::recording::Recording;
 use crate::watch::{Stage, Watch, report};
 
@@ -222,8 +223,7 @@ fn walkers_at(
     let eyes: Vec<Eye> = (0..cameras.len()).map(eye).collect();
     let mut candidates: Vec<Vec<Sighting>> = vec![Vec::new(); times.len()];
     for (a, b) in placed.pairs() {
-        let diagonal = |k: usize| observed[k].size.diagonal();
-        let pixels = scale.radius * (0.5 * (diagonal(a) + diagonal(b)) / 800.0).max(0.25);
+        let pixels = scale.radius * ImageSize::pixel_scale([a, b].map(|c| observed[c].size));
         let found = sightings(&eyes, [a, b], pixels, scale.height);
         candidates.iter_mut().zip(found).for_each(|(all, found)| all.extend(found));
     }
