@@ -11,6 +11,7 @@ from extended_input import REFUSED, refused_pair
 import epibar
 from epibar import EpibarError, _core
 from epibar.cli import main
+from epibar.files import network_json
 from epibar.lens import Intrinsics, write_cameras
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import pair_search
@@ -48,7 +49,8 @@ def test_every_file_holds_the_camera_that_was_added(adding, folder, capsys):
     assert np.allclose(known["cam9"].matrix, adding.place["matrix"])
     assert np.allclose(known["cam9"].distortions, adding.place["distortions"])
     content = json.loads((folder / "calibration.json").read_text())
-    assert content["network"] == json.loads((folder / "network.json").read_text())
+    alone = json.loads((folder / "network.json").read_text())
+    assert alone == {"$schema": network_json.SCHEMA, **content["network"]}
     assert [one["name"] for one in content["cameras"]] == ["cam1", "cam2", "cam3", "cam4"]
     epibar.export.Run.load(folder)
     # From now on it is one of the network's.
