@@ -370,3 +370,18 @@ def test_what_is_no_calibration(done, masks, tmp_path):
     np.savez(tmp_path / "less.npz", **arrays)
     with pytest.raises(EpibarError, match="lines_a is missing"):
         Calibration.load(tmp_path / "less.npz")
+
+
+@pytest.mark.parametrize(
+    ("lengths", "said"),
+    [
+        ({"distances": [("cam1", "hall", 4.2)]}, "no camera 'hall'"),
+        ({"camera_heights": [("hall", 2.6)]}, "no camera 'hall'"),
+        ({"camera_heights": [("cam1", -2.6)]}, "camera_height"),
+        ({"person_height": "tall"}, "person_height"),
+    ],
+)
+def test_lengths_of_no_use_are_refused_before_anything_is_recorded(masks, tmp_path, lengths, said):
+    with pytest.raises(EpibarError, match=said):
+        epibar.calibrate_all(masks, tmp_path / "out", **FAST, **lengths)
+    assert not (tmp_path / "out" / "recordings").exists()

@@ -6,7 +6,7 @@ const PAIR_WORDS = {
   contradicts: "contradicts: alone it has another geometry",
 };
 const SHOWN_NAME = 22;
-const NAME_HEIGHT = 14; // pixels
+const [LETTER_WIDTH, NAME_HEIGHT] = [8, 14]; // pixels
 const MANY = 20; // pairs, of which those that are confirmed are drawn thin
 
 class Space {
@@ -193,7 +193,7 @@ class Space {
     const boxes = [];
     const inFront = [...cameras].reverse().sort((p, q) => (q.name === this.picked) - (p.name === this.picked));
     return inFront.map(camera => this.name(camera)).filter(text => {
-      const [x, y, wide] = [Number(text.getAttribute("x")), Number(text.getAttribute("y")), 8 * text.textContent.length];
+      const [x, y, wide] = [Number(text.getAttribute("x")), Number(text.getAttribute("y")), LETTER_WIDTH * text.textContent.length];
       const left = text.getAttribute("text-anchor") === "end" ? x - wide : x;
       const free = boxes.every(([l, r, t]) => left > r || left + wide < l || Math.abs(t - y) > NAME_HEIGHT);
       if (free) boxes.push([left, left + wide, y]);
@@ -204,7 +204,7 @@ class Space {
   name(camera) {
     const short = camera.name.length > SHOWN_NAME ? `${camera.name.slice(0, SHOWN_NAME - 1)}…` : camera.name;
     // Behind the camera, where its frustum is not; before it, where that would leave the picture.
-    const [x, y] = camera.seen, room = 8 * short.length + 8;
+    const [x, y] = camera.seen, room = LETTER_WIDTH * short.length + 8;
     const behind = camera.ahead > 0 ? x > room : x + room > this.svg.clientWidth;
     const side = behind ? "end" : "start";
     return svg("text", { class: this.faded(camera.name), x: x + (side === "end" ? -8 : 8), y: y - 9, "text-anchor": side }, short);

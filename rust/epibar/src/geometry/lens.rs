@@ -78,7 +78,7 @@ impl Lens {
         let ([k1, k2, k3], q) = (self.k, r * r);
         [
             r * (1.0 + q * (k1 + q * (k2 + q * k3))),
-            1.0 + q * (3.0 * k1 + q * (5.0 * k2 + q * 7.0 * k3)),
+            self.slope(q),
             r * (6.0 * k1 + q * (20.0 * k2 + q * 42.0 * k3)),
         ]
     }
@@ -90,10 +90,10 @@ impl Lens {
         [x * scale, y * scale]
     }
 
-    /// Slope of the polynomial at the square of an undistorted distance, above the least that shows anything.
-    fn slope_left(&self, q: f64) -> f64 {
+    /// Slope of the polynomial, by the square of an undistorted distance.
+    fn slope(&self, q: f64) -> f64 {
         let [k1, k2, k3] = self.k;
-        1.0 - LEAST_SLOPE + q * (3.0 * k1 + q * (5.0 * k2 + q * 7.0 * k3))
+        1.0 + q * (3.0 * k1 + q * (5.0 * k2 + q * 7.0 * k3))
     }
 
     /// Squares of undistorted distances at which the slope stops falling or rising, in their order; NaN where there are fewer.
@@ -111,9 +111,9 @@ impl Lens {
         let last = bends.clone().next_back().unwrap_or(0.0);
         let mut beyond = (0..OCTAVES as i32).map(|n| (1.0 + last) * 2f64.powi(n));
         let mut low = 0.0;
-        for end in bends.chain(beyond.find(|q| self.slope_left(*q) < 0.0)) {
-            if self.slope_left(end) < 0.0 {
-                return halved([low, end], |q| self.slope_left(q) >= 0.0)[0].sqrt();
+        for end in bends.chain(beyond.find(|q| self.slope(*q) < LEAST_SLOPE)) {
+            if self.slope(end) < LEAST_SLOPE {
+                return halved([low, end], |q| self.slope(q) >= LEAST_SLOPE)[0].sqrt();
             }
             low = end;
         }
@@ -124,7 +124,7 @@ impl Lens {
     fn rises_to(&self, r: f64) -> bool {
         let square = r * r;
         let between = self.bends().into_iter().filter(|q| *q < square);
-        between.chain([square]).all(|q| self.slope_left(q) >= 0.0)
+        between.chain([square]).all(|q| self.slope(q) >= LEAST_SLOPE)
     }
 
     /// The undistorted distance of a distorted one on the way out from the axis; `None` beyond the [reach](Self::reach).

@@ -147,11 +147,8 @@ pub fn pairs_to_search(recordings: &[&Recording], offsets: &Offsets) -> Result<V
             expected: "an offset for each camera",
         });
     }
-    let reachable = |c: usize| offsets.seconds[c].is_finite();
-    let filmed = |a: usize, b: usize| {
-        reachable(a) && reachable(b) && offsets.overlap(a, b, recordings[a], recordings[b])
-    };
-    let all: Vec<(usize, usize)> = all_pairs(n).filter(|&(a, b)| filmed(a, b)).collect();
+    let filmed = |&(a, b): &(usize, usize)| offsets.overlap(a, b, recordings[a], recordings[b]);
+    let all: Vec<(usize, usize)> = all_pairs(n).filter(filmed).collect();
     let likely: Vec<(usize, usize, f64)> = if n <= ALL_PAIRS {
         Vec::new()
     } else {

@@ -51,17 +51,19 @@ impl RecordingParts {
     ///
     /// `heat` is empty; it takes a number for each pixel.
     pub fn new(size: [usize; 2], times: Vec<f64>) -> Self {
+        let Silhouettes { hull_start, points, area, border, outline_start, outline_points, .. } =
+            Silhouettes::default();
         Self {
             size,
             segments: Vec::new(),
             barcodes: Vec::new(),
             frame_start: vec![0; times.len() + 1],
-            hull_start: vec![0],
-            hull_points: Vec::new(),
-            hull_area: Vec::new(),
-            hull_border: Vec::new(),
-            outline_start: vec![0],
-            outline_points: Vec::new(),
+            hull_start,
+            hull_points: points,
+            hull_area: area,
+            hull_border: border,
+            outline_start,
+            outline_points,
             heat: Vec::new(),
             moving_pixels: vec![0; times.len()],
             visible: None,

@@ -27,9 +27,8 @@ pub fn pairs_to_add(
     let mut chosen = Vec::new();
     for new in stored.min(n)..n {
         let between = |a: usize| offsets.seconds[new] - offsets.seconds[a];
-        let filmed =
-            |&a: &usize| between(a).is_finite() && offsets.overlap(a, new, recordings[a], recordings[new]);
-        let reachable: Vec<usize> = (0..stored.min(n)).filter(filmed).collect();
+        let filmed = |&a: &usize| offsets.overlap(a, new, recordings[a], recordings[new]);
+        let reachable: Vec<usize> = (0..stored).filter(filmed).collect();
         let mut likely: Vec<(f64, usize)> = if reachable.len() <= EACH {
             reachable.into_iter().map(|a| (0.0, a)).collect()
         } else {

@@ -54,7 +54,7 @@ impl Offsets {
         Self { seconds, together: false, given: true }
     }
 
-    /// Whether two cameras filmed at the same time for a while.
+    /// Whether two cameras filmed at the same time for a while, as far as is known.
     pub(in crate::network) fn overlap(&self, a: usize, b: usize, of_a: &Recording, of_b: &Recording) -> bool {
         let between = self.seconds[b] - self.seconds[a];
         let length = |times: &[f64]| times[times.len() - 1] - times[0];
