@@ -23,6 +23,7 @@ VERDICTS = {
     "rotation": "Left out: direction open",
     "position": "Left out: position open",
     "ambiguous": "Left out: ambiguous",
+    "contradicted": "Left out: what was given contradicts what moves",
     "too_few": "Left out: too few cameras",
 }
 """Verdict on a camera in a few words."""

@@ -1,9 +1,10 @@
 //! What a network is made of, on its way from what is given to the verdict.
 
+use super::evidence::contradictions::Contradiction;
 use super::evidence::stated_errors::Expected;
 use super::evidence::support::{Deviates, Support};
 use super::given::clocks::Offsets;
-use super::given::input::CameraInput;
+use super::given::input::{Aspect, CameraInput, Kind};
 use super::given::pair::{PairFound, PairHypotheses};
 use super::model::camera::Camera;
 use super::model::joint::Beliefs;
@@ -38,6 +39,12 @@ impl<'a> Case<'a> {
             .filter_map(|p| p.hypotheses(inputs[p.a].recording, inputs[p.b].recording))
             .collect();
         Self { inputs, pairs, observed, cameras, beliefs, hypotheses }
+    }
+
+    /// Whether a contradiction is of what nobody said: pixels are taken for square unless it is said.
+    pub(super) fn is_of_default(&self, contradiction: &Contradiction) -> bool {
+        let known = &self.inputs[contradiction.camera].known;
+        contradiction.kind == Kind::Aspect && known.matrix.is_none() && known.aspect == Aspect::Square
     }
 
     pub(super) fn count(&self) -> usize {
@@ -77,4 +84,8 @@ pub(super) struct Finished {
     pub(super) expected: Vec<Expected>,
     pub(super) offsets: Vec<f64>,
     pub(super) floor: Option<Floor>,
+    /// Silhouettes of shapes that stand for something else ask for other principal points than those believed in.
+    pub(super) strained: bool,
+    /// What was given, was contradicted by what moves, and was solved for.
+    pub(super) contradicted: Vec<Contradiction>,
 }

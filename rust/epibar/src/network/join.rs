@@ -4,6 +4,7 @@
 //! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
 
 use super::case::{Case, Finished, Out};
+use super::evidence::contradictions::contradictions;
 use super::evidence::covariance::{Covariance, covariance};
 use super::evidence::halves;
 use super::evidence::outlines::{Shapes, outline_errors};
@@ -13,11 +14,12 @@ use super::given::clocks::Offsets;
 use super::given::input::{CameraInput, PRINCIPAL_LEVELS};
 use super::given::pair::PairFound;
 use super::model::camera::CLOCK;
-use super::model::joint::{Problem, standing};
+use super::model::joint::standing;
 use super::observations::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
 use super::solve::networks::{FRAMES_IN_THE_END, Solved, Solver, settled};
 use super::solve::principal;
+use super::solve::relocate::Placed;
 use super::solve::settle::Again;
 use super::solve::world;
 use super::verdict::{is_rival, worst};
@@ -58,8 +60,7 @@ pub fn join(
     let Some(sifted) = sifted else { return Ok(case.without(&out)) };
     report(watch, Stage::Network, 0.7)?;
     let rivalled = networks.iter().any(|rival| is_rival(&solver.some, &sifted.0, rival));
-    let freed = case.with_principal_points(&solver, sifted);
-    let finished = case.finished(freed);
+    let finished = case.agreed(&solver, sifted);
     report(watch, Stage::Network, 0.9)?;
     Ok(case.network(&finished, &out, rivalled))
 }
@@ -152,25 +153,38 @@ impl Case<'_> {
         Freed { solved: now, support, level: call.level, shapes: Shapes::Masks }
     }
 
+    /// The network over all frames, without what was given and is contradicted by what moves.
+    fn agreed(&self, solver: &Solver, (mut now, mut support): Sifted) -> Finished {
+        let mut contradicted = Vec::new();
+        loop {
+            let freed = self.with_principal_points(solver, (now.clone(), support));
+            let (finished, shapes) = (self.finished(&freed), freed.shapes);
+            let Some(found) = contradictions(&finished.solved, shapes) else {
+                return Finished { contradicted, ..finished };
+            };
+            let mut beliefs = now.beliefs.clone();
+            for one in &found.found {
+                one.kind.free(&mut beliefs[one.camera], &found.cameras[one.camera]);
+            }
+            contradicted.extend(found.found);
+            let network = Placed { cameras: found.cameras, ..now.network };
+            let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
+            now = solver.settled(network, &beliefs, radius);
+            support = Support::of(&self.observed, &now);
+        }
+    }
+
     /// The network over all frames, and errors to expect.
-    fn finished(&self, Freed { solved, support, level, shapes }: Freed) -> Finished {
+    fn finished(&self, Freed { solved, support, level, shapes }: &Freed) -> Finished {
         let many = Survey::new(&self.observed, shared(FRAMES_IN_THE_END, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
-        let finished = settled(&many, solved.network, &solved.beliefs, &support.confirmed(), radius);
+        let finished = settled(&many, solved.network.clone(), &solved.beliefs, &support.confirmed(), radius);
         let floor = world::floor(&many, &finished.network, finished.settled.radius.max(FIGURES_WITHIN));
         let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
-        let stated = principal::at_level(&finished.beliefs, &widths, level);
-        let settled = &finished.settled;
-        let problem = Problem {
-            pairs: &settled.pairs,
-            beliefs: &stated,
-            scale: settled.scale,
-            prior_weight: settled.prior_weight,
-            moving: finished.network.placed.clone(),
-        };
-        let outlines = outline_errors(settled, shapes);
-        let found = covariance(&problem, &finished.network.cameras, &outlines);
+        let stated = principal::at_level(&finished.beliefs, &widths, *level);
+        let outlines = outline_errors(&finished.settled, *shapes);
+        let found = covariance(&finished.problem(&stated), &finished.network.cameras, &outlines);
         let (expected, offsets) = match found {
             Some(found) => {
                 let offsets = (0..self.count()).map(|c| found.deviation(c, CLOCK)).collect();
@@ -179,7 +193,8 @@ impl Case<'_> {
             }
             None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
         };
-        Finished { solved: finished, support, expected, offsets, floor }
+        let (support, strained) = (support.clone(), *shapes == Shapes::Strained);
+        Finished { solved: finished, support, expected, offsets, floor, strained, contradicted: Vec::new() }
     }
 }
 

@@ -1,8 +1,11 @@
 //! What is said of cameras and networks, as sentences.
 
+use super::evidence::contradictions::Contradiction;
 use super::evidence::stated_errors::Expected;
-use super::given::input::CameraInput;
+use super::given::input::{CameraInput, Kind};
 use super::given::pair::PairFound;
+use super::model::camera::{Camera, INTRINSIC};
+use super::model::joint::Beliefs;
 use super::result::{CameraStatus, NetworkCamera, NetworkPair, PairStatus};
 use super::solve::world::Ground;
 use super::thresholds::{MAX_FOCAL, MAX_POSITION, MAX_ROTATION};
@@ -63,11 +66,58 @@ pub(super) fn of_camera(
         CameraStatus::Ambiguous => {
             "another network explains what moves nearly as well: film for longer, with movers everywhere in the images".to_owned()
         }
+        CameraStatus::Contradicted => "what is given of it contradicts what moves".to_owned(),
         CameraStatus::TooFew => {
             "two cameras determine a network only with known focal lengths: give intrinsics, or add a third camera".to_owned()
         }
     }
 }
+
+/// What was given of a camera and is contradicted by what moves.
+pub(super) fn contradiction(found: &Contradiction, given: &Beliefs, fits: &Camera) -> String {
+    let given = given.intrinsic.map(|belief| belief.mean);
+    let said = |numbers: [f64; INTRINSIC]| {
+        let [log_focal, log_aspect, cx, cy, k1, k2, k3] = numbers;
+        match found.kind {
+            Kind::Focal => format!("{:.1} px", log_focal.exp()),
+            Kind::Aspect => format!("{:.4}", log_aspect.exp()),
+            Kind::PrincipalPoint => format!("({cx:.1}, {cy:.1})"),
+            Kind::Lens => format!("k1 {k1:.3}, k2 {k2:.3}, k3 {k3:.3}"),
+        }
+    };
+    let what = name(found.kind);
+    format!(
+        "the {what} that is given, {}, contradicts what moves: {} agrees with it, {:.0} standard deviations away. Correct what is given, or leave it out",
+        said(given),
+        said(fits.intrinsic()),
+        found.deviate
+    )
+}
+
+/// Of a camera of which the same was given as of several others that are contradicted.
+pub(super) fn given_like_others(kind: Kind) -> String {
+    let what = name(kind);
+    format!(
+        "the {what} that is given contradicts what moves in other cameras, so that of this one is not relied on. Correct what is given, or leave it out"
+    )
+}
+
+fn name(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Focal => "focal length",
+        Kind::Aspect => "fy / fx",
+        Kind::PrincipalPoint => "principal point",
+        Kind::Lens => "distortion",
+    }
+}
+
+/// What is added of a camera whose pixels were taken for square.
+pub(super) fn pixels_not_square(fits: &Camera) -> String {
+    format!("; its pixels are not square, as they were taken to be: fy / fx is {:.4}", fits.log_aspect.exp())
+}
+
+/// What is added of a camera where that cannot be told.
+pub(super) const PRINCIPAL_POINT_TAKEN_FOR_RIGHT: &str = "; what moves asks for another principal point than the one that is given, as boxes and ellipses do that stand for people: this holds if what is given is right";
 
 /// What is added of a camera whose lens shows nothing in the corners of its images.
 pub(super) fn short_lens(reach: f64) -> String {

@@ -46,6 +46,8 @@ pub enum CameraStatus {
     Position,
     /// Its pairs cannot be told from other geometries.
     Ambiguous,
+    /// What was given of it is contradicted by what moves.
+    Contradicted,
     /// There are too few cameras, or too little is known of two.
     TooFew,
 }
@@ -62,6 +64,7 @@ impl CameraStatus {
             Self::Rotation => "rotation",
             Self::Position => "position",
             Self::Ambiguous => "ambiguous",
+            Self::Contradicted => "contradicted",
             Self::TooFew => "too_few",
         }
     }

@@ -3,6 +3,7 @@
 use super::case::{Case, Finished, Out};
 use super::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
 use super::evidence::support::{Deviates, Support, knocked};
+use super::given::input::Kind;
 use super::given::pair::PairFound;
 use super::given::pair_choice::all_pairs;
 use super::model::camera::Camera;
@@ -113,6 +114,7 @@ impl Case<'_> {
                     Some(out) => out.status,
                     None if !stands => CameraStatus::NothingInCommon,
                     None if rivalled => CameraStatus::Ambiguous,
+                    None if self.contradicted(finished, c).is_some() => CameraStatus::Contradicted,
                     None => status_by_errors(&expected, rig),
                 };
                 let mut camera = NetworkCamera {
@@ -122,8 +124,12 @@ impl Case<'_> {
                     offset_error: finished.offsets[c],
                     ..self.unplaced(c, status, found, &expected, rig)
                 };
-                if let (CameraStatus::Accepted, Some(reach)) = (status, camera.lens_reach()) {
-                    camera.reason += &prose::short_lens(reach);
+                match status {
+                    CameraStatus::Accepted => camera.reason += &self.remarks(finished, &camera, c),
+                    CameraStatus::Contradicted => {
+                        camera.reason = self.contradicted(finished, c).unwrap_or_default();
+                    }
+                    _ => (),
                 }
                 camera
             })
@@ -134,6 +140,36 @@ impl Case<'_> {
         let accepted = cameras.iter().all(NetworkCamera::accepted);
         let reason = prose::of_network(&cameras, &pairs, &ground);
         Network { cameras, pairs, accepted, reason, ground, radius }
+    }
+
+    /// What was given of a camera and is contradicted by what moves, in words; or what was given of it as of several that are contradicted.
+    fn contradicted(&self, finished: &Finished, camera: usize) -> Option<String> {
+        let all = || finished.contradicted.iter().filter(|c| !self.is_of_default(c));
+        let fits = &finished.solved.network.cameras[camera];
+        let own = all().filter(|c| c.camera == camera);
+        let said: Vec<String> = own.map(|c| prose::contradiction(c, &self.beliefs[camera], fits)).collect();
+        if !said.is_empty() {
+            return Some(said.join("; "));
+        }
+        let of_several =
+            |kind: Kind| all().filter(|c| c.kind == kind).count() > 1 && kind.is_given(&self.beliefs[camera]);
+        Kind::ALL.into_iter().find(|kind| of_several(*kind)).map(prose::given_like_others)
+    }
+
+    /// What there is to know of a camera that is accepted.
+    fn remarks(&self, finished: &Finished, said: &NetworkCamera, camera: usize) -> String {
+        let fits = &finished.solved.network.cameras[camera];
+        let mut text = String::new();
+        if finished.contradicted.iter().any(|c| c.camera == camera && self.is_of_default(c)) {
+            text += &prose::pixels_not_square(fits);
+        }
+        if finished.strained && Kind::PrincipalPoint.is_given(&finished.solved.beliefs[camera]) {
+            text += prose::PRINCIPAL_POINT_TAKEN_FOR_RIGHT;
+        }
+        if let Some(reach) = said.lens_reach() {
+            text += &prose::short_lens(reach);
+        }
+        text
     }
 
     /// A camera with what is said of it, and without a place.

@@ -5,6 +5,7 @@ use nalgebra::Matrix3;
 use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{Case, Out};
+use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance;
 use crate::network::evidence::halves;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
@@ -12,8 +13,9 @@ use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN, length_quan
 use crate::network::evidence::support::{Deviates, Support, knocked};
 use crate::network::given::input::PRINCIPAL_LEVELS;
 use crate::network::model::camera::{CLOCK, Camera, FOCAL, POSITION, ROTATION};
-use crate::network::model::joint::{Beliefs, Problem};
+use crate::network::model::joint::Beliefs;
 use crate::network::observations::survey::{Survey, shared};
+use crate::network::prose;
 use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair};
 use crate::network::solve::networks::{FRAMES, FRAMES_IN_THE_END, Solved, settled};
 use crate::network::solve::principal;
@@ -35,6 +37,8 @@ struct Found {
     support: Support,
     expected: Expected,
     offset_error: f64,
+    /// What was given of it and is contradicted by what moves, in words.
+    contradicted: Option<String>,
     /// The largest distance between two cameras.
     rig: f64,
 }
@@ -60,6 +64,7 @@ impl<'a> Newcomer<'a> {
     ) -> Result<(NetworkCamera, Vec<NetworkPair>)> {
         let found = self.found(tell)?;
         let (status, out) = match &found {
+            Ok(Found { contradicted: Some(_), .. }) => (CameraStatus::Contradicted, None),
             Ok(found) => (status_by_errors(&found.expected, found.rig), None),
             Err(out) => (out.status, Some(out)),
         };
@@ -76,6 +81,7 @@ impl<'a> Newcomer<'a> {
         };
         let pairs = (0..self.camera).map(pair).collect();
         let camera = NetworkCamera {
+            reason: found.contradicted.clone().unwrap_or(said.reason),
             camera: Some(cameras[self.camera]),
             expected: Some(expected),
             deviates: found.support.cameras[self.camera],
@@ -184,14 +190,8 @@ impl<'a> Newcomer<'a> {
         let beside = |&(a, b): &(usize, usize)| b < self.camera || confirmed.contains(&(a, b));
         let pairs: Vec<(usize, usize)> = now.network.pairs().into_iter().filter(beside).collect();
         let solved = settled(&many, now.network, &now.beliefs, &pairs, radius);
-        let problem = Problem {
-            pairs: &solved.settled.pairs,
-            beliefs: &stated,
-            scale: solved.settled.scale,
-            prior_weight: solved.settled.prior_weight,
-            moving: solved.network.placed.clone(),
-        };
-        let errors = covariance(&problem, &solved.network.cameras, &outline_errors(&solved.settled, shapes));
+        let outlines = outline_errors(&solved.settled, shapes);
+        let errors = covariance(&solved.problem(&stated), &solved.network.cameras, &outlines);
         let of_held = self.typical(&support);
         let (expected, offset_error) = errors.map_or((Expected::UNKNOWN, f64::NAN), |errors| {
             // NaN where it was not solved for, which it was of a camera that is new.
@@ -206,7 +206,11 @@ impl<'a> Newcomer<'a> {
             (Expected { focal, ..expected }, errors.deviation(self.camera, CLOCK))
         });
         let rig = rig(&solved.network.cameras, &solved.network.pairs());
-        Found { solved, support, expected, offset_error, rig }
+        let contradicted = contradictions(&solved, shapes).map(|c| {
+            let (given, fits) = (&solved.beliefs[self.camera], &c.cameras[self.camera]);
+            c.found.iter().map(|one| prose::contradiction(one, given, fits)).collect()
+        });
+        Found { solved, support, expected, offset_error, contradicted, rig }
     }
 
     /// Root mean square of what the cameras that confirm this one are expected to be wrong by.

@@ -5,7 +5,9 @@
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
 //! * `stated_errors`: errors to expect of each camera.
+//! * `contradictions`: does what was given of a camera agree with what moves?
 
+pub mod contradictions;
 pub mod covariance;
 pub mod halves;
 pub mod outlines;

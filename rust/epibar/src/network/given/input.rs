@@ -90,6 +90,60 @@ const TANGENTIAL: f64 = 1e-2;
 /// How far hulls lie inside of outlines, pixels: a part of the grid, and what masks leave out or add.
 pub const INSET: Belief = Belief { mean: 0.2, deviation: 1.0 };
 
+/// Standard deviation of `log (f_y / f_x)` where it may be that of any pixels, such as those of television.
+const ASPECT_OF_ANY: f64 = 0.1;
+
+/// What is given of a camera, by the kinds that are given together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// The focal length.
+    Focal,
+    /// `f_y / f_x`.
+    Aspect,
+    /// The principal point.
+    PrincipalPoint,
+    /// `k₁ k₂ k₃`.
+    Lens,
+}
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Focal, Self::Aspect, Self::PrincipalPoint, Self::Lens];
+
+    /// Which of the parameters of a camera are of this kind.
+    pub fn parameters(self) -> &'static [usize] {
+        match self {
+            Self::Focal => &[0],
+            Self::Aspect => &[1],
+            Self::PrincipalPoint => &[2, 3],
+            Self::Lens => &[4, 5, 6],
+        }
+    }
+
+    /// Whether it is given, so that it is held or nearly so.
+    pub fn is_given(self, beliefs: &Beliefs) -> bool {
+        let least = if self == Self::Focal { limits::KNOWN_FOCAL } else { 0.0 };
+        self.parameters().iter().all(|&k| beliefs.intrinsic[k].deviation <= least)
+    }
+
+    /// Takes back that it is given: of a camera as it stands, any number may be the right one.
+    pub fn free(self, beliefs: &mut Beliefs, camera: &Camera) {
+        let wide = limits::PRINCIPAL_STRAINED * camera.size.width as f64;
+        let about = [
+            Belief::about(camera.log_focal, FOCAL.1),
+            Belief::about(camera.log_aspect, ASPECT_OF_ANY),
+            Belief::about(camera.principal[0], wide),
+            Belief::about(camera.principal[1], wide),
+            Belief::about(0.0, LENS[0]),
+            Belief::about(0.0, LENS[1]),
+            Belief::about(0.0, LENS[2]),
+        ];
+        for &k in self.parameters() {
+            beliefs.intrinsic[k] = about[k];
+        }
+    }
+}
+
 impl Knowledge {
     /// Nothing.
     pub fn new() -> Self {

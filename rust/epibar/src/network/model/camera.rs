@@ -77,6 +77,12 @@ impl Camera {
         of(self) == of(other)
     }
 
+    /// The parameters of the camera by itself, in their order.
+    pub fn intrinsic(&self) -> [f64; INTRINSIC] {
+        let ([cx, cy], [k1, k2, k3]) = (self.principal, self.lens.k);
+        [self.log_focal, self.log_aspect, cx, cy, k1, k2, k3]
+    }
+
     /// `f_x` and `f_y`, pixels.
     pub fn focal(&self) -> [f64; 2] {
         [self.log_focal.exp(), (self.log_focal + self.log_aspect).exp()]

@@ -229,9 +229,8 @@ impl Problem<'_> {
     fn prior(&self, cameras: &[Camera]) -> Vec<Prior> {
         let mut all = Vec::new();
         for (camera, (c, beliefs)) in cameras.iter().zip(self.beliefs).enumerate() {
-            let [k1, k2, k3] = c.lens.k;
-            let values = [c.log_focal, c.log_aspect, c.principal[0], c.principal[1], k1, k2, k3];
-            for (k, (value, belief)) in values.into_iter().zip(&beliefs.intrinsic).enumerate() {
+            let [k1, ..] = c.lens.k;
+            for (k, (value, belief)) in c.intrinsic().into_iter().zip(&beliefs.intrinsic).enumerate() {
                 if belief.deviation > 0.0 && belief.deviation.is_finite() {
                     // How a lens of one family goes with k₁.
                     let (family, slope) = match k {

@@ -5,7 +5,7 @@ use super::settle::{Settled, settle};
 use super::start::{Started, Starter};
 use crate::network::given::pair::PairHypotheses;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::Beliefs;
+use crate::network::model::joint::{Beliefs, Problem};
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::{Survey, shared};
 use crate::network::thresholds as limits;
@@ -34,6 +34,19 @@ pub struct Solved {
     pub beliefs: Vec<Beliefs>,
     /// Excess over chance on the frames that networks are compared on.
     pub excess: f64,
+}
+
+impl Solved {
+    /// The joint problem over what met, with what is believed.
+    pub fn problem<'p>(&'p self, beliefs: &'p [Beliefs]) -> Problem<'p> {
+        Problem {
+            pairs: &self.settled.pairs,
+            beliefs,
+            scale: self.settled.scale,
+            prior_weight: self.settled.prior_weight,
+            moving: self.network.placed.clone(),
+        }
+    }
 }
 
 /// What every network of some cameras is solved with.

@@ -7,19 +7,19 @@
 
 use super::networks::Solved;
 use crate::network::given::input::PRINCIPAL_LEVELS;
-use crate::network::model::joint::{Beliefs, Problem};
+use crate::network::model::joint::Beliefs;
 use crate::network::thresholds as limits;
 
 /// Steps of the solver at a level.
 const STEPS: usize = 25;
 
-/// Beliefs with those of principal points that are not given at another level.
+/// Beliefs with those of principal points that are not given at another level, or wider where they are.
 pub fn at_level(beliefs: &[Beliefs], widths: &[f64], level: f64) -> Vec<Beliefs> {
     let mut beliefs = beliefs.to_vec();
     for (belief, width) in beliefs.iter_mut().zip(widths) {
         for k in 2..4 {
             if belief.intrinsic[k].deviation > 0.0 {
-                belief.intrinsic[k].deviation = level * width;
+                belief.intrinsic[k].deviation = belief.intrinsic[k].deviation.max(level * width);
             }
         }
     }
@@ -38,14 +38,7 @@ pub struct Call {
 
 /// The cost at the optimum with other beliefs, in nats.
 fn cost(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
-    let problem = Problem {
-        pairs: &solved.settled.pairs,
-        beliefs,
-        scale: solved.settled.scale,
-        prior_weight: solved.settled.prior_weight,
-        moving: solved.network.placed.clone(),
-    };
-    problem.solve(&solved.network.cameras, STEPS).1 / solved.settled.prior_weight
+    solved.problem(beliefs).solve(&solved.network.cameras, STEPS).1 / solved.settled.prior_weight
 }
 
 /// What the tangents of a network call for.

@@ -71,6 +71,14 @@ pub struct Settled {
     pub prior_weight: f64,
 }
 
+impl Settled {
+    /// The same tangents under other cameras, and what they scatter there.
+    pub fn of(&self, cameras: &[Camera]) -> Self {
+        let scale = scatter(cameras, &self.pairs).max(LEAST_SCATTER);
+        Self { cameras: cameras.to_vec(), pairs: self.pairs.clone(), scale, ..*self }
+    }
+}
+
 /// Finds tangents anew and solves for the cameras that move, from a radius down to the one that suits the masks.
 pub fn settle(
     survey: &Survey,
