@@ -145,6 +145,25 @@ fn two_cameras_need_to_be_known() {
 }
 
 #[test]
+fn a_false_focal_length_is_named_and_the_others_stand() {
+    let scene = Scene::new(5, FRAMES, 7);
+    let cameras = cameras();
+    let recordings: Vec<Recording> =
+        cameras.iter().enumerate().map(|(i, c)| recorded(&scene, c, 0.0, i as u64)).collect();
+    let mut known: Vec<Knowledge> = cameras.iter().map(|c| Knowledge::new().matrix(c.matrix())).collect();
+    known[2] = Knowledge::new().matrix(cameras[2].clone().zoomed(1.15).matrix());
+    let found = network(&recordings, &known, NetworkTime::Known(vec![0.0; 4]));
+    let status: Vec<CameraStatus> = found.cameras.iter().map(|c| c.status).collect();
+    let (right, wrong) = (CameraStatus::Accepted, CameraStatus::Contradicted);
+    assert_eq!(status, [right, right, wrong, right], "{}", found.reason);
+    assert!(errors(&found, &cameras).0 < 0.3);
+    let refused = &found.cameras[2];
+    assert!(refused.reason.contains("the focal length that is given, 299.0 px"), "{}", refused.reason);
+    let focal = refused.matrix().unwrap().m11;
+    assert!((focal / 260.0 - 1.0).abs() < 0.02, "{focal}");
+}
+
+#[test]
 fn what_cannot_be_is_refused() {
     let scene = Scene::new(2, FRAMES, 3);
     let recording = recorded(&scene, &cameras()[0], 0.0, 0);

@@ -41,10 +41,10 @@ impl<'a> Case<'a> {
         Self { inputs, pairs, observed, cameras, beliefs, hypotheses }
     }
 
-    /// Whether a contradiction is of what nobody said: pixels are taken for square unless it is said.
-    pub(super) fn is_of_default(&self, contradiction: &Contradiction) -> bool {
-        let known = &self.inputs[contradiction.camera].known;
-        contradiction.kind == Kind::Aspect && known.matrix.is_none() && known.aspect == Aspect::Square
+    /// Whether nobody gave what a camera is held to: pixels are taken for square unless it is said.
+    pub(super) fn is_of_default(&self, camera: usize, kind: Kind) -> bool {
+        let known = &self.inputs[camera].known;
+        kind == Kind::Aspect && known.matrix.is_none() && known.aspect == Aspect::Square
     }
 
     pub(super) fn count(&self) -> usize {

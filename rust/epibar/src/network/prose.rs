@@ -105,7 +105,7 @@ pub(super) fn given_like_others(kind: Kind) -> String {
 fn name(kind: Kind) -> &'static str {
     match kind {
         Kind::Focal => "focal length",
-        Kind::Aspect => "fy / fx",
+        Kind::Aspect => "fy / fx (1 where nothing is said)",
         Kind::PrincipalPoint => "principal point",
         Kind::Lens => "distortion",
     }

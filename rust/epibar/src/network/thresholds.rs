@@ -41,8 +41,8 @@ pub const PRINCIPAL_NATS: f64 = 6.0;
 /// that of images that were cropped.
 pub const PRINCIPAL_STRAINED: f64 = 0.04;
 
-/// Normal deviate from which on another number contradicts the one that is given. True ones of four made-up and three real networks explained
-/// more in ellipses alone, by 3.0 at most; focal lengths off by 5 % had 1.4 to 18, lenses that were said not to bend 4.6 to 32.
+/// Normal deviate from which on another number contradicts the one that is given. Of true ones of four made-up and three real networks
+/// another explained more in ellipses alone, by 3.0 at most; 5 % off of the one camera focal lengths had 2.7 to 18.
 pub const CONTRADICTED_DEVIATES: f64 = 4.0;
 
 // --- what speaks for a camera ---

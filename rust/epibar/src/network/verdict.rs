@@ -109,12 +109,13 @@ impl Case<'_> {
             .map(|c| {
                 let found = out.iter().find(|o| o.camera == c);
                 let stands = network.placed[c];
+                let contradicted = self.contradicted(finished, c);
                 let expected = finished.expected[c].in_world(&turn, unit);
                 let status = match found {
                     Some(out) => out.status,
                     None if !stands => CameraStatus::NothingInCommon,
                     None if rivalled => CameraStatus::Ambiguous,
-                    None if self.contradicted(finished, c).is_some() => CameraStatus::Contradicted,
+                    None if contradicted.is_some() => CameraStatus::Contradicted,
                     None => status_by_errors(&expected, rig),
                 };
                 let mut camera = NetworkCamera {
@@ -124,11 +125,9 @@ impl Case<'_> {
                     offset_error: finished.offsets[c],
                     ..self.unplaced(c, status, found, &expected, rig)
                 };
-                match status {
-                    CameraStatus::Accepted => camera.reason += &self.remarks(finished, &camera, c),
-                    CameraStatus::Contradicted => {
-                        camera.reason = self.contradicted(finished, c).unwrap_or_default();
-                    }
+                match (status, contradicted) {
+                    (CameraStatus::Accepted, _) => camera.reason += &self.remarks(finished, &camera, c),
+                    (CameraStatus::Contradicted, Some(said)) => camera.reason = said,
                     _ => (),
                 }
                 camera
@@ -144,15 +143,15 @@ impl Case<'_> {
 
     /// What was given of a camera and is contradicted by what moves, in words; or what was given of it as of several that are contradicted.
     fn contradicted(&self, finished: &Finished, camera: usize) -> Option<String> {
-        let all = || finished.contradicted.iter().filter(|c| !self.is_of_default(c));
+        let all = || finished.contradicted.iter().filter(|c| !self.is_of_default(c.camera, c.kind));
         let fits = &finished.solved.network.cameras[camera];
         let own = all().filter(|c| c.camera == camera);
         let said: Vec<String> = own.map(|c| prose::contradiction(c, &self.beliefs[camera], fits)).collect();
         if !said.is_empty() {
             return Some(said.join("; "));
         }
-        let of_several =
-            |kind: Kind| all().filter(|c| c.kind == kind).count() > 1 && kind.is_given(&self.beliefs[camera]);
+        let given = |kind: Kind| kind.is_given(&self.beliefs[camera]) && !self.is_of_default(camera, kind);
+        let of_several = |kind: Kind| all().filter(|c| c.kind == kind).count() > 1 && given(kind);
         Kind::ALL.into_iter().find(|kind| of_several(*kind)).map(prose::given_like_others)
     }
 
@@ -160,7 +159,7 @@ impl Case<'_> {
     fn remarks(&self, finished: &Finished, said: &NetworkCamera, camera: usize) -> String {
         let fits = &finished.solved.network.cameras[camera];
         let mut text = String::new();
-        if finished.contradicted.iter().any(|c| c.camera == camera && self.is_of_default(c)) {
+        if finished.contradicted.iter().any(|c| c.camera == camera && self.is_of_default(camera, c.kind)) {
             text += &prose::pixels_not_square(fits);
         }
         if finished.strained && Kind::PrincipalPoint.is_given(&finished.solved.beliefs[camera]) {

@@ -63,17 +63,20 @@ impl Tried {
         let given: Vec<usize> = (0..beliefs.len())
             .filter(|&c| solved.network.placed[c] && !beliefs[c].posed && kind.is_given(&beliefs[c]))
             .collect();
+        if given.is_empty() {
+            return None;
+        }
         for &c in &given {
             kind.free(&mut beliefs[c], &solved.network.cameras[c]);
         }
         let (cameras, freed) = solved.problem(&beliefs).solve(&solved.network.cameras, STEPS);
         let numbers = (given.len() * kind.parameters().len()) as f64;
         let gain = (cost - freed) / solved.settled.prior_weight - numbers;
-        (!given.is_empty() && gain > 0.0).then_some(Self { kind, given, beliefs, cameras, gain })
+        (gain > 0.0).then_some(Self { kind, given, beliefs, cameras, gain })
     }
 
     fn contradicted(self, solved: &Solved, shapes: Shapes) -> Option<Contradictions> {
-        let outlines = outline_errors(&solved.settled.of(&self.cameras), self.shapes(solved, shapes));
+        let outlines = outline_errors(&solved.settled.under(&self.cameras), self.shapes(solved, shapes));
         let errors = covariance(&solved.problem(&self.beliefs), &self.cameras, &outlines)?;
         let kind = self.kind;
         let of_camera = |&camera: &usize| {
@@ -155,7 +158,7 @@ mod tests {
             moving: vec![true; 4],
         };
         let cameras = problem.solve(&settled.cameras, 30).0;
-        let settled = settled.of(&cameras);
+        let settled = settled.under(&cameras);
         let network = Placed { cameras, placed: vec![true; 4] };
         Solved { network, settled, beliefs, excess: 1.0 }
     }

@@ -73,7 +73,7 @@ pub struct Settled {
 
 impl Settled {
     /// The same tangents under other cameras, and what they scatter there.
-    pub fn of(&self, cameras: &[Camera]) -> Self {
+    pub fn under(&self, cameras: &[Camera]) -> Self {
         let scale = scatter(cameras, &self.pairs).max(LEAST_SCATTER);
         Self { cameras: cameras.to_vec(), pairs: self.pairs.clone(), scale, ..*self }
     }
