@@ -21,8 +21,9 @@ from tables import progress, table, write_json
 
 import epibar
 from epibar import Calibration, Recording, synthetic
+from epibar.calibration import SEARCH_SECONDS
 from epibar.network import find_offsets, join_pairs
-from epibar.network.offsets import SEARCH_SECONDS, pairs_to_search
+from epibar.network.offsets import pairs_to_search
 from epibar.synthetic.networks import NETWORK, hand_started
 from epibar.synthetic.settings import draw
 

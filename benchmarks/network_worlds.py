@@ -9,12 +9,11 @@ from tables import table
 
 import epibar
 from epibar import synthetic
+from epibar.network.scaling import NINE_IN_TEN
 from epibar.synthetic.figures import MEAN_HEIGHT
 
 MEASURED = 0.01
 """A distance between two cameras is measured to so many metres."""
-
-NINE_IN_TEN = 1.645
 
 
 def world(situation: Any, network: Any) -> dict[str, Any] | None:

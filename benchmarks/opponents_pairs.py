@@ -15,9 +15,10 @@ from tables import progress
 
 import epibar
 from epibar import Calibration, Recording, synthetic
+from epibar.calibration import SEARCH_SECONDS
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import ClockOffsets, find_offsets
-from epibar.network.offsets import SEARCH_SECONDS, pairs_to_search
+from epibar.network.offsets import pairs_to_search
 from epibar.synthetic import Camera
 
 

@@ -5,6 +5,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "NINE_IN_TEN",
+    "NINE_IN_TEN_IN_SPACE",
+    "PAIR_DEVIATES",
+    "RIVALS",
+    "RIVAL_SHARE",
+    "TANGENTIAL",
     "Calibration",
     "Mixture",
     "Recorder",
@@ -32,6 +38,13 @@ __all__ = [
     "steady_background",
     "walker_tracks",
 ]
+
+NINE_IN_TEN: float
+NINE_IN_TEN_IN_SPACE: float
+PAIR_DEVIATES: float
+RIVALS: int
+RIVAL_SHARE: float
+TANGENTIAL: float
 
 @final
 class Mixture:

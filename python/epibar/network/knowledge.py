@@ -9,13 +9,14 @@ from typing import Any, Literal
 
 from numpy.typing import ArrayLike
 
+from .. import _core
 from ..arguments import as_camera_matrix, as_numbers, as_positive, is_number
 from ..errors import EpibarError
 from ..recording import Recording
 
 __all__ = ["KnownCamera", "has_focal", "knowledge_of"]
 
-TANGENTIAL = 1e-2
+TANGENTIAL = _core.TANGENTIAL
 """Largest p1 and p2 that are taken for none: silhouettes go through a lens that has none."""
 
 

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from .. import _core
 from ..calibration import Calibration, calibrate
 from ..clocks import frame_interval
 from ..recording import Recording
@@ -16,10 +17,10 @@ from .offsets import ClockOffsets
 
 __all__ = ["calibrate_unsynchronised", "offsets_of_pair", "pair_to_core", "search_pairs"]
 
-RIVALS = 3
+RIVALS = _core.RIVALS
 """Other geometries of a pair that go along, at most."""
 
-RIVAL_SHARE = 0.5
+RIVAL_SHARE = _core.RIVAL_SHARE
 """Share of the winner's score that such a one has at least."""
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import _core
 from ..arguments import is_number
 from ..errors import EpibarError
 from .parts import Ground, NetworkCamera, NetworkParts, Scale
@@ -30,10 +31,10 @@ FIGURES = 0.012
 above the floor (``FOOT_ABOVE`` of the crate). It is in the usual error of their height, and added to a stated
 one."""
 
-NINE_IN_TEN = 1.645
+NINE_IN_TEN = _core.NINE_IN_TEN
 """Nine in ten normal errors are below so many standard deviations; of lengths in space :data:`IN_SPACE`."""
 
-IN_SPACE = 2.5
+IN_SPACE = _core.NINE_IN_TEN_IN_SPACE
 
 CONTRADICTION = 3.0
 """Standard deviations of the difference by which two lengths may disagree."""

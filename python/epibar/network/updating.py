@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from .. import _core
 from ..errors import EpibarError
 from ..geometry.cameras import Pose, fundamental_from_cameras
 from .checking import CameraCheck, NetworkCheck, NewPlace
@@ -16,7 +17,7 @@ from .scaling import IN_SPACE
 
 __all__ = ["CONFIRMED", "moved_parts", "update_notes"]
 
-CONFIRMED = 3.0
+CONFIRMED = _core.PAIR_DEVIATES
 """Normal deviate of the tangents of a pair that confirms a network."""
 
 

@@ -26,6 +26,9 @@ pub use crate::matching::{
     motion_lines, mutual_matches,
 };
 pub use crate::network::optics::Optics;
+pub use crate::network::shared::{
+    NINE_IN_TEN, NINE_IN_TEN_IN_SPACE, PAIR_DEVIATES, RIVAL_SHARE, RIVALS, TANGENTIAL,
+};
 pub use crate::random::generator;
 pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;

@@ -57,6 +57,14 @@ mod thresholds;
 mod tracks;
 mod verdict;
 
+/// Numbers that other languages share.
+pub(crate) mod shared {
+    pub use super::evidence::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
+    pub use super::given::input::TANGENTIAL;
+    pub use super::given::pair::{RIVAL_SHARE, RIVALS};
+    pub use super::thresholds::PAIR_DEVIATES;
+}
+
 pub use add::{Added, add_cameras, pairs_to_add};
 pub use calibrate::{
     NetworkOptions, NetworkTime, calibrate_network, calibrate_network_watched, clock_offsets, pairs_to_search,

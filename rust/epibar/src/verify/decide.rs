@@ -7,8 +7,8 @@ use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    CLEAN_RADIUS, DEPTH, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND, MAX_TURN,
-    MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z,
+    CLEAN_RADIUS, DEEP_POSSIBLE, DEPTH, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND,
+    MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z,
     MIRROR_SHARE, PLACE, REPEATS, SAME, SHALLOW_POSSIBLE, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
@@ -114,8 +114,12 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
     let known = within(f.beyond_motion, if is_flat(f) { FLAT_BEYOND } else { MAX_BEYOND * f.scale });
-    let most = if is_flat(f) { FLAT_POSSIBLE } else { SHALLOW_POSSIBLE };
-    let possible = !is_shallow(f) || within(f.possible_beyond, most * f.scale);
+    let most = match (is_flat(f), is_shallow(f)) {
+        (true, _) => FLAT_POSSIBLE,
+        (_, true) => SHALLOW_POSSIBLE,
+        _ => DEEP_POSSIBLE,
+    };
+    let possible = within(f.possible_beyond, most * f.scale);
     unless(known && possible, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
 }
 
@@ -240,9 +244,10 @@ mod tests {
         assert_eq!(kind(&findings(&Evidence { plane_residual: 4.0, ..turned }, &walk)), Kind::Accepted);
         let shallow = Evidence { plane_residual: 1.5, ..GOOD };
         for (evidence, possible_beyond, expected) in [
-            (&shallow, 4.9, Kind::Accepted),
-            (&shallow, 5.1, Kind::Undetermined),
-            (&GOOD, 5.1, Kind::Accepted),
+            (&shallow, 3.9, Kind::Accepted),
+            (&shallow, 4.1, Kind::Undetermined),
+            (&GOOD, 5.9, Kind::Accepted),
+            (&GOOD, 6.1, Kind::Undetermined),
         ] {
             assert_eq!(kind(&Findings { possible_beyond, ..findings(evidence, &walk) }), expected);
         }
@@ -285,9 +290,9 @@ mod tests {
             assert!(refused(&findings(&evidence, &walk)), "{evidence:?}");
         }
         assert!(refused(&Findings { beyond_motion: unknown, ..findings(&GOOD, &walk) }));
-        for plane_residual in [0.5, 1.5, unknown] {
-            let near_a_plane = Evidence { plane_residual, ..GOOD };
-            assert!(refused(&Findings { possible_beyond: unknown, ..findings(&near_a_plane, &walk) }));
+        for plane_residual in [0.5, 1.5, 4.0, unknown] {
+            let of_depth = Evidence { plane_residual, ..GOOD };
+            assert!(refused(&Findings { possible_beyond: unknown, ..findings(&of_depth, &walk) }));
         }
         assert!(refused(&Findings { expected_error: unknown, ..findings(&GOOD, &walk) }));
 

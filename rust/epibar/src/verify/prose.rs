@@ -149,7 +149,7 @@ pub(super) fn turns(may_turn: f64) -> String {
 pub(super) fn unknown_beyond(beyond: f64) -> String {
     format!(
         "The motion leaves the geometry undetermined: it is known where things moved, but in half of an image it \
-         may be {beyond:.1} px off or more, because everything keeps to one path or about one plane."
+         may be {beyond:.1} px off or more, because too little of what moves lies off one path or plane."
     )
 }
 

@@ -48,9 +48,9 @@ pub const MIN_WHOLE_Z: f64 = 2.0;
 pub const MIN_BOTH_ENDS: f64 = 0.05;
 /// Below this on the frames kept aside tops, bottoms and whole silhouettes are judged on all frames.
 pub const FAINT_CLASS_Z: f64 = 3.0;
-/// Where four fifths of the matched points are farther than this from any plane, in widths of a silhouette, it is not asked how far
-/// `F` may turn. One path, with strays or without, one plane, the bare floor and no baseline gave 0.06 to 0.32, and one path of
-/// nearly a metre 0.95.
+/// Where four fifths of the matched points are farther than this from any plane, in widths of a silhouette, `F` has turned only where
+/// it kept [`DEEP_TURNED_SHARE`]. One path, with strays or without, one plane, the bare floor and no baseline gave 0.06 to 0.32, and one path of
+/// nearly a metre 0.95; later ones 2.1 to 3.1.
 pub const DEPTH: f64 = 2.0;
 /// Where four fifths of the matched points are nearer than this to a plane, in widths of a silhouette, little says what `F` is off it,
 /// and more is asked of that: outlines must be clean, as what they are off alike in all frames may be all that leaves the plane
@@ -65,12 +65,18 @@ pub const FLAT_BEYOND: f64 = 0.333;
 /// with an answer three of nine had more.
 pub const FLAT_POSSIBLE: f64 = 2.0;
 /// Nor by more than this where the motion is not flat and has less than [`DEPTH`]: a pair on one path that was accepted 8.2 px off over
-/// the room had 5.4, another one 5.2; of 45 right ones with an answer one had more, 6.3, and all others at most 4.4.
-pub const SHALLOW_POSSIBLE: f64 = 5.0;
+/// the room had 5.4, another one 5.2, and one that was 6.5 px off 4.2; of 45 right ones with an answer one had more, 6.3, and all others at most 4.4.
+pub const SHALLOW_POSSIBLE: f64 = 4.0;
+/// Nor by more than this at any depth: a crowd on one plane had 51, and walkers on a path 28 and 12, off by 38, 5.1 and 8.3 px over the room; right ones with
+/// an answer had at most 5.6.
+pub const DEEP_POSSIBLE: f64 = 6.0;
 /// A geometry that has turned about the plane and kept this share of the evidence may be the truth as well, however certain the
 /// difference is: what outlines have in common is the same in all frames. On a plane and without a baseline turned ones kept 0.988 to
 /// 1.03 of it; where there is an answer those as far away at most 0.92, and 0.99 once.
 pub const TURNED_SHARE: f64 = 0.95;
+/// Where the motion has [`DEPTH`] it must have kept this share. What matches by chance leaves any plane as well: in a crowd on one plane, three quarters
+/// of which met by chance, turned ones kept 1.06 to 1.27; walkers on a path 0.96 to 1.00 as far as 8 px away, and right ones at most 0.988.
+pub const DEEP_TURNED_SHARE: f64 = 0.99;
 /// It may have turned no farther than this, pixels of a 640×480 image, over the images. One plane, the bare floor and no baseline gave 10 to
 /// 28; paths with and without strays where `F` was 4.9 and 23 px off over the room 6.03 and 6.9. Of right ones three stood between this and 8, at
 /// 6.3 to 7.2, all others at 5.6 and less.

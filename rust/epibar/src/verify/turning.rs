@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::over_image::image_distance;
 use super::rivals::Winner;
-use super::thresholds::{DEPTH, MIN_POINTS, TURNED_SHARE, larger, reaches};
+use super::thresholds::{DEEP_TURNED_SHARE, DEPTH, MIN_POINTS, TURNED_SHARE, larger, reaches};
 use crate::frontier::volume::{Correspondence, disagreement};
 use crate::frontier::{TangentMatch, Views};
 use crate::geometry::fundamental::{denormaliser, normaliser};
@@ -58,7 +58,7 @@ impl Turned {
     }
 }
 
-/// How far `F` may turn; nowhere where matched points keep to no plane, and NaN where that cannot be told.
+/// How far `F` may turn, which by less evidence tells it where matched points keep to no plane; NaN where nothing can be told.
 pub fn may_turn(
     views: &Views,
     winner: &Winner,
@@ -69,15 +69,13 @@ pub fn may_turn(
     if plane_residual.is_nan() || matches.len() < MIN_POINTS {
         return Turned::UNKNOWN;
     }
-    if reaches(plane_residual, DEPTH) {
-        return Turned::NONE;
-    }
     let Some(plane) = Plane::new(&winner.fundamental, matches, views) else { return Turned::UNKNOWN };
+    let share = if reaches(plane_residual, DEPTH) { DEEP_TURNED_SHARE } else { TURNED_SHARE };
     plane
         .turned(views.pixel_scale())
         .par_iter()
         .filter_map(|turned| refine(views, turned, &[winner.radius], ROUNDS))
-        .filter(|turned| reaches(winner.share(turned), TURNED_SHARE))
+        .filter(|turned| reaches(winner.share(turned), share))
         .map(|turned| Turned {
             image: image_distance(&winner.fundamental, &turned, views.sizes()),
             volume: disagreement(volume, &turned),

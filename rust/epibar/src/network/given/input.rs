@@ -86,7 +86,7 @@ const GIVEN_FOCAL: f64 = 0.001;
 /// Standard deviation of `log (f_y / f_x)` where it is solved for.
 const ASPECT: f64 = 0.01;
 /// Tangential distortions that are given must be below this: they are taken for 0.
-const TANGENTIAL: f64 = 1e-2;
+pub const TANGENTIAL: f64 = 1e-2;
 /// How far hulls lie inside of outlines, pixels: a part of the grid, and what masks leave out or add.
 pub const INSET: Belief = Belief { mean: 0.2, deviation: 1.0 };
 
