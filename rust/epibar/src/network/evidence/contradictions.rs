@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::covariance::{Covariance, covariance};
 use super::outlines::{Shapes, outline_errors};
 use crate::network::given::input::Kind;
-use crate::network::model::camera::Camera;
+use crate::network::model::camera::{Camera, Step};
 use crate::network::model::joint::Beliefs;
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal;
@@ -34,7 +34,7 @@ pub struct Contradiction {
 pub struct Contradictions {
     /// Camera by camera, all of one kind.
     pub found: Vec<Contradiction>,
-    /// Every camera with that kind solved for.
+    /// Every camera with that kind solved for, and with what was given of it where that is not contradicted.
     pub cameras: Vec<Camera>,
 }
 
@@ -84,7 +84,11 @@ impl Tried {
             (deviate >= limits::CONTRADICTED_DEVIATES).then_some(Contradiction { camera, kind, deviate })
         };
         let found: Vec<Contradiction> = self.given.iter().filter_map(of_camera).collect();
-        (!found.is_empty()).then_some(Contradictions { found, cameras: self.cameras })
+        let mut cameras = self.cameras;
+        for &c in self.given.iter().filter(|&&c| found.iter().all(|one| one.camera != c)) {
+            cameras[c] = with_given(&cameras[c], &solved.network.cameras[c], kind);
+        }
+        (!found.is_empty()).then_some(Contradictions { found, cameras })
     }
 
     /// What outlines may be wrong by. Coarse shapes ask for other principal points by themselves; where they no longer do once this kind is
@@ -97,6 +101,15 @@ impl Tried {
         let free = Solved { network, beliefs: self.beliefs.clone(), ..solved.clone() };
         if principal::call(&free).strain > 0.0 { Shapes::Strained } else { Shapes::Convex }
     }
+}
+
+/// A camera with the numbers of one kind as they were given: what is held stays where it starts.
+fn with_given(camera: &Camera, given: &Camera, kind: Kind) -> Camera {
+    let mut step = Step::zeros();
+    for &k in kind.parameters() {
+        step[k] = given.intrinsic()[k] - camera.intrinsic()[k];
+    }
+    camera.stepped(&step)
 }
 
 /// How many standard deviations what fits is from what was given, as a normal deviate; `None` where that is not known.
@@ -174,6 +187,12 @@ mod tests {
         let found = contradictions(&false_one, Shapes::Masks).unwrap().found;
         let [one] = found[..] else { panic!("{found:?}") };
         assert_eq!((one.camera, one.kind), (2, Kind::Focal));
+        // What was given of the others is what they go on with.
+        let found = contradictions(&false_one, Shapes::Masks).unwrap().cameras;
+        for (c, camera) in found.iter().enumerate() {
+            let given = false_one.network.cameras[c].log_focal;
+            assert_eq!((camera.log_focal - given).abs() < 1e-12, c != 2, "{c}: {} {given}", camera.log_focal);
+        }
     }
 
     #[test]
