@@ -58,7 +58,7 @@ impl Turned {
     }
 }
 
-/// How far `F` may turn, which by less evidence tells it where matched points keep to no plane; NaN where nothing can be told.
+/// How far `F` may turn; where matched points keep to no plane, only by what keeps more of the evidence. NaN where that cannot be told.
 pub fn may_turn(
     views: &Views,
     winner: &Winner,
