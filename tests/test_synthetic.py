@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from epibar import synthetic
+from epibar.errors import EpibarError
 from epibar.geometry.cameras import inside
 from epibar.geometry.epipolar import epipoles, symmetric_epipolar_distance
 from epibar.synthetic import raster
@@ -23,6 +26,13 @@ def random_boxes(rng, count):
 @pytest.fixture
 def camera():
     return Camera.look_at((4.0, -3.0, 2.0), (0.0, 0.0, 0.0), 300.0, (321, 200), roll_deg=17.0)
+
+
+def test_a_camera_has_one_lens(camera):
+    bent = replace(camera, distortions=(-0.2, 0.0, 0.0, 0.0, 0.0), name="cam1")
+    with pytest.raises(EpibarError, match=r"cam1: distortions and fisheye are given, but .* one lens"):
+        replace(bent, fisheye=0.02)
+    assert replace(bent, distortions=(), fisheye=0.02).fisheye == 0.02
 
 
 def test_look_at_is_upright_and_rolls_clockwise():

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arguments import Array
+from ..errors import EpibarError
 from ..geometry.cameras import fundamental_from_cameras, project, projection_matrix
 from . import fisheye, lens
 
@@ -30,6 +31,11 @@ class Camera:
         and fundamental matrices are in undistorted pixels of the same K.
     fisheye : float, optional
         k of a lens of :mod:`~epibar.synthetic.fisheye`, in place of distortions.
+
+    Raises
+    ------
+    EpibarError
+        Both distortions and fisheye: a camera has one lens.
     """
 
     K: Array
@@ -39,6 +45,12 @@ class Camera:
     name: str = ""
     distortions: tuple[float, ...] = ()
     fisheye: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.distortions and self.fisheye is not None:
+            raise EpibarError(
+                f"{self.name or 'camera'}: distortions and fisheye are given, but a camera has one lens"
+            )
 
     @classmethod
     def look_at(
