@@ -45,25 +45,17 @@ mod add;
 mod calibrate;
 mod case;
 mod check;
-mod evidence;
-mod given;
+pub(crate) mod evidence;
+pub(crate) mod given;
 mod join;
 mod model;
 mod observations;
 mod prose;
 mod result;
 mod solve;
-mod thresholds;
+pub(crate) mod thresholds;
 mod tracks;
 mod verdict;
-
-/// Numbers that other languages share.
-pub(crate) mod shared {
-    pub use super::evidence::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
-    pub use super::given::input::TANGENTIAL;
-    pub use super::given::pair::{RIVAL_SHARE, RIVALS};
-    pub use super::thresholds::PAIR_DEVIATES;
-}
 
 pub use add::{Added, add_cameras, pairs_to_add};
 pub use calibrate::{
