@@ -137,7 +137,7 @@ def test_a_killed_worker_costs_a_retry(masks, cluster, tmp_path):
     epibar.calibrate_all(masks, tmp_path / "threads", **FAST)
     written = (tmp_path / "dask" / "calibration.json").read_bytes()
     assert written == (tmp_path / "threads" / "calibration.json").read_bytes()
-    assert sum(pair["accepted"] for pair in json.loads(written)["pairs"]) >= 1
+    assert sum(pair["accepted"] for pair in json.loads(written)["pairs"]) >= 3
 
 
 def test_a_lost_scheduler_ends_the_run_and_keeps_what_is_done(masks, cluster, tmp_path):

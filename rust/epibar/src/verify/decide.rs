@@ -103,10 +103,16 @@ fn is_shallow(f: &Findings) -> bool {
     !reaches(f.evidence.plane_residual, DEPTH)
 }
 
+/// A limit for motion with depth, pixels: on small images no less than what is allowed where things moved, as outlines are of whole pixels.
+fn allowed(f: &Findings, most: f64) -> f64 {
+    most.max(f.max_expected_error)
+}
+
 fn may_not_turn(f: &Findings) -> Option<Verdict> {
     let turned = f.evidence.may_turn;
-    let most = if is_flat(f) { FLAT_TURN } else { MAX_TURN };
-    unless(within(turned, most * f.scale), Kind::Undetermined, || prose::turns(turned))
+    let most = f.scale * if is_flat(f) { FLAT_TURN } else { MAX_TURN };
+    let most = if is_shallow(f) { most } else { allowed(f, most) };
+    unless(within(turned, most), Kind::Undetermined, || prose::turns(turned))
 }
 
 fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
@@ -114,12 +120,14 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
     let known = within(f.beyond_motion, if is_flat(f) { FLAT_BEYOND } else { MAX_BEYOND * f.scale });
-    let most = match (is_flat(f), is_shallow(f)) {
-        (true, _) => FLAT_POSSIBLE,
-        (_, true) => SHALLOW_POSSIBLE,
-        _ => DEEP_POSSIBLE,
+    let most = if is_flat(f) {
+        FLAT_POSSIBLE * f.scale
+    } else if is_shallow(f) {
+        SHALLOW_POSSIBLE * f.scale
+    } else {
+        allowed(f, DEEP_POSSIBLE * f.scale)
     };
-    let possible = within(f.possible_beyond, most * f.scale);
+    let possible = within(f.possible_beyond, most);
     unless(known && possible, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
 }
 
@@ -255,6 +263,20 @@ mod tests {
             kind(&Findings { best_radius: 3.0, beyond_motion: 1.9, ..findings(&GOOD, &walk) }),
             Kind::Accepted
         );
+        // On an image of 160×120 two pixels are a quarter of eight, and not seen of outlines: with depth as much is allowed as where things moved.
+        let turned = |plane_residual, may_turn| Evidence { plane_residual, may_turn, ..GOOD };
+        for (evidence, possible_beyond, expected) in [
+            (turned(4.0, 2.9), 2.9, Kind::Accepted),
+            (turned(4.0, 3.1), 2.9, Kind::Undetermined),
+            (turned(4.0, 2.9), 3.1, Kind::Undetermined),
+            (turned(1.5, 1.4), 0.9, Kind::Accepted),
+            (turned(1.5, 1.6), 0.9, Kind::Undetermined),
+            (turned(1.5, 1.4), 1.1, Kind::Undetermined),
+        ] {
+            let small =
+                Findings { scale: 0.25, beyond_motion: 0.1, possible_beyond, ..findings(&evidence, &walk) };
+            assert_eq!(kind(&small), expected, "{evidence:?} {possible_beyond}");
+        }
         // A strict limit makes no other geometry of one that is half a pixel off.
         let strict = |evidence| Findings { max_expected_error: 0.2, ..findings(evidence, &walk) };
         assert_eq!(kind(&strict(&Evidence { tested_distance: 0.4, ..GOOD })), Kind::Inaccurate);
