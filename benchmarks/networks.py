@@ -125,6 +125,16 @@ def half_axes(situation: Any, network: Any) -> list[float]:
     ]
 
 
+def wrong_cameras(cameras: Any) -> int:
+    """Count the accepted cameras that are :data:`WRONG`, of rows as those of :func:`errors`."""
+    return int(((cameras[:, 1] > WRONG[0] * cameras[:, 4]) & (cameras[:, 1] > WRONG[1])).sum())
+
+
+def shares_held(cameras: Any) -> str:
+    """Say of how many the errors are below those stated, %; what is held is wrong by rounding alone."""
+    return " ".join(f"{100 * share:.0f}" for share in (cameras[:, :3] <= cameras[:, 3:] + 1e-9).mean(axis=0))
+
+
 def row(outcomes: list[dict[str, Any]]) -> str:
     """One family in a row of the table."""
     cameras = [e for o in outcomes for e in o["errors"].values()]
@@ -140,13 +150,12 @@ def row(outcomes: list[dict[str, Any]]) -> str:
     ]
     if cameras:
         e = np.array(cameras)
-        wrong = (e[:, 1] > WRONG[0] * e[:, 4]) & (e[:, 1] > WRONG[1])
         for k, unit in ((0, 100), (1, 1), (2, 100)):
             cells.append(f"{unit * np.median(e[:, k]):.2f}, {unit * np.quantile(e[:, k], 0.95):.2f}")
-        cells.append(" ".join(f"{100 * share:.0f}" for share in (e[:, :3] <= e[:, 3:]).mean(axis=0)))
+        cells.append(shares_held(e))
         away = np.concatenate([o["half_axes"] for o in outcomes])
         cells.append(f"{100 * (away <= 1).mean():.0f}")
-        cells.append(str(int(wrong.sum())))
+        cells.append(str(wrong_cameras(e)))
         clocks = [c for o in outcomes for c in o["clocks"]]
         cells.append(f"{np.median(clocks):.3f}, {np.quantile(clocks, 0.95):.3f}" if clocks else "")
     else:

@@ -15,15 +15,12 @@ from typing import Any
 
 import numpy as np
 from fresh_seeds import networks_asked_for
-from networks import WRONG, errors, outcomes_of
+from networks import errors, outcomes_of, shares_held, wrong_cameras
 from options import add_networks
 from tables import table
 
 FOCAL_ERROR = 0.001
 """Of a focal length that is told alone."""
-
-HELD = 1e-9
-"""What is held as it was told is as wrong as numbers are rounded, and is stated not to be wrong."""
 
 
 def tellings(cameras: dict[str, Any]) -> dict[str, tuple[dict[str, Any], set[str]]]:
@@ -112,7 +109,6 @@ def row(words: str, outcomes: list[dict[str, Any]]) -> list[str]:
     named = sum(len(c & set(o["false_of"])) for c, o in zip(contradicted, outcomes, strict=True))
     others = sum(len(c - set(o["false_of"])) for c, o in zip(contradicted, outcomes, strict=True))
     cameras = np.array([e for o in outcomes for e in o["errors"].values()]).reshape(-1, 6)
-    wrong = (cameras[:, 1] > WRONG[0] * cameras[:, 4]) & (cameras[:, 1] > WRONG[1])
     turned = [angle for o in outcomes for angle in o["between"]]
     return [
         words,
@@ -121,10 +117,8 @@ def row(words: str, outcomes: list[dict[str, Any]]) -> list[str]:
         str(others),
         f"{len(cameras)} of {sum(o['cameras'] for o in outcomes)}",
         f"{np.median(turned):.2f}, {np.quantile(turned, 0.95):.2f}" if turned else "",
-        " ".join(f"{100 * share:.0f}" for share in (cameras[:, :3] <= cameras[:, 3:] + HELD).mean(axis=0))
-        if len(cameras)
-        else "",
-        str(int(wrong.sum())),
+        shares_held(cameras) if len(cameras) else "",
+        str(wrong_cameras(cameras)),
     ]
 
 
@@ -147,9 +141,8 @@ def main(arguments: Namespace) -> None:
     for family in arguments.families.split(","):
         of_family = [o for o in outcomes if o["family"] == family]
         told = dict.fromkeys(o["told"] for o in of_family)
-        print(
-            f"\n{family}\n\n" + table(HEAD, [row(t, [o for o in of_family if o["told"] == t]) for t in told])
-        )
+        rows = [row(words, [o for o in of_family if o["told"] == words]) for words in told]
+        print(f"\n{family}\n\n{table(HEAD, rows)}")
 
 
 if __name__ == "__main__":

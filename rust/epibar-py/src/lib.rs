@@ -15,7 +15,7 @@ mod scores;
 mod tracks;
 mod watch;
 
-use epibar::internals as shared;
+use epibar::internals;
 use pyo3::prelude::*;
 
 #[pymodule]
@@ -46,11 +46,11 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;
     module.add_function(wrap_pyfunction!(tracks::walker_tracks, module)?)?;
-    module.add("NINE_IN_TEN", shared::NINE_IN_TEN)?;
-    module.add("NINE_IN_TEN_IN_SPACE", shared::NINE_IN_TEN_IN_SPACE)?;
-    module.add("PAIR_DEVIATES", shared::PAIR_DEVIATES)?;
-    module.add("RIVALS", shared::RIVALS)?;
-    module.add("RIVAL_SHARE", shared::RIVAL_SHARE)?;
-    module.add("TANGENTIAL", shared::TANGENTIAL)?;
+    module.add("NINE_IN_TEN", internals::NINE_IN_TEN)?;
+    module.add("NINE_IN_TEN_IN_SPACE", internals::NINE_IN_TEN_IN_SPACE)?;
+    module.add("PAIR_DEVIATES", internals::PAIR_DEVIATES)?;
+    module.add("RIVALS", internals::RIVALS)?;
+    module.add("RIVAL_SHARE", internals::RIVAL_SHARE)?;
+    module.add("TANGENTIAL", internals::TANGENTIAL)?;
     Ok(())
 }

@@ -25,11 +25,11 @@ pub use crate::matching::{
     Candidate, CandidateOptions, Candidates, Match, MotionLineOptions, correlation, find_candidates,
     motion_lines, mutual_matches,
 };
-pub use crate::network::evidence::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
-pub use crate::network::given::input::TANGENTIAL;
-pub use crate::network::given::pair::{RIVAL_SHARE, RIVALS};
+pub use crate::network::input::TANGENTIAL;
 pub use crate::network::optics::Optics;
-pub use crate::network::thresholds::PAIR_DEVIATES;
+pub use crate::network::pair::{RIVAL_SHARE, RIVALS};
+pub use crate::network::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
+pub use crate::network::support::PAIR_DEVIATES;
 pub use crate::random::generator;
 pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;

@@ -45,15 +45,15 @@ mod add;
 mod calibrate;
 mod case;
 mod check;
-pub(crate) mod evidence;
-pub(crate) mod given;
+mod evidence;
+mod given;
 mod join;
 mod model;
 mod observations;
 mod prose;
 mod result;
 mod solve;
-pub(crate) mod thresholds;
+mod thresholds;
 mod tracks;
 mod verdict;
 
@@ -64,10 +64,12 @@ pub use calibrate::{
 pub use check::{StoredCamera, check_network};
 pub use evidence::stated_errors::Expected;
 pub use evidence::support::Deviates;
+pub(crate) use evidence::{stated_errors, support};
 pub use given::clocks::Offsets;
 pub use given::input::{Aspect, CameraInput, Knowledge};
 pub use given::pair::PairFound;
 pub use given::posed::PosedCamera;
+pub(crate) use given::{input, pair};
 pub use join::join;
 pub(crate) use model::optics;
 pub use result::{

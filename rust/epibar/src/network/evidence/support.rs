@@ -15,6 +15,7 @@ use crate::network::solve::networks::{Solved, settled};
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::Again;
 use crate::network::thresholds as limits;
+pub use crate::network::thresholds::PAIR_DEVIATES;
 use crate::verify::shift_curve::normal_deviate;
 
 /// Frames of each camera that are looked at; those that the network is fitted to are fewer of many cameras.
@@ -70,11 +71,7 @@ impl Share {
 impl Support {
     /// Pairs of which so much confirms the network that chance does not.
     pub fn confirmed(&self) -> Vec<(usize, usize)> {
-        self.pairs
-            .iter()
-            .filter(|(_, d)| d.tangents >= limits::PAIR_DEVIATES)
-            .map(|(pair, _)| *pair)
-            .collect()
+        self.pairs.iter().filter(|(_, d)| d.tangents >= PAIR_DEVIATES).map(|(pair, _)| *pair).collect()
     }
 
     /// Of a network that was solved on all moments.
