@@ -5,20 +5,20 @@
 
 use super::case::{Case, Finished, Out};
 use super::evidence::contradictions::contradictions;
-use super::evidence::covariance::{Covariance, covariance};
+use super::evidence::covariance::{Covariance, covariance_with_principal_points};
 use super::evidence::halves;
 use super::evidence::outlines::{Shapes, outline_errors};
 use super::evidence::stated_errors::{Expected, expected};
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
-use super::given::input::{CameraInput, PRINCIPAL_LEVELS};
+use super::given::input::{AS_SOLD, CameraInput, PRINCIPAL_LEVELS};
 use super::given::pair::PairFound;
 use super::model::camera::CLOCK;
 use super::model::joint::standing;
 use super::observations::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
 use super::solve::networks::{FRAMES_IN_THE_END, Solved, Solver, settled};
-use super::solve::principal;
+use super::solve::principal::{self, Likely};
 use super::solve::relocate::Placed;
 use super::solve::settle::Again;
 use super::solve::world;
@@ -138,19 +138,20 @@ impl Case<'_> {
         let call = principal::call(&now);
         if Shapes::of(&self.observed) == Shapes::Convex {
             let shapes = if call.strain > 0.0 { Shapes::Strained } else { Shapes::Convex };
-            return Freed { solved: now, support, level: call.level, shapes };
+            return Freed { solved: now, support, likely: call.likely.not_below_sold(), shapes };
         }
-        if call.level > PRINCIPAL_LEVELS[0] {
-            let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
-            let beliefs = principal::at_level(&now.beliefs, &widths, call.level);
+        let (likely, shapes) = (call.likely, Shapes::Masks);
+        let beliefs = principal::at_level(&now.beliefs, &self.cameras, likely.level());
+        if likely.level() > PRINCIPAL_LEVELS[AS_SOLD] {
             let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
             let free = solver.settled(now.network.clone(), &beliefs, radius);
             if free.excess > now.excess {
                 let support = Support::of(&self.observed, &free);
-                return Freed { solved: free, support, level: call.level, shapes: Shapes::Masks };
+                return Freed { solved: free, support, likely, shapes };
             }
+            return Freed { solved: now, support, likely, shapes };
         }
-        Freed { solved: now, support, level: call.level, shapes: Shapes::Masks }
+        Freed { solved: Solved { beliefs, ..now }, support, likely, shapes }
     }
 
     /// The network over all frames, without what was given and is contradicted by what moves.
@@ -175,20 +176,18 @@ impl Case<'_> {
     }
 
     /// The network over all frames, and errors to expect.
-    fn finished(&self, Freed { solved, support, level, shapes }: &Freed) -> Finished {
+    fn finished(&self, Freed { solved, support, likely, shapes }: &Freed) -> Finished {
         let many = Survey::new(&self.observed, shared(FRAMES_IN_THE_END, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
         let finished = settled(&many, solved.network.clone(), &solved.beliefs, &support.confirmed(), radius);
         let floor = world::floor(&many, &finished.network, finished.settled.radius.max(FIGURES_WITHIN));
-        let widths: Vec<f64> = self.cameras.iter().map(|c| c.size.width as f64).collect();
-        let stated = principal::at_level(&finished.beliefs, &widths, *level);
         let outlines = outline_errors(&finished.settled, *shapes);
-        let found = covariance(&finished.problem(&stated), &finished.network.cameras, &outlines);
+        let found = covariance_with_principal_points(&finished, likely, &outlines);
         let (expected, offsets) = match found {
             Some(found) => {
                 let offsets = (0..self.count()).map(|c| found.deviation(c, CLOCK)).collect();
-                let Covariance { active, matrix } = &found;
+                let Covariance { active, matrix, .. } = &found;
                 (expected(&finished.network.cameras, &finished.network.placed, active, matrix), offsets)
             }
             None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
@@ -202,7 +201,7 @@ impl Case<'_> {
 struct Freed {
     solved: Solved,
     support: Support,
-    /// How far from the middle they may be, in widths.
-    level: f64,
+    /// How far from the middle they may be.
+    likely: Likely,
     shapes: Shapes,
 }

@@ -35,7 +35,10 @@ pub const COMPARED: f64 = 3.0;
 
 // --- principal points ---
 
-/// The tangents must say that a principal point is further from the middle with so many nats more than the wider belief costs by itself.
+/// A belief in how far principal points are from the middle that is less likely than this counts for nothing in stated errors.
+pub const PRINCIPAL_LEAST_LIKELY: f64 = 0.01;
+/// Principal points that are believed in are under strain where the tangents would pay so many nats more for others than the wider
+/// belief costs by itself.
 pub const PRINCIPAL_NATS: f64 = 6.0;
 /// Standard deviation of principal points, widths of the image, with which it is asked whether those believed in are under strain:
 /// that of images that were cropped.

@@ -6,12 +6,12 @@ use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{Case, Out};
 use crate::network::evidence::contradictions::contradictions;
-use crate::network::evidence::covariance::covariance;
+use crate::network::evidence::covariance::covariance_with_principal_points;
 use crate::network::evidence::halves;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::support::{Deviates, Support, knocked};
-use crate::network::given::input::PRINCIPAL_LEVELS;
+use crate::network::given::input::{AS_SOLD, PRINCIPAL_LEVELS};
 use crate::network::model::camera::{CLOCK, Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::Beliefs;
 use crate::network::observations::survey::{Survey, shared};
@@ -169,12 +169,12 @@ impl<'a> Newcomer<'a> {
         let alone: Vec<bool> = (0..=self.camera).map(|c| c == self.camera).collect();
         let only = Placed { cameras: now.network.cameras.clone(), placed: alone };
         let call = principal::call(&Solved { network: only, ..now.clone() });
-        let widths: Vec<f64> = self.case.cameras.iter().map(|c| c.size.width as f64).collect();
-        let stated = principal::at_level(&now.beliefs, &widths, call.level);
-        let freed = shapes == Shapes::Masks && call.level > PRINCIPAL_LEVELS[0];
+        let likely = if shapes == Shapes::Convex { call.likely.not_below_sold() } else { call.likely };
+        let called = principal::at_level(&now.beliefs, &self.case.cameras, likely.level());
+        let freed = shapes == Shapes::Masks && likely.level() > PRINCIPAL_LEVELS[AS_SOLD];
         let with_free_point = freed.then(|| {
             let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
-            let free = on_all_pairs(some, now.network.clone(), &stated, radius);
+            let free = on_all_pairs(some, now.network.clone(), &called, radius);
             let support = Support::of(&self.case.observed, &free);
             (free, support)
         });
@@ -191,7 +191,7 @@ impl<'a> Newcomer<'a> {
         let pairs: Vec<(usize, usize)> = now.network.pairs().into_iter().filter(beside).collect();
         let solved = settled(&many, now.network, &now.beliefs, &pairs, radius);
         let outlines = outline_errors(&solved.settled, shapes);
-        let errors = covariance(&solved.problem(&stated), &solved.network.cameras, &outlines);
+        let errors = covariance_with_principal_points(&solved, &likely, &outlines);
         let of_held = self.typical(&support);
         let (expected, offset_error) = errors.map_or((Expected::UNKNOWN, f64::NAN), |errors| {
             // NaN where it was not solved for, which it was of a camera that is new.
@@ -201,7 +201,7 @@ impl<'a> Newcomer<'a> {
             let own = Expected::of_position(focal, length_quantile(&block(ROTATION)), block(POSITION));
             let expected = own.besides(&of_held);
             // One that is given and held is as good as whoever gave it says.
-            let is_held = stated[self.camera].intrinsic[FOCAL].deviation == 0.0;
+            let is_held = solved.beliefs[self.camera].intrinsic[FOCAL].deviation == 0.0;
             let focal = if is_held { 0.0 } else { expected.focal };
             (Expected { focal, ..expected }, errors.deviation(self.camera, CLOCK))
         });

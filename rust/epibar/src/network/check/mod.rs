@@ -126,6 +126,7 @@ pub(super) fn by_new_clocks(
             intrinsic: [Belief::fixed(0.0); 7],
             clock: clocks.beliefs(c),
             inset: INSET,
+            centred: false,
             posed: true,
         })
         .collect();

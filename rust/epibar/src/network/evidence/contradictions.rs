@@ -1,7 +1,8 @@
 //! Does what was given of a camera agree with what moves?
 //!
 //! A number that is given is held, and errors are stated as if it were right. So each kind of number is solved for once more in all cameras
-//! of which it was given. How far that moves one is compared with its own covariance, the one that errors are stated by (Wald 1943).
+//! of which it was given, and in the one alone that gains most by it: where all may be wrong, little is known of each. How far that moves
+//! one is compared with its own covariance, the one that errors are stated by (Wald 1943).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -9,7 +10,7 @@ use super::covariance::{Covariance, covariance};
 use super::outlines::{Shapes, outline_errors};
 use crate::network::given::input::Kind;
 use crate::network::model::camera::{Camera, Step};
-use crate::network::model::joint::Beliefs;
+use crate::network::model::joint::{Beliefs, HELD};
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal;
 use crate::network::solve::relocate::Placed;
@@ -41,12 +42,64 @@ pub struct Contradictions {
 /// What is contradicted; of several kinds the one that explains most, as a wrong focal length asks for another principal point as well.
 pub fn contradictions(solved: &Solved, shapes: Shapes) -> Option<Contradictions> {
     let cost = solved.problem(&solved.beliefs).cost(&solved.network.cameras);
-    let tried = Kind::ALL.into_iter().filter_map(|kind| Tried::of(solved, kind, cost));
+    let tried = Kind::ALL.into_iter().flat_map(|kind| {
+        let given = given(solved, kind);
+        let suspected = if given.len() > 1 { suspected(solved, kind, &given) } else { None };
+        let alone = suspected.map(|camera| vec![camera]);
+        [Some(given), alone].into_iter().flatten().filter_map(move |of| Tried::of(solved, kind, of, cost))
+    });
     let contradicted = tried.filter_map(|tried| Some((tried.gain, tried.contradicted(solved, shapes)?)));
     contradicted.max_by(|p, q| p.0.total_cmp(&q.0)).map(|(_, found)| found)
 }
 
-/// A network with one kind of number solved for in all cameras of which it was given.
+/// Cameras that stand and of which a kind of number is given.
+fn given(solved: &Solved, kind: Kind) -> Vec<usize> {
+    let is_given = |&c: &usize| {
+        let beliefs = &solved.beliefs[c];
+        solved.network.placed[c] && !beliefs.posed && kind.is_given(beliefs)
+    };
+    (0..solved.beliefs.len()).filter(is_given).collect()
+}
+
+/// What is believed where a kind of number is not given of some cameras after all.
+fn without(solved: &Solved, kind: Kind, of: &[usize]) -> Vec<Beliefs> {
+    let mut beliefs = solved.beliefs.clone();
+    for &c in of {
+        kind.free(&mut beliefs[c], &solved.network.cameras[c]);
+    }
+    beliefs
+}
+
+/// The camera of which a kind of number is worth most if it is solved for in it alone, to first order: half of `gᵀ S⁻¹ g` with the
+/// gradient by its numbers and the Schur complement of all others (the score test, Rao 1948).
+fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
+    let beliefs = without(solved, kind, given);
+    let problem = solved.problem(&beliefs);
+    let active = problem.active();
+    let linear = problem.linear(&solved.network.cameras, &active);
+    let is_freed = |(camera, k): &(usize, usize)| given.contains(camera) && kind.parameters().contains(k);
+    let [freed, others]: [Vec<usize>; 2] =
+        [true, false].map(|is| (0..active.len()).filter(|&i| is_freed(&active[i]) == is).collect());
+    let block = |rows: &[usize], columns: &[usize]| {
+        DMatrix::from_fn(rows.len(), columns.len(), |i, j| linear.normal[(rows[i], columns[j])])
+    };
+    let mut held = block(&others, &others);
+    for k in 0..others.len() {
+        held[(k, k)] *= 1.0 + HELD;
+    }
+    let across = block(&others, &freed);
+    let complement = block(&freed, &freed) - across.tr_mul(&held.cholesky()?.solve(&across));
+    let worth = |camera: usize| {
+        let own: Vec<usize> = (0..freed.len()).filter(|&i| active[freed[i]].0 == camera).collect();
+        let gradient = DVector::from_fn(own.len(), |i, _| linear.gradient[freed[own[i]]]);
+        let within = DMatrix::from_fn(own.len(), own.len(), |i, j| complement[(own[i], own[j])]);
+        Some(0.5 * gradient.dot(&within.cholesky()?.solve(&gradient)))
+    };
+    let worth = given.iter().filter_map(|&c| Some((c, worth(c)?)));
+    worth.max_by(|p, q| p.1.total_cmp(&q.1)).map(|(camera, _)| camera)
+}
+
+/// A network with one kind of number solved for in cameras of which it was given.
 struct Tried {
     kind: Kind,
     given: Vec<usize>,
@@ -57,18 +110,12 @@ struct Tried {
 }
 
 impl Tried {
-    /// `None` where it was not given of any, or nothing is gained.
-    fn of(solved: &Solved, kind: Kind, cost: f64) -> Option<Self> {
-        let mut beliefs = solved.beliefs.clone();
-        let given: Vec<usize> = (0..beliefs.len())
-            .filter(|&c| solved.network.placed[c] && !beliefs[c].posed && kind.is_given(&beliefs[c]))
-            .collect();
+    /// `None` where it is given of none, or nothing is gained.
+    fn of(solved: &Solved, kind: Kind, given: Vec<usize>, cost: f64) -> Option<Self> {
         if given.is_empty() {
             return None;
         }
-        for &c in &given {
-            kind.free(&mut beliefs[c], &solved.network.cameras[c]);
-        }
+        let beliefs = without(solved, kind, &given);
         let (cameras, freed) = solved.problem(&beliefs).solve(&solved.network.cameras, STEPS);
         let numbers = (given.len() * kind.parameters().len()) as f64;
         let gain = (cost - freed) / solved.settled.prior_weight - numbers;
@@ -91,15 +138,15 @@ impl Tried {
         (!found.is_empty()).then_some(Contradictions { found, cameras })
     }
 
-    /// What outlines may be wrong by. Coarse shapes ask for other principal points by themselves; where they no longer do once this kind is
-    /// solved for, it was this.
+    /// What outlines may be wrong by. Coarse shapes ask for other principal points by themselves, in all cameras; where they no longer do
+    /// once this kind is solved for, or the principal point of one camera, it was this.
     fn shapes(&self, solved: &Solved, shapes: Shapes) -> Shapes {
-        if shapes != Shapes::Strained || self.kind == Kind::PrincipalPoint {
+        if shapes != Shapes::Strained || self.kind == Kind::PrincipalPoint && self.given.len() > 1 {
             return shapes;
         }
         let network = Placed { cameras: self.cameras.clone(), placed: solved.network.placed.clone() };
         let free = Solved { network, beliefs: self.beliefs.clone(), ..solved.clone() };
-        if principal::call(&free).strain > 0.0 { Shapes::Strained } else { Shapes::Convex }
+        if principal::strain(&free) > 0.0 { Shapes::Strained } else { Shapes::Convex }
     }
 }
 
@@ -160,6 +207,7 @@ mod tests {
                     .map(Belief::fixed),
                 clock: [Belief::fixed(0.0); 2],
                 inset: Belief { mean: 0.0, ..INSET },
+                centred: false,
                 posed: false,
             })
             .collect();
@@ -203,6 +251,23 @@ mod tests {
         assert_eq!(of, [1, 2]);
         let turned_back = found.cameras[1].log_focal - (480_f64.ln() - 0.1);
         assert!((turned_back - 0.1).abs() < 0.01, "{turned_back}");
+    }
+
+    #[test]
+    fn a_false_principal_point_is_of_its_camera_though_all_are_given() {
+        let aside = |c: usize, camera: &mut Camera| camera.principal[0] += if c == 1 { 60.0 } else { 0.0 };
+        let false_one = solved(aside);
+        assert_eq!(suspected(&false_one, Kind::PrincipalPoint, &[0, 1, 2, 3]), Some(1));
+        let found = contradictions(&false_one, Shapes::Masks).unwrap().found;
+        let [one] = found[..] else { panic!("{found:?}") };
+        assert_eq!((one.camera, one.kind), (1, Kind::PrincipalPoint));
+        // Shapes that stand for others ask for other principal points in all cameras, and these do in one.
+        let shapes = |of: &Solved| {
+            let tried = Tried::of(of, Kind::PrincipalPoint, vec![1], f64::INFINITY).unwrap();
+            tried.shapes(of, Shapes::Strained)
+        };
+        assert_eq!(shapes(&false_one), Shapes::Convex);
+        assert_eq!(shapes(&solved(|_, camera| camera.principal[0] += 60.0)), Shapes::Strained);
     }
 
     #[test]

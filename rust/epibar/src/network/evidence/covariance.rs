@@ -4,13 +4,15 @@
 //! With the normal matrix `H` at the solution and the gradients `g` of blocks of time the covariance of the unknowns is
 //! `H⁻¹ (Σ g gᵀ + P) H⁻¹`, the sandwich estimator clustered in time (White 1982; Liang and Zeger 1986), with weights and loss
 //! those of the fit; blocks in space, and errors that outlines of one part of an image share, are added to it; `P` is what the
-//! beliefs scatter by themselves.
+//! beliefs scatter by themselves. Where several beliefs are possible it is that of all of them together.
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS};
-use crate::network::model::joint::{PairMeetings, Problem, weight};
+use crate::network::model::joint::{HELD, PairMeetings, Problem, weight};
 use crate::network::model::residual::{Meeting, Pair, Row};
+use crate::network::solve::networks::Solved;
+use crate::network::solve::principal::{self, Likely};
 
 /// Blocks of time whose tangents share errors, seconds.
 const BLOCK: f64 = 2.0;
@@ -102,15 +104,47 @@ fn blocks(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)]) -> D
     })
 }
 
+/// The covariance of what was solved for, with principal points as far from the middle as they may be.
+pub fn covariance_with_principal_points(
+    solved: &Solved,
+    likely: &Likely,
+    outline_errors: &[f64],
+) -> Option<Covariance> {
+    let cameras = &solved.network.cameras;
+    let of_level = |(level, share)| {
+        let beliefs = principal::at_level(&solved.beliefs, cameras, level);
+        Some((covariance(&solved.problem(&beliefs), cameras, outline_errors)?, share))
+    };
+    Covariance::of_several(likely.levels().map(of_level).collect::<Option<_>>()?)
+}
+
 /// A covariance, and of which parameters.
+#[derive(Debug, Clone)]
 pub struct Covariance {
     /// Camera and parameter of each row.
     pub active: Vec<(usize, usize)>,
     /// The covariance.
     pub matrix: DMatrix<f64>,
+    /// How far the optimum is from the cameras that it was asked of, to first order.
+    off: DVector<f64>,
 }
 
 impl Covariance {
+    /// Of errors under one of several problems with the same unknowns, each as likely as its share of the sum: within each, and what
+    /// their optima are apart (law of total variance). `None` of none.
+    pub fn of_several(problems: Vec<(Self, f64)>) -> Option<Self> {
+        let sum: f64 = problems.iter().map(|(_, share)| share).sum();
+        let by_share = |(one, share): (Self, f64)| {
+            let matrix = (one.matrix + &one.off * one.off.transpose()) * (share / sum);
+            Self { off: one.off * (share / sum), matrix, active: one.active }
+        };
+        problems.into_iter().map(by_share).reduce(|all, one| Self {
+            matrix: all.matrix + one.matrix,
+            off: all.off + one.off,
+            active: all.active,
+        })
+    }
+
     /// The block of three parameters of a camera from one on; `None` where they were not solved for.
     pub fn block(&self, camera: usize, from: usize) -> Option<Matrix3<f64>> {
         let place = |k: usize| self.active.iter().position(|p| *p == (camera, k));
@@ -133,10 +167,9 @@ pub fn covariance(problem: &Problem, cameras: &[Camera], outline_errors: &[f64])
     let n = active.len();
     let all = linear.normal.nrows();
     let found = blocks(problem, cameras, &active);
-    // What nothing determines is held by next to nothing, in proportion to the diagonal.
     let scale = DVector::from_fn(all, |k, _| 1.0 / linear.normal[(k, k)].max(1e-300).sqrt());
     let scaled = DMatrix::from_fn(all, all, |i, j| linear.normal[(i, j)] * scale[i] * scale[j]);
-    let held = scaled + DMatrix::identity(all, all) * 1e-9;
+    let held = scaled + DMatrix::identity(all, all) * HELD;
     let inverse = held.cholesky()?.inverse();
     let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
     let used = found.row_iter().filter(|r| r.norm_squared() > 0.0).count() as f64;
@@ -161,5 +194,24 @@ pub fn covariance(problem: &Problem, cameras: &[Camera], outline_errors: &[f64])
         }
     }
     let result = &inverse * meat * &inverse;
-    result.iter().all(|v| v.is_finite()).then_some(Covariance { active, matrix: result })
+    let off = -(&inverse * linear.gradient);
+    result.iter().chain(&off).all(|v| v.is_finite()).then_some(Covariance { active, matrix: result, off })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_problems_are_as_uncertain_as_each_and_as_they_are_apart() {
+        let of = |variance: f64, off: f64| Covariance {
+            active: vec![(0, 0)],
+            matrix: DMatrix::from_element(1, 1, variance),
+            off: DVector::from_element(1, off),
+        };
+        let both = Covariance::of_several(vec![(of(1.0, 0.0), 3.0), (of(4.0, 2.0), 1.0)]).unwrap();
+        assert!((both.matrix[(0, 0)] - (0.75 + 0.25 * (4.0 + 4.0))).abs() < 1e-12, "{}", both.matrix);
+        assert!((both.off[0] - 0.5).abs() < 1e-12);
+        assert!(Covariance::of_several(vec![]).is_none());
+    }
 }

@@ -78,9 +78,13 @@ impl<'r> CameraInput<'r> {
 const FOCAL: (f64, f64) = (0.9, 0.7);
 /// Standard deviation of `k₁` about 0, and those of `k₂` and `k₃` about what goes with it.
 const LENS: [f64; 3] = [0.7, 0.1, 0.05];
-/// Standard deviations of a principal point about the middle, in widths of the image: of cameras as they are sold, and of
-/// images that were cropped or stabilised, more and more.
-pub const PRINCIPAL_LEVELS: [f64; 4] = [0.004, 0.012, 0.04, 0.12];
+/// Standard deviations of a principal point about the middle, in widths of the image: of images that were made or cut about it, of
+/// cameras as they are sold, and of images that were cropped or stabilised, more and more.
+pub const PRINCIPAL_LEVELS: [f64; 5] = [0.001, 0.004, 0.012, 0.04, 0.12];
+/// That of cameras as they are sold, from which a network starts.
+pub const AS_SOLD: usize = 1;
+/// How likely each is before anything is seen.
+pub const PRINCIPAL_SHARES: [f64; 5] = [0.2, 0.4, 0.25, 0.12, 0.03];
 /// Relative standard deviation of a focal length that is given: calibrations are good to a few tenths of a percent.
 const GIVEN_FOCAL: f64 = 0.001;
 /// Standard deviation of `log (f_y / f_x)` where it is solved for.
@@ -195,7 +199,7 @@ impl Knowledge {
         let size = recording.size();
         let width = size.width() as f64;
         let middle = [0.5 * size.x_max(), 0.5 * size.y_max()];
-        let unknown = |k: usize| Belief::about(middle[k], PRINCIPAL_LEVELS[0] * width);
+        let unknown = |k: usize| Belief::about(middle[k], PRINCIPAL_LEVELS[AS_SOLD] * width);
         let mut focal = Belief::about((FOCAL.0 * width).ln(), FOCAL.1);
         let mut aspect = match self.aspect {
             Aspect::Square => Belief::fixed(0.0),
@@ -232,6 +236,7 @@ impl Knowledge {
         let beliefs = Beliefs {
             intrinsic: [focal, aspect, principal[0], principal[1], k1, k2, k3],
             clock: [Belief::fixed(0.0); 2],
+            centred: self.matrix.is_none() && self.principal.is_none(),
             inset: INSET,
             posed: false,
         };

@@ -42,6 +42,8 @@ pub struct Beliefs {
     pub intrinsic: [Belief; INTRINSIC],
     /// Of the clock: offset, seconds, and drift, ppm. That of the first camera is the network's.
     pub clock: [Belief; 2],
+    /// The principal point is near the middle, as those of the other cameras are, and nothing else is known of it.
+    pub centred: bool,
     /// Of the inset of its silhouettes, pixels.
     pub inset: Belief,
     /// Where it stands and looks is given, and not solved for.
@@ -89,6 +91,9 @@ pub struct Problem<'p> {
     /// Cameras that are solved for; the others stay as they are.
     pub moving: Vec<bool>,
 }
+
+/// Where a normal matrix is inverted, what nothing determines is held by next to nothing: by this share of the diagonal.
+pub const HELD: f64 = 1e-9;
 
 /// Cost, normal matrix and gradient.
 pub struct Linear {

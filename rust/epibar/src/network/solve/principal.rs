@@ -1,76 +1,214 @@
 //! How far principal points are from the middle of their images.
 //!
-//! A principal point off the middle and a turn of the camera look nearly the same, so it is believed to be near the middle
-//! unless the tangents say otherwise: images that were cropped, or cameras that were once calibrated so. What they say is
-//! the cost at the optimum with wider beliefs, in units in which a standard deviation of a belief costs ½: a Laplace
-//! approximation of the evidence (`MacKay` 1992) whose volume terms are bounded by `ln` of the ratio of the widths.
+//! A principal point off the middle and a turn of the camera look nearly the same, so how far off it may be is a belief of its own: a
+//! standard deviation, one for all cameras. What the tangents say of it is the evidence of each, with what the cameras may be
+//! otherwise integrated out by Laplace's approximation (`MacKay` 1992): the cost at the optimum, in units in which a standard
+//! deviation of a belief costs ½, the logarithms of the beliefs' widths, and half of that of the determinant of the normal
+//! matrix. Where the tangents say nothing of principal points the last two cancel, and no belief is preferred.
+
+use nalgebra::DMatrix;
 
 use super::networks::Solved;
-use crate::network::given::input::PRINCIPAL_LEVELS;
-use crate::network::model::joint::Beliefs;
+use crate::network::given::input::{AS_SOLD, PRINCIPAL_LEVELS, PRINCIPAL_SHARES};
+use crate::network::model::camera::Camera;
+use crate::network::model::joint::{Beliefs, HELD};
 use crate::network::thresholds as limits;
 
 /// Steps of the solver at a level.
 const STEPS: usize = 25;
 
-/// Beliefs with those of principal points that are not given at another level, or wider where they are.
-pub fn at_level(beliefs: &[Beliefs], widths: &[f64], level: f64) -> Vec<Beliefs> {
+/// Beliefs with principal points that are believed to be about the middle as far from it as this, in widths.
+pub fn at_level(beliefs: &[Beliefs], cameras: &[Camera], level: f64) -> Vec<Beliefs> {
     let mut beliefs = beliefs.to_vec();
-    for (belief, width) in beliefs.iter_mut().zip(widths) {
-        for k in 2..4 {
-            if belief.intrinsic[k].deviation > 0.0 {
-                belief.intrinsic[k].deviation = belief.intrinsic[k].deviation.max(level * width);
+    for (belief, camera) in beliefs.iter_mut().zip(cameras) {
+        if belief.centred {
+            for k in 2..4 {
+                belief.intrinsic[k].deviation = level * camera.size.width as f64;
             }
         }
     }
     beliefs
 }
 
+/// How likely each of [`PRINCIPAL_LEVELS`] is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Likely([f64; PRINCIPAL_LEVELS.len()]);
+
+impl Likely {
+    /// From the evidence of each, nats against it.
+    fn by(nats: [f64; PRINCIPAL_LEVELS.len()]) -> Self {
+        let least = nats.into_iter().fold(f64::INFINITY, f64::min);
+        let share = |k: usize| PRINCIPAL_SHARES[k] * (least - nats[k]).exp();
+        // What cannot be said of one speaks for none.
+        let shares: [f64; PRINCIPAL_LEVELS.len()] =
+            std::array::from_fn(|k| if nats[k].is_finite() { share(k) } else { 0.0 });
+        if shares.iter().sum::<f64>() > 0.0 { Self(shares).of_one() } else { Self(PRINCIPAL_SHARES) }
+    }
+
+    fn of_one(self) -> Self {
+        let sum: f64 = self.0.iter().sum();
+        Self(self.0.map(|share| share / sum))
+    }
+
+    /// Without levels below that of cameras as they are sold.
+    pub fn not_below_sold(self) -> Self {
+        let mut shares = self.0;
+        shares[..AS_SOLD].fill(0.0);
+        // Those that are left may all be too unlikely to be told from nothing.
+        if shares.iter().sum::<f64>() > 0.0 { Self(shares).of_one() } else { Self::only(AS_SOLD) }
+    }
+
+    fn only(level: usize) -> Self {
+        let mut shares = [0.0; PRINCIPAL_LEVELS.len()];
+        shares[level] = 1.0;
+        Self(shares)
+    }
+
+    /// The level that is most likely.
+    pub fn level(&self) -> f64 {
+        let most = (0..self.0.len()).max_by(|&k, &l| self.0[k].total_cmp(&self.0[l]));
+        PRINCIPAL_LEVELS[most.unwrap_or(AS_SOLD)]
+    }
+
+    /// Levels that count, and by how much.
+    pub fn levels(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
+        let likely = PRINCIPAL_LEVELS.into_iter().zip(self.0);
+        likely.filter(|(_, share)| *share >= limits::PRINCIPAL_LEAST_LIKELY)
+    }
+}
+
 /// What the tangents of a network say of principal points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Call {
-    /// The level that they call for.
-    pub level: f64,
+    /// How far from the middle they may be.
+    pub likely: Likely,
     /// How many nats more than a wider belief costs by itself they would pay for principal points, those that are given
     /// among them, elsewhere than they are believed to be.
     pub strain: f64,
 }
 
-/// The cost at the optimum with other beliefs, in nats.
+/// The cost at the optimum with other beliefs, nats.
 fn cost(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
     solved.problem(beliefs).solve(&solved.network.cameras, STEPS).1 / solved.settled.prior_weight
 }
 
+/// What speaks against some beliefs, nats, but for what is the same whatever is believed of principal points.
+fn evidence(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
+    let problem = solved.problem(beliefs);
+    let (cameras, cost) = problem.solve(&solved.network.cameras, STEPS);
+    let active = problem.active();
+    let principal = active.iter().filter(|(_, k)| (2..4).contains(k));
+    let widths: f64 = principal.map(|&(camera, k)| beliefs[camera].intrinsic[k].deviation.ln()).sum();
+    let determinant = log_determinant(&problem.linear(&cameras, &active).normal);
+    cost / solved.settled.prior_weight + widths + 0.5 * determinant
+}
+
+/// Logarithm of the determinant; NaN where the matrix is not usable.
+fn log_determinant(normal: &DMatrix<f64>) -> f64 {
+    let n = normal.nrows();
+    let scale: Vec<f64> = (0..n).map(|k| normal[(k, k)].max(1e-300).sqrt()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
+    let held = scaled + DMatrix::identity(n, n) * HELD;
+    let Some(root) = held.cholesky() else { return f64::NAN };
+    2.0 * (0..n).map(|k| (root.l_dirty()[(k, k)] * scale[k]).ln()).sum::<f64>()
+}
+
 /// What the tangents of a network call for.
 pub fn call(solved: &Solved) -> Call {
+    let stand = solved.network.placed.iter();
+    let of_level = |level: f64| evidence(solved, &at_level(&solved.beliefs, &solved.network.cameras, level));
+    let asked = solved.beliefs.iter().zip(stand).any(|(belief, stands)| belief.centred && *stands);
+    let likely = if asked { Likely::by(PRINCIPAL_LEVELS.map(of_level)) } else { Likely::only(AS_SOLD) };
+    Call { likely, strain: strain(solved) }
+}
+
+/// How many nats the tangents would pay for principal points elsewhere, those that are given too.
+pub fn strain(solved: &Solved) -> f64 {
     let cameras = &solved.network.cameras;
-    let widths: Vec<f64> = cameras.iter().map(|c| c.size.width as f64).collect();
-    let stand = solved.network.placed.iter().filter(|p| **p).count() as f64;
-    let of_level = |level: f64| cost(solved, &at_level(&solved.beliefs, &widths, level));
-    let start = of_level(PRINCIPAL_LEVELS[0]);
-    let mut called = Call { level: PRINCIPAL_LEVELS[0], strain: f64::NEG_INFINITY };
-    let mut now = start;
-    for level in PRINCIPAL_LEVELS.into_iter().skip(1) {
-        let wider = of_level(level);
-        if now - wider > 2.0 * stand * (level / called.level).ln() + limits::PRINCIPAL_NATS {
-            (called.level, now) = (level, wider);
+    let believed = at_level(&solved.beliefs, cameras, PRINCIPAL_LEVELS[AS_SOLD]);
+    let mut free = solved.beliefs.clone();
+    for (belief, camera) in free.iter_mut().zip(cameras) {
+        for k in 2..4 {
+            belief.intrinsic[k].deviation = limits::PRINCIPAL_STRAINED * camera.size.width as f64;
         }
     }
-    let free: Vec<Beliefs> = solved
-        .beliefs
-        .iter()
-        .zip(&widths)
-        .map(|(b, width)| {
-            let mut b = *b;
-            for k in 2..4 {
-                b.intrinsic[k].deviation = limits::PRINCIPAL_STRAINED * width;
+    let stand = solved.network.placed.iter().filter(|p| **p).count() as f64;
+    let by_itself = 2.0 * stand * (limits::PRINCIPAL_STRAINED / PRINCIPAL_LEVELS[AS_SOLD]).ln();
+    cost(solved, &believed) - cost(solved, &free) - by_itself - limits::PRINCIPAL_NATS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::given::input::Knowledge;
+    use crate::network::model::joint::Belief;
+    use crate::network::solve::relocate::Placed;
+    use crate::network::solve::settle::tests::seen;
+    use crate::recording::{Recording, RecordingParts};
+
+    /// Four cameras of which nothing is known but the lens, with principal points so many pixels right of the middle.
+    fn solved(aside: [f64; 4]) -> Solved {
+        let mut settled = seen([0.1; 4]);
+        for p in &mut settled.pairs {
+            for m in &mut p.meetings {
+                m.a[0] += aside[p.a];
+                m.b[0] += aside[p.b];
             }
-            b
-        })
-        .collect();
-    called.strain = start
-        - cost(solved, &free)
-        - 2.0 * stand * (limits::PRINCIPAL_STRAINED / PRINCIPAL_LEVELS[0]).ln()
-        - limits::PRINCIPAL_NATS;
-    called
+        }
+        settled.scale = 0.2;
+        settled.prior_weight = 0.1;
+        let mut parts = RecordingParts::new([640, 480], vec![0.0]);
+        parts.heat = vec![0; 640 * 480];
+        let recording = Recording::try_from(parts).unwrap();
+        let (_, mut one) = Knowledge::new().distortions([0.0; 5]).beliefs(&recording);
+        one.clock = [Belief::fixed(0.0); 2];
+        let beliefs = vec![one; 4];
+        let network = Placed { cameras: settled.cameras.clone(), placed: vec![true; 4] };
+        Solved { network, settled, beliefs, excess: 1.0 }
+    }
+
+    #[test]
+    fn what_tangents_call_for_is_how_far_principal_points_are() {
+        let centred = call(&solved([0.0; 4])).likely;
+        assert!(centred.level() <= PRINCIPAL_LEVELS[AS_SOLD], "{centred:?}");
+        let aside = call(&solved([9.0, -7.0, 11.0, -8.0])).likely;
+        assert_eq!(aside.level(), 0.012, "{aside:?}");
+        let far = call(&solved([60.0, -50.0, 40.0, -70.0])).likely;
+        assert!(far.level() >= 0.04, "{far:?}");
+    }
+
+    #[test]
+    fn where_tangents_say_nothing_no_belief_is_preferred() {
+        let mut nothing = solved([0.0; 4]);
+        nothing.settled.prior_weight = 1e6;
+        let Likely(shares) = call(&nothing).likely;
+        for (share, before) in shares.iter().zip(PRINCIPAL_SHARES) {
+            assert!((share / before - 1.0).abs() < 0.2, "{shares:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_given_is_not_asked_for() {
+        let mut given = solved([60.0, -50.0, 40.0, -70.0]);
+        for belief in &mut given.beliefs {
+            belief.centred = false;
+            belief.intrinsic[2].deviation = 0.0;
+            belief.intrinsic[3].deviation = 0.0;
+        }
+        assert_eq!(call(&given).likely, Likely::only(AS_SOLD));
+        assert_eq!(at_level(&given.beliefs, &given.network.cameras, 0.12), given.beliefs);
+        assert!(strain(&given) > 0.0 && strain(&solved([0.0; 4])) <= 0.0);
+    }
+
+    #[test]
+    fn levels_share_what_is_likely() {
+        let even = Likely::by([3.0; 5]);
+        assert!(even.0.iter().zip(PRINCIPAL_SHARES).all(|(p, q)| (p - q).abs() < 1e-12));
+        let unknown = Likely::by([f64::NAN, 3.0, 3.0, f64::NAN, f64::INFINITY]);
+        assert_eq!(unknown.levels().count(), 2);
+        let sold = Likely::by([0.0, 2.0, 2.0, 900.0, 900.0]);
+        assert_eq!((sold.level(), sold.not_below_sold().level()), (0.001, 0.004));
+        assert!((sold.not_below_sold().levels().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-12);
+        assert_eq!(Likely::by([0.0, 900.0, 900.0, 900.0, 900.0]).not_below_sold().level(), 0.004);
+    }
 }

@@ -161,6 +161,7 @@ fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f6
         intrinsic: [Belief::fixed(0.0); 7],
         clock: [Belief::fixed(0.0); 2],
         inset: INSET,
+        centred: false,
         posed: true,
     };
     let placed = vec![true; at.len()];
