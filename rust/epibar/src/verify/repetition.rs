@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use super::split::{autocorrelation, moving_lines};
 use crate::recording::tracker::{Links, Outline};
-use crate::recording::{Barcodes, FramePair, Recording, Silhouettes};
+use crate::recording::{Barcodes, FramePair, LONG_STEP, Recording};
 
 /// Common frames of which it is asked.
 const FRAMES: usize = 3000;
@@ -23,8 +23,8 @@ const FIRST: f64 = 0.8;
 const MOMENTS: usize = 200;
 /// Boxes about two silhouettes at one place overlap by this share of their union.
 const SAME_PLACE: f64 = 0.3;
-/// A silhouette that changed too much to be followed is the only one at its place up to so many frames later, and where that is no more
-/// than this share of the time, in which a pattern moves on by as much of a place.
+/// A silhouette that changed too much to be followed is the only one at its place up to so many frames later, and no more than this
+/// part of the time, in which a pattern moves on by as much of a place.
 const BRIDGED: usize = 3;
 const BRIDGED_SHARE: usize = 20;
 /// Fewest silhouettes that, followed for as long as it takes, show that no others are in the places.
@@ -94,24 +94,27 @@ impl Followed {
 
 /// Follows silhouettes for some time.
 struct Follower<'r> {
-    silhouettes: &'r Silhouettes,
+    recording: &'r Recording,
     links: Links,
     /// Frames that may be bridged.
     bridged: u32,
+    /// Seconds that may not be: frames are lacking.
+    long: f64,
 }
 
 impl<'r> Follower<'r> {
     fn new(recording: &'r Recording, lag: usize) -> Self {
         let bridged = BRIDGED.min(lag / BRIDGED_SHARE) as u32;
-        Self { silhouettes: &recording.silhouettes, links: Links::new(recording), bridged }
+        let long = (f64::from(bridged) + LONG_STEP - 1.0) * recording.frame_interval();
+        Self { recording, links: Links::new(recording), bridged, long }
     }
 
     fn hulls(&self, frame: u32) -> Range<usize> {
-        self.silhouettes.hulls(frame as usize)
+        self.recording.silhouettes.hulls(frame as usize)
     }
 
     fn outline(&self, hull: usize) -> Outline {
-        Outline::of(self.silhouettes.hull(hull).iter().map(|p| p.map(f64::from)))
+        Outline::of(self.recording.silhouettes.hull(hull).iter().map(|p| p.map(f64::from)))
     }
 
     fn same_place(&self, hull: usize, other: usize) -> bool {
@@ -132,13 +135,19 @@ impl<'r> Follower<'r> {
         Some(now)
     }
 
-    /// The only silhouette that is soon after at its place, and when.
+    /// The silhouette that is soon after at its place, and when: each the only one at the place of the other.
     fn bridge(&self, hull: usize, frame: u32, to: u32) -> Option<(usize, u32)> {
-        (frame + 1..=to.min(frame + self.bridged)).find_map(|then| {
-            let mut there = self.at_place_of(hull, then);
-            let only = there.next().filter(|_| there.next().is_none())?;
-            Some((only, then))
-        })
+        let time = |frame: u32| self.recording.times[frame as usize];
+        let then = (frame + 1..=to.min(frame + self.bridged))
+            .find(|&then| self.at_place_of(hull, then).next().is_some())?;
+        let only = self.only_one_at_place_of(hull, then)?;
+        let is_mutual = self.only_one_at_place_of(only, frame) == Some(hull);
+        (is_mutual && time(then) - time(frame) <= self.long).then_some((only, then))
+    }
+
+    fn only_one_at_place_of(&self, hull: usize, frame: u32) -> Option<usize> {
+        let mut there = self.at_place_of(hull, frame);
+        there.next().filter(|_| there.next().is_none())
     }
 }
 
@@ -177,6 +186,11 @@ mod tests {
         let mut followed = Followed::default();
         followed.follow(&recording, &(0..240).collect::<Vec<u32>>(), 120);
         assert!(followed.all > 50 && followed.replaced == 0, "{followed:?}");
+        // Two that meet, and one that is left, may have changed places.
+        let meet = |t: usize| if t < 120 { vec![[t / 2, 30], [120 - t / 2, 30]] } else { vec![[t / 2, 30]] };
+        let mut followed = Followed::default();
+        followed.follow(&recorded(240, meet), &(0..240).collect::<Vec<u32>>(), 180);
+        assert_eq!(followed.all, 0);
         // A pattern that moves on by a place soon is not bridged: what is there then may be another.
         let column = recorded(240, |t| if t % 9 == 4 { vec![] } else { vec![[(2 * t) % 100 + 20, 30]] });
         let mut followed = Followed::default();
