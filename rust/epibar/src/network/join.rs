@@ -135,12 +135,12 @@ impl Case<'_> {
     /// principal points as well. Shapes without a gap between them and their hulls may be such, so for them it is only said that
     /// nothing is known of principal points, and of outlines no more than how they scatter.
     fn with_principal_points(&self, solver: &Solver, (now, support): (Solved, Support)) -> Freed {
-        let call = principal::call(&now);
+        let likely = principal::likely(&now);
         if Shapes::of(&self.observed) == Shapes::Convex {
-            let shapes = if call.strain > 0.0 { Shapes::Strained } else { Shapes::Convex };
-            return Freed { solved: now, support, likely: call.likely.not_below_sold(), shapes };
+            let shapes = if principal::is_strained(&now) { Shapes::Strained } else { Shapes::Convex };
+            return Freed { solved: now, support, likely: likely.not_below_sold(), shapes };
         }
-        let (likely, shapes) = (call.likely, Shapes::Masks);
+        let shapes = Shapes::Masks;
         let beliefs = principal::at_level(&now.beliefs, &self.cameras, likely.level());
         if likely.level() > PRINCIPAL_LEVELS[AS_SOLD] {
             let radius = Some(Again::PRINCIPAL_POINTS.after(&now.settled));
@@ -160,7 +160,7 @@ impl Case<'_> {
         loop {
             let freed = self.with_principal_points(solver, (now.clone(), support));
             let (finished, shapes) = (self.finished(&freed), freed.shapes);
-            let Some(found) = contradictions(&finished.solved, shapes) else {
+            let Some(found) = contradictions(&finished.solved, &freed.likely, shapes) else {
                 return Finished { contradicted, ..finished };
             };
             let mut beliefs = now.beliefs.clone();

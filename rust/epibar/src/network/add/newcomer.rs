@@ -166,10 +166,11 @@ impl<'a> Newcomer<'a> {
     /// The camera over all frames, with its principal point as far from the middle as the tangents call for, and errors to expect.
     fn finished(&self, some: &Survey, now: Solved, support: Support) -> Found {
         let shapes = Shapes::of(&self.case.observed);
-        let alone: Vec<bool> = (0..=self.camera).map(|c| c == self.camera).collect();
-        let only = Placed { cameras: now.network.cameras.clone(), placed: alone };
-        let call = principal::call(&Solved { network: only, ..now.clone() });
-        let likely = if shapes == Shapes::Convex { call.likely.not_below_sold() } else { call.likely };
+        let placed: Vec<bool> = (0..=self.camera).map(|c| c == self.camera).collect();
+        let network = Placed { cameras: now.network.cameras.clone(), placed };
+        let alone = Solved { network, ..now.clone() };
+        let likely = principal::likely(&alone);
+        let likely = if shapes == Shapes::Convex { likely.not_below_sold() } else { likely };
         let called = principal::at_level(&now.beliefs, &self.case.cameras, likely.level());
         let freed = shapes == Shapes::Masks && likely.level() > PRINCIPAL_LEVELS[AS_SOLD];
         let with_free_point = freed.then(|| {
@@ -183,7 +184,8 @@ impl<'a> Newcomer<'a> {
                 && self.is_confirmed(support)
         };
         let (now, support) = with_free_point.filter(is_better).unwrap_or((now, support));
-        let shapes = if shapes == Shapes::Convex && call.strain > 0.0 { Shapes::Strained } else { shapes };
+        let is_strained = shapes == Shapes::Convex && principal::is_strained(&alone);
+        let shapes = if is_strained { Shapes::Strained } else { shapes };
         let many = Survey::new(&self.case.observed, shared(FRAMES_IN_THE_END, self.camera + 1));
         let radius = Some(Again::MORE_FRAMES.after(&now.settled));
         let confirmed = support.confirmed();
@@ -206,7 +208,7 @@ impl<'a> Newcomer<'a> {
             (Expected { focal, ..expected }, errors.deviation(self.camera, CLOCK))
         });
         let rig = rig(&solved.network.cameras, &solved.network.pairs());
-        let contradicted = contradictions(&solved, shapes).map(|c| {
+        let contradicted = contradictions(&solved, &likely, shapes).map(|c| {
             let (given, fits) = (&solved.beliefs[self.camera], &c.cameras[self.camera]);
             c.found.iter().map(|one| prose::contradiction(one, given, fits)).collect()
         });

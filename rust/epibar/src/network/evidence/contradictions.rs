@@ -6,13 +6,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::covariance::{Covariance, covariance};
+use super::covariance::{Covariance, covariance_with_principal_points};
 use super::outlines::{Shapes, outline_errors};
 use crate::network::given::input::Kind;
 use crate::network::model::camera::{Camera, Step};
 use crate::network::model::joint::{Beliefs, HELD};
 use crate::network::solve::networks::Solved;
-use crate::network::solve::principal;
+use crate::network::solve::principal::{self, Likely};
 use crate::network::solve::relocate::Placed;
 use crate::network::thresholds as limits;
 
@@ -35,12 +35,12 @@ pub struct Contradiction {
 pub struct Contradictions {
     /// Camera by camera, all of one kind.
     pub found: Vec<Contradiction>,
-    /// Every camera with that kind solved for, and with what was given of it where that is not contradicted.
+    /// Every camera as it is without that, and with what was given of it where that is not contradicted.
     pub cameras: Vec<Camera>,
 }
 
 /// What is contradicted; of several kinds the one that explains most, as a wrong focal length asks for another principal point as well.
-pub fn contradictions(solved: &Solved, shapes: Shapes) -> Option<Contradictions> {
+pub fn contradictions(solved: &Solved, likely: &Likely, shapes: Shapes) -> Option<Contradictions> {
     let cost = solved.problem(&solved.beliefs).cost(&solved.network.cameras);
     let tried = Kind::ALL.into_iter().flat_map(|kind| {
         let given = given(solved, kind);
@@ -48,7 +48,8 @@ pub fn contradictions(solved: &Solved, shapes: Shapes) -> Option<Contradictions>
         let alone = suspected.map(|camera| vec![camera]);
         [Some(given), alone].into_iter().flatten().filter_map(move |of| Tried::of(solved, kind, of, cost))
     });
-    let contradicted = tried.filter_map(|tried| Some((tried.gain, tried.contradicted(solved, shapes)?)));
+    let contradicted =
+        tried.filter_map(|tried| Some((tried.gain, tried.contradicted(solved, likely, shapes)?)));
     contradicted.max_by(|p, q| p.0.total_cmp(&q.0)).map(|(_, found)| found)
 }
 
@@ -71,7 +72,7 @@ fn without(solved: &Solved, kind: Kind, of: &[usize]) -> Vec<Beliefs> {
 }
 
 /// The camera of which a kind of number is worth most if it is solved for in it alone, to first order: half of `gᵀ S⁻¹ g` with the
-/// gradient by its numbers and the Schur complement of all others (the score test, Rao 1948).
+/// gradient by its numbers and the normal matrix, both with all others solved for (the score test, Rao 1948).
 fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
     let beliefs = without(solved, kind, given);
     let problem = solved.problem(&beliefs);
@@ -87,13 +88,16 @@ fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
     for k in 0..others.len() {
         held[(k, k)] *= 1.0 + HELD;
     }
+    let held = held.cholesky()?;
     let across = block(&others, &freed);
-    let complement = block(&freed, &freed) - across.tr_mul(&held.cholesky()?.solve(&across));
+    let complement = block(&freed, &freed) - across.tr_mul(&held.solve(&across));
+    let along = |of: &[usize]| DVector::from_fn(of.len(), |i, _| linear.gradient[of[i]]);
+    let score = along(&freed) - across.tr_mul(&held.solve(&along(&others)));
     let worth = |camera: usize| {
         let own: Vec<usize> = (0..freed.len()).filter(|&i| active[freed[i]].0 == camera).collect();
-        let gradient = DVector::from_fn(own.len(), |i, _| linear.gradient[freed[own[i]]]);
+        let score = DVector::from_fn(own.len(), |i, _| score[own[i]]);
         let within = DMatrix::from_fn(own.len(), own.len(), |i, j| complement[(own[i], own[j])]);
-        Some(0.5 * gradient.dot(&within.cholesky()?.solve(&gradient)))
+        Some(0.5 * score.dot(&within.cholesky()?.solve(&score))).filter(|worth| worth.is_finite())
     };
     let worth = given.iter().filter_map(|&c| Some((c, worth(c)?)));
     worth.max_by(|p, q| p.1.total_cmp(&q.1)).map(|(camera, _)| camera)
@@ -102,51 +106,51 @@ fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
 /// A network with one kind of number solved for in cameras of which it was given.
 struct Tried {
     kind: Kind,
-    given: Vec<usize>,
-    beliefs: Vec<Beliefs>,
-    cameras: Vec<Camera>,
+    freed: Vec<usize>,
+    /// The network, over the tangents that met before.
+    solved: Solved,
     /// What that gains, in nats, less one for each number.
     gain: f64,
 }
 
 impl Tried {
-    /// `None` where it is given of none, or nothing is gained.
-    fn of(solved: &Solved, kind: Kind, given: Vec<usize>, cost: f64) -> Option<Self> {
-        if given.is_empty() {
+    /// `None` where it is freed of none, or nothing is gained.
+    fn of(given: &Solved, kind: Kind, freed: Vec<usize>, cost: f64) -> Option<Self> {
+        if freed.is_empty() {
             return None;
         }
-        let beliefs = without(solved, kind, &given);
-        let (cameras, freed) = solved.problem(&beliefs).solve(&solved.network.cameras, STEPS);
-        let numbers = (given.len() * kind.parameters().len()) as f64;
-        let gain = (cost - freed) / solved.settled.prior_weight - numbers;
-        (gain > 0.0).then_some(Self { kind, given, beliefs, cameras, gain })
+        let beliefs = without(given, kind, &freed);
+        let (cameras, without) = given.problem(&beliefs).solve(&given.network.cameras, STEPS);
+        let numbers = (freed.len() * kind.parameters().len()) as f64;
+        let gain = (cost - without) / given.settled.prior_weight - numbers;
+        let network = Placed { cameras, placed: given.network.placed.clone() };
+        (gain > 0.0).then(|| Self { kind, freed, solved: Solved { network, beliefs, ..given.clone() }, gain })
     }
 
-    fn contradicted(self, solved: &Solved, shapes: Shapes) -> Option<Contradictions> {
-        let outlines = outline_errors(&solved.settled.under(&self.cameras), self.shapes(solved, shapes));
-        let errors = covariance(&solved.problem(&self.beliefs), &self.cameras, &outlines)?;
-        let kind = self.kind;
+    fn contradicted(self, given: &Solved, likely: &Likely, shapes: Shapes) -> Option<Contradictions> {
+        let (kind, cameras) = (self.kind, &self.solved.network.cameras);
+        let outlines = outline_errors(&given.settled.under(cameras), self.shapes(shapes));
+        let errors = covariance_with_principal_points(&self.solved, likely, &outlines)?;
         let of_camera = |&camera: &usize| {
-            let deviate = deviate(&solved.beliefs[camera], &self.cameras[camera], &errors, camera, kind)?;
+            let deviate = deviate(&given.beliefs[camera], &cameras[camera], &errors, camera, kind)?;
             (deviate >= limits::CONTRADICTED_DEVIATES).then_some(Contradiction { camera, kind, deviate })
         };
-        let found: Vec<Contradiction> = self.given.iter().filter_map(of_camera).collect();
-        let mut cameras = self.cameras;
-        for &c in self.given.iter().filter(|&&c| found.iter().all(|one| one.camera != c)) {
-            cameras[c] = with_given(&cameras[c], &solved.network.cameras[c], kind);
+        let found: Vec<Contradiction> = self.freed.iter().filter_map(of_camera).collect();
+        let mut cameras = self.solved.network.cameras;
+        for &c in self.freed.iter().filter(|&&c| found.iter().all(|one| one.camera != c)) {
+            cameras[c] = with_given(&cameras[c], &given.network.cameras[c], kind);
         }
         (!found.is_empty()).then_some(Contradictions { found, cameras })
     }
 
     /// What outlines may be wrong by. Coarse shapes ask for other principal points by themselves, in all cameras; where they no longer do
     /// once this kind is solved for, or the principal point of one camera, it was this.
-    fn shapes(&self, solved: &Solved, shapes: Shapes) -> Shapes {
-        if shapes != Shapes::Strained || self.kind == Kind::PrincipalPoint && self.given.len() > 1 {
+    fn shapes(&self, shapes: Shapes) -> Shapes {
+        let is_of_all = self.kind == Kind::PrincipalPoint && self.freed.len() > 1;
+        if shapes != Shapes::Strained || is_of_all || principal::is_strained(&self.solved) {
             return shapes;
         }
-        let network = Placed { cameras: self.cameras.clone(), placed: solved.network.placed.clone() };
-        let free = Solved { network, beliefs: self.beliefs.clone(), ..solved.clone() };
-        if principal::strain(&free) > 0.0 { Shapes::Strained } else { Shapes::Convex }
+        Shapes::Convex
     }
 }
 
@@ -188,10 +192,12 @@ fn normal_of_chi_square(squared: f64, freedom: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::network::given::input::INSET;
+    use crate::network::given::input::{AS_SOLD, INSET};
     use crate::network::model::joint::{Belief, Problem};
     use crate::network::solve::settle::Settled;
     use crate::network::solve::settle::tests::seen;
+
+    const LIKELY: Likely = Likely::only(AS_SOLD);
 
     /// Four cameras of which all but the clock, the inset and the place is given.
     fn solved(change: impl Fn(usize, &mut Camera)) -> Solved {
@@ -226,17 +232,17 @@ mod tests {
 
     #[test]
     fn what_is_right_is_not_contradicted() {
-        assert_eq!(contradictions(&solved(|_, _| ()), Shapes::Masks), None);
+        assert_eq!(contradictions(&solved(|_, _| ()), &LIKELY, Shapes::Masks), None);
     }
 
     #[test]
     fn a_false_focal_length_is_of_its_camera() {
         let false_one = solved(|c, camera| camera.log_focal += if c == 2 { 0.1 } else { 0.0 });
-        let found = contradictions(&false_one, Shapes::Masks).unwrap().found;
+        let found = contradictions(&false_one, &LIKELY, Shapes::Masks).unwrap().found;
         let [one] = found[..] else { panic!("{found:?}") };
         assert_eq!((one.camera, one.kind), (2, Kind::Focal));
         // What was given of the others is what they go on with.
-        let found = contradictions(&false_one, Shapes::Masks).unwrap().cameras;
+        let found = contradictions(&false_one, &LIKELY, Shapes::Masks).unwrap().cameras;
         for (c, camera) in found.iter().enumerate() {
             let given = false_one.network.cameras[c].log_focal;
             assert_eq!((camera.log_focal - given).abs() < 1e-12, c != 2, "{c}: {} {given}", camera.log_focal);
@@ -246,7 +252,8 @@ mod tests {
     #[test]
     fn two_false_focal_lengths_are_of_their_cameras() {
         let by = [0.0, -0.1, 0.1, 0.0];
-        let found = contradictions(&solved(|c, camera| camera.log_focal += by[c]), Shapes::Masks).unwrap();
+        let found =
+            contradictions(&solved(|c, camera| camera.log_focal += by[c]), &LIKELY, Shapes::Masks).unwrap();
         let of: Vec<usize> = found.found.iter().map(|c| c.camera).collect();
         assert_eq!(of, [1, 2]);
         let turned_back = found.cameras[1].log_focal - (480_f64.ln() - 0.1);
@@ -258,13 +265,13 @@ mod tests {
         let aside = |c: usize, camera: &mut Camera| camera.principal[0] += if c == 1 { 60.0 } else { 0.0 };
         let false_one = solved(aside);
         assert_eq!(suspected(&false_one, Kind::PrincipalPoint, &[0, 1, 2, 3]), Some(1));
-        let found = contradictions(&false_one, Shapes::Masks).unwrap().found;
+        let found = contradictions(&false_one, &LIKELY, Shapes::Masks).unwrap().found;
         let [one] = found[..] else { panic!("{found:?}") };
         assert_eq!((one.camera, one.kind), (1, Kind::PrincipalPoint));
         // Shapes that stand for others ask for other principal points in all cameras, and these do in one.
         let shapes = |of: &Solved| {
             let tried = Tried::of(of, Kind::PrincipalPoint, vec![1], f64::INFINITY).unwrap();
-            tried.shapes(of, Shapes::Strained)
+            tried.shapes(Shapes::Strained)
         };
         assert_eq!(shapes(&false_one), Shapes::Convex);
         assert_eq!(shapes(&solved(|_, camera| camera.principal[0] += 60.0)), Shapes::Strained);

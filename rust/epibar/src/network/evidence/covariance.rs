@@ -130,8 +130,8 @@ pub struct Covariance {
 }
 
 impl Covariance {
-    /// Of errors under one of several problems with the same unknowns, each as likely as its share of the sum: within each, and what
-    /// their optima are apart (law of total variance). `None` of none.
+    /// Mean square of errors under one of several problems with the same unknowns, each as likely as its share of the sum: within each,
+    /// and by how much its optimum is off. `None` of none.
     pub fn of_several(problems: Vec<(Self, f64)>) -> Option<Self> {
         let sum: f64 = problems.iter().map(|(_, share)| share).sum();
         let by_share = |(one, share): (Self, f64)| {

@@ -230,10 +230,13 @@ impl Problem<'_> {
         (cost, normal, gradient)
     }
 
-    /// Residuals of what is known before, in standard deviations.
+    /// Residuals of what is known before of the cameras that are solved for, in standard deviations.
     fn prior(&self, cameras: &[Camera]) -> Vec<Prior> {
         let mut all = Vec::new();
         for (camera, (c, beliefs)) in cameras.iter().zip(self.beliefs).enumerate() {
+            if !self.moving[camera] {
+                continue;
+            }
             let [k1, ..] = c.lens.k;
             for (k, (value, belief)) in c.intrinsic().into_iter().zip(&beliefs.intrinsic).enumerate() {
                 if belief.deviation > 0.0 && belief.deviation.is_finite() {

@@ -35,14 +35,10 @@ pub fn at_level(beliefs: &[Beliefs], cameras: &[Camera], level: f64) -> Vec<Beli
 pub struct Likely([f64; PRINCIPAL_LEVELS.len()]);
 
 impl Likely {
-    /// From the evidence of each, nats against it.
+    /// From the evidence of each, nats against it; none is, where that of any is not known.
     fn by(nats: [f64; PRINCIPAL_LEVELS.len()]) -> Self {
         let least = nats.into_iter().fold(f64::INFINITY, f64::min);
-        let share = |k: usize| PRINCIPAL_SHARES[k] * (least - nats[k]).exp();
-        // What cannot be said of one speaks for none.
-        let shares: [f64; PRINCIPAL_LEVELS.len()] =
-            std::array::from_fn(|k| if nats[k].is_finite() { share(k) } else { 0.0 });
-        if shares.iter().sum::<f64>() > 0.0 { Self(shares).of_one() } else { Self(PRINCIPAL_SHARES) }
+        Self(std::array::from_fn(|k| PRINCIPAL_SHARES[k] * (least - nats[k]).exp())).of_one()
     }
 
     fn of_one(self) -> Self {
@@ -55,19 +51,20 @@ impl Likely {
         let mut shares = self.0;
         shares[..AS_SOLD].fill(0.0);
         // Those that are left may all be too unlikely to be told from nothing.
-        if shares.iter().sum::<f64>() > 0.0 { Self(shares).of_one() } else { Self::only(AS_SOLD) }
+        if shares.iter().sum::<f64>() == 0.0 { Self::only(AS_SOLD) } else { Self(shares).of_one() }
     }
 
-    fn only(level: usize) -> Self {
+    /// One of the levels alone.
+    pub const fn only(level: usize) -> Self {
         let mut shares = [0.0; PRINCIPAL_LEVELS.len()];
         shares[level] = 1.0;
         Self(shares)
     }
 
-    /// The level that is most likely.
+    /// The level that is most likely; that of cameras as they are sold, where it is not known.
     pub fn level(&self) -> f64 {
-        let most = (0..self.0.len()).max_by(|&k, &l| self.0[k].total_cmp(&self.0[l]));
-        PRINCIPAL_LEVELS[most.unwrap_or(AS_SOLD)]
+        let known = (0..self.0.len()).filter(|&k| self.0[k].is_finite());
+        PRINCIPAL_LEVELS[known.max_by(|&k, &l| self.0[k].total_cmp(&self.0[l])).unwrap_or(AS_SOLD)]
     }
 
     /// Levels that count, and by how much.
@@ -75,16 +72,6 @@ impl Likely {
         let likely = PRINCIPAL_LEVELS.into_iter().zip(self.0);
         likely.filter(|(_, share)| *share >= limits::PRINCIPAL_LEAST_LIKELY)
     }
-}
-
-/// What the tangents of a network say of principal points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Call {
-    /// How far from the middle they may be.
-    pub likely: Likely,
-    /// How many nats more than a wider belief costs by itself they would pay for principal points, those that are given
-    /// among them, elsewhere than they are believed to be.
-    pub strain: f64,
 }
 
 /// The cost at the optimum with other beliefs, nats.
@@ -113,28 +100,34 @@ fn log_determinant(normal: &DMatrix<f64>) -> f64 {
     2.0 * (0..n).map(|k| (root.l_dirty()[(k, k)] * scale[k]).ln()).sum::<f64>()
 }
 
-/// What the tangents of a network call for.
-pub fn call(solved: &Solved) -> Call {
+/// How far principal points may be from the middle, as the tangents of a network say.
+pub fn likely(solved: &Solved) -> Likely {
     let stand = solved.network.placed.iter();
+    if !solved.beliefs.iter().zip(stand).any(|(belief, stands)| belief.centred && *stands) {
+        return Likely::only(AS_SOLD);
+    }
     let of_level = |level: f64| evidence(solved, &at_level(&solved.beliefs, &solved.network.cameras, level));
-    let asked = solved.beliefs.iter().zip(stand).any(|(belief, stands)| belief.centred && *stands);
-    let likely = if asked { Likely::by(PRINCIPAL_LEVELS.map(of_level)) } else { Likely::only(AS_SOLD) };
-    Call { likely, strain: strain(solved) }
+    Likely::by(PRINCIPAL_LEVELS.map(of_level))
 }
 
-/// How many nats the tangents would pay for principal points elsewhere, those that are given too.
-pub fn strain(solved: &Solved) -> f64 {
+/// Whether the tangents would pay more than a wider belief costs by itself for principal points, those that are given among them,
+/// elsewhere than they are believed to be; also where that is not known.
+pub fn is_strained(solved: &Solved) -> bool {
     let cameras = &solved.network.cameras;
     let believed = at_level(&solved.beliefs, cameras, PRINCIPAL_LEVELS[AS_SOLD]);
-    let mut free = solved.beliefs.clone();
-    for (belief, camera) in free.iter_mut().zip(cameras) {
+    let mut free = believed.clone();
+    let mut by_itself = 0.0;
+    for (c, belief) in free.iter_mut().enumerate().filter(|(c, b)| solved.network.placed[*c] && !b.posed) {
+        let width = cameras[c].size.width as f64;
         for k in 2..4 {
-            belief.intrinsic[k].deviation = limits::PRINCIPAL_STRAINED * camera.size.width as f64;
+            let deviation = &mut belief.intrinsic[k].deviation;
+            let before = if *deviation > 0.0 { *deviation } else { PRINCIPAL_LEVELS[AS_SOLD] * width };
+            *deviation = limits::PRINCIPAL_STRAINED * width;
+            by_itself += (*deviation / before).ln();
         }
     }
-    let stand = solved.network.placed.iter().filter(|p| **p).count() as f64;
-    let by_itself = 2.0 * stand * (limits::PRINCIPAL_STRAINED / PRINCIPAL_LEVELS[AS_SOLD]).ln();
-    cost(solved, &believed) - cost(solved, &free) - by_itself - limits::PRINCIPAL_NATS
+    let strain = cost(solved, &believed) - cost(solved, &free) - by_itself - limits::PRINCIPAL_NATS;
+    strain > 0.0 || strain.is_nan()
 }
 
 #[cfg(test)]
@@ -169,11 +162,11 @@ mod tests {
 
     #[test]
     fn what_tangents_call_for_is_how_far_principal_points_are() {
-        let centred = call(&solved([0.0; 4])).likely;
+        let centred = likely(&solved([0.0; 4]));
         assert!(centred.level() <= PRINCIPAL_LEVELS[AS_SOLD], "{centred:?}");
-        let aside = call(&solved([9.0, -7.0, 11.0, -8.0])).likely;
+        let aside = likely(&solved([9.0, -7.0, 11.0, -8.0]));
         assert_eq!(aside.level(), 0.012, "{aside:?}");
-        let far = call(&solved([60.0, -50.0, 40.0, -70.0])).likely;
+        let far = likely(&solved([60.0, -50.0, 40.0, -70.0]));
         assert!(far.level() >= 0.04, "{far:?}");
     }
 
@@ -181,7 +174,7 @@ mod tests {
     fn where_tangents_say_nothing_no_belief_is_preferred() {
         let mut nothing = solved([0.0; 4]);
         nothing.settled.prior_weight = 1e6;
-        let Likely(shares) = call(&nothing).likely;
+        let Likely(shares) = likely(&nothing);
         for (share, before) in shares.iter().zip(PRINCIPAL_SHARES) {
             assert!((share / before - 1.0).abs() < 0.2, "{shares:?}");
         }
@@ -195,9 +188,33 @@ mod tests {
             belief.intrinsic[2].deviation = 0.0;
             belief.intrinsic[3].deviation = 0.0;
         }
-        assert_eq!(call(&given).likely, Likely::only(AS_SOLD));
+        assert_eq!(likely(&given), Likely::only(AS_SOLD));
         assert_eq!(at_level(&given.beliefs, &given.network.cameras, 0.12), given.beliefs);
-        assert!(strain(&given) > 0.0 && strain(&solved([0.0; 4])) <= 0.0);
+        assert!(is_strained(&given) && !is_strained(&solved([0.0; 4])));
+    }
+
+    #[test]
+    fn cameras_that_do_not_stand_or_are_held_say_nothing() {
+        let four = solved([3.0, -2.0, 4.0, -3.0]);
+        let without = |change: fn(&mut Solved)| {
+            let mut three = four.clone();
+            three.network.placed[3] = false;
+            three.settled.pairs.retain(|p| p.b != 3);
+            change(&mut three);
+            (likely(&three), is_strained(&three))
+        };
+        let far = |three: &mut Solved| three.network.cameras[3].principal[0] += 100.0;
+        assert_eq!(without(far), without(|_| ()));
+        // A camera that is held has a principal point, and no belief in it.
+        let mut held = solved([0.0; 4]);
+        for belief in &mut held.beliefs[..3] {
+            *belief = Beliefs { intrinsic: [Belief::fixed(0.0); 7], centred: false, posed: true, ..*belief };
+        }
+        assert!(!is_strained(&held));
+        for p in &mut held.settled.pairs {
+            p.meetings.iter_mut().filter(|_| p.b == 3).for_each(|m| m.b[0] += 60.0);
+        }
+        assert!(is_strained(&held));
     }
 
     #[test]
@@ -205,7 +222,8 @@ mod tests {
         let even = Likely::by([3.0; 5]);
         assert!(even.0.iter().zip(PRINCIPAL_SHARES).all(|(p, q)| (p - q).abs() < 1e-12));
         let unknown = Likely::by([f64::NAN, 3.0, 3.0, f64::NAN, f64::INFINITY]);
-        assert_eq!(unknown.levels().count(), 2);
+        assert_eq!(unknown.levels().count() + unknown.not_below_sold().levels().count(), 0);
+        assert_eq!(Likely::by([900.0, 3.0, 3.0, 900.0, f64::INFINITY]).levels().count(), 2);
         let sold = Likely::by([0.0, 2.0, 2.0, 900.0, 900.0]);
         assert_eq!((sold.level(), sold.not_below_sold().level()), (0.001, 0.004));
         assert!((sold.not_below_sold().levels().map(|(_, share)| share).sum::<f64>() - 1.0).abs() < 1e-12);
