@@ -10,7 +10,8 @@ use super::covariance::{Covariance, covariance_with_principal_points};
 use super::outlines::{Shapes, outline_errors};
 use crate::network::given::input::Kind;
 use crate::network::model::camera::{Camera, Step};
-use crate::network::model::joint::{Beliefs, HELD};
+use crate::network::model::invertible::Invertible;
+use crate::network::model::joint::Beliefs;
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal::{self, Likely};
 use crate::network::solve::relocate::Placed;
@@ -84,15 +85,11 @@ fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
     let block = |rows: &[usize], columns: &[usize]| {
         DMatrix::from_fn(rows.len(), columns.len(), |i, j| linear.normal[(rows[i], columns[j])])
     };
-    let mut held = block(&others, &others);
-    for k in 0..others.len() {
-        held[(k, k)] *= 1.0 + HELD;
-    }
-    let held = held.cholesky()?;
-    let across = block(&others, &freed);
-    let complement = block(&freed, &freed) - across.tr_mul(&held.solve(&across));
     let along = |of: &[usize]| DVector::from_fn(of.len(), |i, _| linear.gradient[of[i]]);
-    let score = along(&freed) - across.tr_mul(&held.solve(&along(&others)));
+    let across = block(&others, &freed);
+    let onto = across.tr_mul(&Invertible::of(&block(&others, &others))?.inverse());
+    let complement = block(&freed, &freed) - &onto * across;
+    let score = along(&freed) - onto * along(&others);
     let worth = |camera: usize| {
         let own: Vec<usize> = (0..freed.len()).filter(|&i| active[freed[i]].0 == camera).collect();
         let score = DVector::from_fn(own.len(), |i, _| score[own[i]]);

@@ -9,7 +9,8 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS};
-use crate::network::model::joint::{HELD, PairMeetings, Problem, weight};
+use crate::network::model::invertible::Invertible;
+use crate::network::model::joint::{PairMeetings, Problem, weight};
 use crate::network::model::residual::{Meeting, Pair, Row};
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal::{self, Likely};
@@ -164,14 +165,8 @@ impl Covariance {
 pub fn covariance(problem: &Problem, cameras: &[Camera], outline_errors: &[f64]) -> Option<Covariance> {
     let active = problem.active();
     let linear = problem.linear(cameras, &active);
-    let n = active.len();
-    let all = linear.normal.nrows();
     let found = blocks(problem, cameras, &active);
-    let scale = DVector::from_fn(all, |k, _| 1.0 / linear.normal[(k, k)].max(1e-300).sqrt());
-    let scaled = DMatrix::from_fn(all, all, |i, j| linear.normal[(i, j)] * scale[i] * scale[j]);
-    let held = scaled + DMatrix::identity(all, all) * HELD;
-    let inverse = held.cholesky()?.inverse();
-    let inverse = DMatrix::from_fn(n, n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
+    let inverse = Invertible::of(&linear.normal)?.inverse();
     let used = found.row_iter().filter(|r| r.norm_squared() > 0.0).count() as f64;
     let correction = used / (used - 1.0).max(1.0);
     let mut meat = found.tr_mul(&found) * correction;

@@ -92,9 +92,6 @@ pub struct Problem<'p> {
     pub moving: Vec<bool>,
 }
 
-/// Where a normal matrix is inverted, what nothing determines is held by next to nothing: by this share of the diagonal.
-pub const HELD: f64 = 1e-9;
-
 /// Cost, normal matrix and gradient.
 pub struct Linear {
     /// Robust cost.

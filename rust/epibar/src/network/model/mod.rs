@@ -4,9 +4,11 @@
 //! * `camera`: a camera, as the numbers that are solved for.
 //! * `residual`: how far two tangents are from meeting.
 //! * `joint`: the joint problem over cameras only.
+//! * `invertible`: its normal matrix, inverted though nothing says where the whole stands.
 //! * `pose`: where one camera stands beside another, by the geometry of their pair.
 
 pub mod camera;
+pub mod invertible;
 pub mod joint;
 pub mod optics;
 pub mod pose;

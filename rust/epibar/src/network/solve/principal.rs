@@ -6,12 +6,11 @@
 //! deviation of a belief costs ½, the logarithms of the beliefs' widths, and half of that of the determinant of the normal
 //! matrix. Where the tangents say nothing of principal points the last two cancel, and no belief is preferred.
 
-use nalgebra::DMatrix;
-
 use super::networks::Solved;
 use crate::network::given::input::{AS_SOLD, PRINCIPAL_LEVELS, PRINCIPAL_SHARES};
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Beliefs, HELD};
+use crate::network::model::invertible::Invertible;
+use crate::network::model::joint::Beliefs;
 use crate::network::thresholds as limits;
 
 /// Steps of the solver at a level.
@@ -79,25 +78,17 @@ fn cost(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
     solved.problem(beliefs).solve(&solved.network.cameras, STEPS).1 / solved.settled.prior_weight
 }
 
-/// What speaks against some beliefs, nats, but for what is the same whatever is believed of principal points.
+/// What speaks against some beliefs, nats, but for what is the same whatever is believed of principal points; NaN where the normal
+/// matrix is not usable.
 fn evidence(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
     let problem = solved.problem(beliefs);
     let (cameras, cost) = problem.solve(&solved.network.cameras, STEPS);
     let active = problem.active();
     let principal = active.iter().filter(|(_, k)| (2..4).contains(k));
     let widths: f64 = principal.map(|&(camera, k)| beliefs[camera].intrinsic[k].deviation.ln()).sum();
-    let determinant = log_determinant(&problem.linear(&cameras, &active).normal);
+    let invertible = Invertible::of(&problem.linear(&cameras, &active).normal);
+    let determinant = invertible.map_or(f64::NAN, |normal| normal.log_determinant());
     cost / solved.settled.prior_weight + widths + 0.5 * determinant
-}
-
-/// Logarithm of the determinant; NaN where the matrix is not usable.
-fn log_determinant(normal: &DMatrix<f64>) -> f64 {
-    let n = normal.nrows();
-    let scale: Vec<f64> = (0..n).map(|k| normal[(k, k)].max(1e-300).sqrt()).collect();
-    let scaled = DMatrix::from_fn(n, n, |i, j| normal[(i, j)] / (scale[i] * scale[j]));
-    let held = scaled + DMatrix::identity(n, n) * HELD;
-    let Some(root) = held.cholesky() else { return f64::NAN };
-    2.0 * (0..n).map(|k| (root.l_dirty()[(k, k)] * scale[k]).ln()).sum::<f64>()
 }
 
 /// How far principal points may be from the middle, as the tangents of a network say.
