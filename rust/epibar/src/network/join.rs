@@ -22,6 +22,7 @@ use super::solve::principal::{self, Likely};
 use super::solve::relocate::Placed;
 use super::solve::settle::Again;
 use super::solve::world;
+use super::thresholds as limits;
 use super::verdict::{is_rival, worst};
 use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
@@ -56,10 +57,21 @@ pub fn join(
         return Ok(case.nothing(CameraStatus::NothingInCommon));
     }
     let best = networks.remove(0);
-    let (sifted, out) = case.sifted(&solver, best, watch)?;
-    let Some(sifted) = sifted else { return Ok(case.without(&out)) };
+    let mut out = Vec::new();
+    let Some(mut sifted) = case.sifted(&solver, best, &mut out, watch)? else {
+        return Ok(case.without(&out));
+    };
     report(watch, Stage::Network, 0.7)?;
-    let rivalled = networks.iter().any(|rival| is_rival(&solver.some, &sifted.0, rival));
+    let rivalled = loop {
+        let rivals = || networks.iter().filter(|rival| is_rival(&solver.some, &sifted.0, rival));
+        let Some(ambiguous) = rivals().map(|rival| case.ambiguous(&sifted, rival)).next() else {
+            break false;
+        };
+        let left = ambiguous.and_then(|bad| case.taken_out(&solver, &sifted.0, &bad, &mut out));
+        let Some(left) = left else { break true };
+        let Some(left) = case.sifted(&solver, left, &mut out, watch)? else { return Ok(case.without(&out)) };
+        sifted = left;
+    };
     let finished = case.agreed(&solver, sifted);
     report(watch, Stage::Network, 0.9)?;
     Ok(case.network(&finished, &out, rivalled))
@@ -82,45 +94,61 @@ fn check(cameras: usize, pairs: &[PairFound], clocks: &Offsets) -> Result<()> {
 type Sifted = (Solved, Support);
 
 impl Case<'_> {
-    /// The network without cameras for which nothing speaks, and these; `None` where too few are left.
+    /// The network without cameras for which nothing speaks; `None` where too few are left.
     fn sifted(
         &self,
         solver: &Solver,
         mut now: Solved,
+        out: &mut Vec<Out>,
         watch: &mut dyn Watch,
-    ) -> Result<(Option<Sifted>, Vec<Out>)> {
-        let mut out: Vec<Out> = Vec::new();
-        for round in 0.. {
-            report(watch, Stage::Network, 0.4 + 0.3 * round as f64 / self.count() as f64)?;
+    ) -> Result<Option<Sifted>> {
+        loop {
+            report(watch, Stage::Network, 0.4 + 0.3 * out.len() as f64 / self.count() as f64)?;
             let support = Support::of(&self.observed, &now);
             let mut bad = worst(&solver.some, &now.network, &support);
             if bad.is_empty() && now.network.placed.iter().filter(|p| **p).count() > 2 {
                 bad.extend(self.knocked_a_little(solver, &now, &support));
             }
             if bad.is_empty() {
-                return Ok((Some((now, support)), out));
+                return Ok(Some((now, support)));
             }
-            let mut network = now.network.clone();
-            for camera in &bad {
-                network.placed[camera.camera] = false;
-            }
-            out.extend(bad);
-            if network.placed.iter().filter(|p| **p).count() < self.least() {
-                let left = (0..self.count()).filter(|&c| network.placed[c]);
+            let Some(left) = self.taken_out(solver, &now, &bad, out) else {
+                let is_left = |&c: &usize| now.network.placed[c] && bad.iter().all(|o| o.camera != c);
                 let status = CameraStatus::NothingInCommon;
-                out.extend(left.map(|camera| Out {
-                    camera,
-                    status,
-                    deviates: support.cameras[camera],
-                    at: None,
-                }));
-                break;
-            }
-            network.cameras = standing(&network.cameras, &network.placed);
-            let radius = Some(Again::FEWER_CAMERAS.after(&now.settled));
-            now = solver.settled(network, &now.beliefs, radius);
+                let left = (0..self.count()).filter(is_left);
+                let left = left.map(|c| Out { camera: c, status, deviates: support.cameras[c], at: None });
+                out.extend(bad.iter().copied().chain(left));
+                return Ok(None);
+            };
+            now = left;
         }
-        Ok((None, out))
+    }
+
+    /// The network without some cameras, which are put on record; `None`, and nothing is, where too few are left.
+    fn taken_out(&self, solver: &Solver, now: &Solved, bad: &[Out], out: &mut Vec<Out>) -> Option<Solved> {
+        let mut network = now.network.clone();
+        for camera in bad {
+            network.placed[camera.camera] = false;
+        }
+        if network.placed.iter().filter(|p| **p).count() < self.least() {
+            return None;
+        }
+        out.extend(bad);
+        network.cameras = standing(&network.cameras, &network.placed);
+        let radius = Some(Again::FEWER_CAMERAS.after(&now.settled));
+        Some(solver.settled(network, &now.beliefs, radius))
+    }
+
+    /// Cameras that stand elsewhere in a rival, in which most are where they are; `None` where most are not.
+    fn ambiguous(&self, (now, support): &Sifted, rival: &Solved) -> Option<Vec<Out>> {
+        let elsewhere = now.network.turned_elsewhere(&rival.network, limits::RIVAL_TURN)?;
+        let status = CameraStatus::Ambiguous;
+        Some(
+            elsewhere
+                .into_iter()
+                .map(|c| Out { camera: c, status, deviates: support.cameras[c], at: None })
+                .collect(),
+        )
     }
 
     fn knocked_a_little(&self, solver: &Solver, now: &Solved, support: &Support) -> Option<Out> {

@@ -64,7 +64,7 @@ pub(super) fn of_camera(
             percent(MAX_POSITION)
         ),
         CameraStatus::Ambiguous => {
-            "another network explains what moves nearly as well: film for longer, with movers everywhere in the images".to_owned()
+            "it may as well stand elsewhere: another network explains what moves nearly as well. Film for longer, with movers everywhere in the images".to_owned()
         }
         CameraStatus::Contradicted => "what is given of it contradicts what moves".to_owned(),
         CameraStatus::TooFew => {

@@ -174,7 +174,8 @@ fn deviate(given: &Beliefs, fits: &Camera, errors: &Covariance, camera: usize, k
     let mut block =
         DMatrix::from_fn(places.len(), places.len(), |i, j| errors.matrix[(places[i], places[j])]);
     for (i, &k) in numbers.iter().enumerate() {
-        block[(i, i)] += given.intrinsic[k].deviation.powi(2);
+        let alike = if kind == Kind::Aspect { limits::ASPECT_ALIKE } else { 0.0 };
+        block[(i, i)] += given.intrinsic[k].deviation.powi(2) + alike.powi(2);
     }
     let squared = off.dot(&block.cholesky()?.solve(&off));
     Some(normal_of_chi_square(squared, numbers.len() as f64))
@@ -272,6 +273,17 @@ mod tests {
         };
         assert_eq!(shapes(&false_one), Shapes::Convex);
         assert_eq!(shapes(&solved(|_, camera| camera.principal[0] += 60.0)), Shapes::Strained);
+    }
+
+    #[test]
+    fn pixels_that_are_a_little_off_square_may_be_outlines() {
+        let of = |aspect: f64| {
+            let one = solved(|c, camera| camera.log_aspect += if c == 1 { aspect } else { 0.0 });
+            contradictions(&one, &LIKELY, Shapes::Masks).map_or(vec![], |found| found.found)
+        };
+        assert_eq!(of(0.008), []);
+        let [one] = of(0.03)[..] else { panic!("{:?}", of(0.03)) };
+        assert_eq!((one.camera, one.kind), (1, Kind::Aspect));
     }
 
     #[test]

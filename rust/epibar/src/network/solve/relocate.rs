@@ -67,8 +67,23 @@ impl Placed {
 
     /// By how much each pair of cameras that stand is turned otherwise in another network, radians.
     pub fn turns(&self, other: &Self) -> impl Iterator<Item = f64> {
-        let between = |n: &Self, a: usize, b: usize| n.cameras[a].rotation * n.cameras[b].rotation.inverse();
-        self.pairs().into_iter().map(move |(a, b)| between(self, a, b).angle_to(&between(other, a, b)))
+        self.pairs().into_iter().map(|(a, b)| self.turn(other, a, b))
+    }
+
+    fn turn(&self, other: &Self, a: usize, b: usize) -> f64 {
+        let between = |n: &Self| n.cameras[a].rotation * n.cameras[b].rotation.inverse();
+        between(self).angle_to(&between(other))
+    }
+
+    /// Cameras that stand, and most of which look the same ways in another network: those that do not, by more than an angle, radians.
+    /// `None` where no more than half of them do, or none does not by itself.
+    pub fn turned_elsewhere(&self, other: &Self, by: f64) -> Option<Vec<usize>> {
+        let stand: Vec<usize> = (0..self.cameras.len()).filter(|&c| self.placed[c]).collect();
+        let elsewhere = |than: &usize| -> Vec<usize> {
+            stand.iter().copied().filter(|&c| !(self.turn(other, *than, c) <= by)).collect()
+        };
+        let fewest = stand.iter().map(elsewhere).min_by_key(Vec::len)?;
+        (!fewest.is_empty() && 2 * fewest.len() < stand.len()).then_some(fewest)
     }
 
     /// The network with a camera that stands at a place.
@@ -270,4 +285,33 @@ fn guesses(
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::ImageSize;
+    use nalgebra::Rotation3;
+
+    #[test]
+    fn those_that_look_elsewhere_are_told_from_most() {
+        let by_turns = |turns: &[f64]| {
+            let turned = |turn: &f64| Camera {
+                rotation: Rotation3::from_euler_angles(0.0, *turn, 0.0),
+                ..Camera::new(ImageSize::new(640, 480).unwrap(), 500.0)
+            };
+            Placed { cameras: turns.iter().map(turned).collect(), placed: vec![true; turns.len()] }
+        };
+        let still = by_turns(&[0.0; 5]);
+        let elsewhere = |turns: &[f64]| still.turned_elsewhere(&by_turns(turns), 0.05);
+        // Networks have no common frame: what all are turned by is nothing.
+        assert_eq!(elsewhere(&[1.0; 5]), None);
+        assert_eq!(elsewhere(&[1.0, 1.0, 1.2, 1.0, 1.04]), Some(vec![2]));
+        assert_eq!(elsewhere(&[0.3, 1.0, 1.0, 1.0, -0.3]), Some(vec![0, 4]));
+        assert_eq!(elsewhere(&[0.3, 0.5, 1.0, 1.0, 0.7]), None);
+        assert_eq!(elsewhere(&[f64::NAN, 0.0, 0.0, 0.0, 0.0]), Some(vec![0]));
+        // Whoever does not stand has no say.
+        let four = Placed { placed: vec![true, true, false, true, true], ..still.clone() };
+        assert_eq!(four.turned_elsewhere(&by_turns(&[0.0, 0.0, 0.9, 0.9, 0.9]), 0.05), None);
+    }
 }
