@@ -246,6 +246,8 @@ impl Calibration {
         for (name, value) in [
             ("tested_distance", e.tested_distance),
             ("plane_residual", e.plane_residual),
+            ("spread_of_bottoms", e.spread_of_bottoms),
+            ("tops_off_floor", e.tops_off_floor),
             ("may_turn", e.may_turn),
             ("holds", e.holds),
             ("halves_apart", e.halves_apart),

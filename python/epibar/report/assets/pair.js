@@ -11,6 +11,8 @@ const EVIDENCE = {
   explained_bottoms: ["lower edges explained", "of them", 0],
   tested_distance: ["from the geometry that was tested", "px over the volume where things moved", 2],
   plane_residual: ["distance from one plane", "widths of a silhouette", 2],
+  spread_of_bottoms: ["lower edges lie off any line by", "widths of a silhouette; little means one path", 2],
+  tops_off_floor: ["upper edges lie off the plane of the lower ones by", "widths of a silhouette; little means one plane", 2],
   may_turn: ["may turn about a plane by", "px over the images, without losing evidence; much means undetermined", 1],
   holds: ["holds throughout", "least share of the evidence that should be there, before or after some moment; below 0.5 a camera moved", 2],
   halves_apart: ["both halves of the recording", "px apart, where either asks for another geometry", 2],

@@ -87,6 +87,8 @@ fn evidence(e: &Evidence) -> Value {
     let where_known = [
         ("tested_distance", e.tested_distance),
         ("plane_residual", e.plane_residual),
+        ("spread_of_bottoms", e.spread_of_bottoms),
+        ("tops_off_floor", e.tops_off_floor),
         ("may_turn", e.may_turn),
         ("holds", e.holds),
         ("halves_apart", e.halves_apart),
@@ -191,6 +193,8 @@ pub(super) fn read(text: &str) -> Result<Calibration> {
         explained_by_chance: always("explained_by_chance")?,
         tested_distance: where_known("tested_distance")?,
         plane_residual: where_known("plane_residual")?,
+        spread_of_bottoms: where_known("spread_of_bottoms")?,
+        tops_off_floor: where_known("tops_off_floor")?,
         may_turn: where_known("may_turn")?,
         holds: where_known("holds")?,
         halves_apart: where_known("halves_apart")?,

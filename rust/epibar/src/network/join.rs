@@ -61,17 +61,16 @@ pub fn join(
     let Some(mut sifted) = case.sifted(&solver, best, &mut out, watch)? else {
         return Ok(case.without(&out));
     };
-    report(watch, Stage::Network, 0.7)?;
     let rivalled = loop {
-        let rivals = || networks.iter().filter(|rival| is_rival(&solver.some, &sifted.0, rival));
-        let Some(ambiguous) = rivals().map(|rival| case.ambiguous(&sifted, rival)).next() else {
-            break false;
-        };
-        let left = ambiguous.and_then(|bad| case.taken_out(&solver, &sifted.0, &bad, &mut out));
+        let rival = networks.iter().find(|rival| is_rival(&solver.some, &sifted.0, rival));
+        let Some(rival) = rival else { break false };
+        let bad = ambiguous(&sifted, rival);
+        let left = bad.and_then(|bad| case.taken_out(&solver, &sifted.0, &bad, &mut out));
         let Some(left) = left else { break true };
         let Some(left) = case.sifted(&solver, left, &mut out, watch)? else { return Ok(case.without(&out)) };
         sifted = left;
     };
+    report(watch, Stage::Network, 0.7)?;
     let finished = case.agreed(&solver, sifted);
     report(watch, Stage::Network, 0.9)?;
     Ok(case.network(&finished, &out, rivalled))
@@ -92,6 +91,18 @@ fn check(cameras: usize, pairs: &[PairFound], clocks: &Offsets) -> Result<()> {
 
 /// A network for every camera of which enough speaks.
 type Sifted = (Solved, Support);
+
+/// Cameras that stand elsewhere in a rival, in which most are where they are; `None` where most are not.
+fn ambiguous((now, support): &Sifted, rival: &Solved) -> Option<Vec<Out>> {
+    let elsewhere = now.network.turned_elsewhere(&rival.network, limits::RIVAL_TURN)?;
+    let status = CameraStatus::Ambiguous;
+    Some(
+        elsewhere
+            .into_iter()
+            .map(|c| Out { camera: c, status, deviates: support.cameras[c], at: None })
+            .collect(),
+    )
+}
 
 impl Case<'_> {
     /// The network without cameras for which nothing speaks; `None` where too few are left.
@@ -137,18 +148,6 @@ impl Case<'_> {
         network.cameras = standing(&network.cameras, &network.placed);
         let radius = Some(Again::FEWER_CAMERAS.after(&now.settled));
         Some(solver.settled(network, &now.beliefs, radius))
-    }
-
-    /// Cameras that stand elsewhere in a rival, in which most are where they are; `None` where most are not.
-    fn ambiguous(&self, (now, support): &Sifted, rival: &Solved) -> Option<Vec<Out>> {
-        let elsewhere = now.network.turned_elsewhere(&rival.network, limits::RIVAL_TURN)?;
-        let status = CameraStatus::Ambiguous;
-        Some(
-            elsewhere
-                .into_iter()
-                .map(|c| Out { camera: c, status, deviates: support.cameras[c], at: None })
-                .collect(),
-        )
     }
 
     fn knocked_a_little(&self, solver: &Solver, now: &Solved, support: &Support) -> Option<Out> {

@@ -9,7 +9,7 @@ use super::rivals::Rival;
 use super::thresholds::{
     CLEAN_RADIUS, DEEP_POSSIBLE, DEPTH, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND,
     MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z,
-    MIRROR_SHARE, PLACE, REPEATS, SAME, SHALLOW_POSSIBLE, reaches, within,
+    MIRROR_SHARE, PLACE, REPEATS, ROOM_AREA, ROOM_HEIGHT, SAME, SHALLOW_POSSIBLE, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -108,10 +108,16 @@ fn allowed(f: &Findings, most: f64) -> f64 {
     most.max(f.max_expected_error)
 }
 
+/// What moves fills a room, so that it does not matter how `F` goes on beyond it.
+fn fills_a_room(f: &Findings) -> bool {
+    reaches(f.evidence.spread_of_bottoms, ROOM_AREA) && reaches(f.evidence.tops_off_floor, ROOM_HEIGHT)
+}
+
 fn may_not_turn(f: &Findings) -> Option<Verdict> {
     let turned = f.evidence.may_turn;
     let most = f.scale * if is_flat(f) { FLAT_TURN } else { MAX_TURN };
     let most = if is_shallow(f) { most } else { allowed(f, most) };
+    let most = if fills_a_room(f) { f64::INFINITY } else { most };
     unless(within(turned, most), Kind::Undetermined, || prose::turns(turned))
 }
 
@@ -119,8 +125,11 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     if f.beyond_motion.is_nan() {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
-    let known = within(f.beyond_motion, if is_flat(f) { FLAT_BEYOND } else { MAX_BEYOND * f.scale });
-    let most = if is_flat(f) {
+    let strictly = is_flat(f) && !fills_a_room(f);
+    let known = within(f.beyond_motion, if strictly { FLAT_BEYOND } else { MAX_BEYOND * f.scale });
+    let most = if fills_a_room(f) {
+        f64::INFINITY
+    } else if is_flat(f) {
         FLAT_POSSIBLE * f.scale
     } else if is_shallow(f) {
         SHALLOW_POSSIBLE * f.scale
@@ -187,6 +196,8 @@ mod tests {
         explained_by_chance: 0.2,
         tested_distance: 0.1,
         plane_residual: 4.0,
+        spread_of_bottoms: 0.2,
+        tops_off_floor: 2.0,
         may_turn: 0.0,
         holds: 0.9,
         halves_apart: 0.0,
@@ -263,6 +274,27 @@ mod tests {
             kind(&Findings { best_radius: 3.0, beyond_motion: 1.9, ..findings(&GOOD, &walk) }),
             Kind::Accepted
         );
+        // Where what moves fills a room nobody asks how the geometry goes on beyond, but for what the covariance says.
+        let room = |plane_residual, may_turn, spread_of_bottoms, tops_off_floor| Evidence {
+            plane_residual,
+            spread_of_bottoms,
+            tops_off_floor,
+            may_turn,
+            ..GOOD
+        };
+        for (evidence, expected) in [
+            (room(0.5, 23.0, 0.8, 0.6), Kind::Accepted),
+            (room(1.5, 23.0, 0.8, 0.6), Kind::Accepted),
+            (room(4.0, 23.0, 0.8, 0.6), Kind::Accepted),
+            (room(0.5, 23.0, 0.7, 0.6), Kind::Undetermined),
+            (room(0.5, 23.0, 0.8, 0.4), Kind::Undetermined),
+            (room(0.5, 23.0, f64::NAN, 0.6), Kind::Undetermined),
+            (room(0.5, f64::NAN, 0.8, 0.6), Kind::Undetermined),
+        ] {
+            let far = Findings { beyond_motion: 1.9, possible_beyond: 23.0, ..findings(&evidence, &walk) };
+            assert_eq!(kind(&far), expected, "{evidence:?}");
+            assert_eq!(kind(&Findings { beyond_motion: 2.1, ..far }), Kind::Undetermined);
+        }
         // On an image of 160×120 two pixels are a quarter of eight, and not seen of outlines: with depth as much is allowed as where things moved.
         let turned = |plane_residual, may_turn| Evidence { plane_residual, may_turn, ..GOOD };
         for (evidence, possible_beyond, expected) in [

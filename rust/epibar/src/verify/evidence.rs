@@ -33,6 +33,12 @@ pub struct Evidence {
     /// How far four fifths of the frontier points lie from the best plane, in widths of a silhouette; NaN
     /// where there are too few to tell.
     pub plane_residual: f64,
+    /// How far four fifths of the bottoms that meet lie from any straight line, in widths of a silhouette, in the image in which that is
+    /// less: small on one path; NaN where that was not asked.
+    pub spread_of_bottoms: f64,
+    /// How far from the plane of the bottoms the tops lie, the median of those that do not meet by chance, in widths of a silhouette, or in 30 px of
+    /// a 640×480 image where it is narrower: small in one plane, on a bare floor and without a baseline; NaN where that was not asked.
+    pub tops_off_floor: f64,
     /// How far `F` may turn about the plane that half of the frontier points keep to without losing evidence: median over either
     /// image of the symmetric epipolar distance, pixels. 0 where it may not, or they keep to no plane; NaN where that was not
     /// asked.
@@ -69,6 +75,8 @@ impl Default for Evidence {
             explained_by_chance: 0.0,
             tested_distance: f64::NAN,
             plane_residual: f64::NAN,
+            spread_of_bottoms: f64::NAN,
+            tops_off_floor: f64::NAN,
             may_turn: f64::NAN,
             holds: f64::NAN,
             halves_apart: f64::NAN,

@@ -3,7 +3,7 @@
 //! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance ([`independence`] counts what its shifts are worth), and [`evidence`] holds what that
 //! gives, [`second_look`] with what other frames gave; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
 //! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
-//! everything and [`turning`] what is known off it, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
+//! everything and [`turning`] what is known off it, [`room`] whether what moves has the depth of a room, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
 //! the [`thresholds`], and says why in the words of [`prose`]; [`untestable`] refuses before there is anything to test, and
 //! [`trials`] takes account of a searched offset. What comes out is in [`verified`].
 
@@ -17,9 +17,11 @@ mod independence;
 mod moved;
 mod over_image;
 pub mod planarity;
+mod plane;
 mod prose;
 mod repetition;
 pub mod rivals;
+mod room;
 pub mod second_look;
 pub mod shift_curve;
 pub mod split;
@@ -57,6 +59,7 @@ use halves::{Halves, halves};
 use planarity::{median_width, plane_residual};
 use repetition::repeats;
 use rivals::{Winner, rivals};
+use room::Room;
 use second_look::{Earlier, LOOKS};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
@@ -133,6 +136,10 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     if reaches(evidence.z, MIN_Z) {
         let turned = may_turn(views, &winner, &matches, evidence.plane_residual, &volume);
         (evidence.may_turn, of_turned) = (turned.image, turned.volume);
+        let by_chance = 1.0 - beyond_chance(&evidence) / evidence.explained;
+        let widths = [&views.a, &views.b].map(median_width);
+        let room = Room::new(fundamental, &matches, by_chance, views.sizes(), widths);
+        (evidence.spread_of_bottoms, evidence.tops_off_floor) = (room.area, room.height);
         evidence.holds = holds(case.busy_views, fundamental, best_radius, watch)?;
         let Halves { apart, away } = halves(case.busy_views, fundamental, &volume, case.seed);
         (evidence.halves_apart, of_halves) = (apart, away);

@@ -8,19 +8,17 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix3, Vector3};
-use rand::RngExt;
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::over_image::image_distance;
+use super::plane::Plane;
 use super::rivals::Winner;
 use super::thresholds::{DEEP_TURNED_SHARE, DEPTH, MIN_POINTS, TURNED_SHARE, larger, reaches};
 use crate::frontier::volume::{Correspondence, disagreement};
 use crate::frontier::{TangentMatch, Views};
-use crate::geometry::fundamental::{denormaliser, normaliser};
-use crate::geometry::homography::{compatible, transfer_distance};
-use crate::geometry::{Fundamental, homography::PointMatch};
-use crate::random::Stream;
+use crate::geometry::Fundamental;
+use crate::geometry::fundamental::normaliser;
 use crate::refine::refine;
 
 /// How far apart over the images turned geometries start, pixels of a 640×480 image.
@@ -33,11 +31,6 @@ const ROUNDS: usize = 3;
 const FARTHEST: f64 = 0.8;
 /// Halvings that find the angle.
 const HALVINGS: usize = 24;
-/// Most points of which a plane is sought, and samples of three.
-const POINTS: usize = 1500;
-const SAMPLES: u64 = 400;
-/// Rounds of fitting the plane to the half of the points that is nearest.
-const FITS: usize = 5;
 
 /// How far off geometries are that turned about a plane and kept their evidence, the farthest, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,9 +62,12 @@ pub fn may_turn(
     if plane_residual.is_nan() || matches.len() < MIN_POINTS {
         return Turned::UNKNOWN;
     }
-    let Some(plane) = Plane::new(&winner.fundamental, matches, views) else { return Turned::UNKNOWN };
+    let Some(plane) = Plane::new(&winner.fundamental, matches.iter(), views.sizes()) else {
+        return Turned::UNKNOWN;
+    };
+    let turns = Turns { of: &winner.fundamental, views, plane };
     let share = if reaches(plane_residual, DEPTH) { DEEP_TURNED_SHARE } else { TURNED_SHARE };
-    plane
+    turns
         .turned(views.pixel_scale())
         .par_iter()
         .filter_map(|turned| refine(views, turned, &[winner.radius], ROUNDS))
@@ -83,65 +79,26 @@ pub fn may_turn(
         .reduce(|| Turned::NONE, Turned::or_larger)
 }
 
-/// A plane that `F` allows, in normalised coordinates.
-struct Plane<'f> {
+/// Geometries that turn about a plane.
+struct Turns<'f> {
     of: &'f Fundamental,
     views: &'f Views,
-    homography: Matrix3<f64>,
-    epipole_b: Vector3<f64>,
+    plane: Plane,
 }
 
-impl<'f> Plane<'f> {
-    /// The one to which half of the matches keep closest, by random samples, which are the same for any seed; `None` where all
-    /// samples are degenerate.
-    fn new(of: &'f Fundamental, matches: &[TangentMatch], views: &'f Views) -> Option<Self> {
-        let sizes = views.sizes();
-        let (ta, tb) = (normaliser(sizes[0]), normaliser(sizes[1]));
-        let f = denormaliser(sizes[1]).transpose() * of.matrix() * denormaliser(sizes[0]);
-        let epipole_b = (tb * of.epipole_b()).normalize();
-        let on_line = |p: &TangentMatch| {
-            let (a, b) = (ta * Vector3::new(p.a[0], p.a[1], 1.0), tb * Vector3::new(p.b[0], p.b[1], 1.0));
-            let line = f * a;
-            let off = line.dot(&b) / line.xy().norm_squared();
-            (a, b - off * Vector3::new(line.x, line.y, 0.0))
-        };
-        let points: Vec<PointMatch> =
-            matches.iter().step_by(matches.len().div_ceil(POINTS).max(1)).map(on_line).collect();
-        let of_half = |chosen: &[PointMatch]| {
-            let homography = compatible(&f, &epipole_b, chosen)?;
-            let mut distances: Vec<f64> = points.iter().map(|m| transfer_distance(&homography, m)).collect();
-            let half = distances.len() / 2;
-            let (_, median, _) = distances.select_nth_unstable_by(half, f64::total_cmp);
-            Some((*median, homography))
-        };
-        let sample = |k: u64| {
-            let mut random = Stream::Turns.generator(0, k);
-            let three: [PointMatch; 3] =
-                std::array::from_fn(|_| points[random.random_range(0..points.len())]);
-            of_half(&three)
-        };
-        let mut best = (0..SAMPLES).into_par_iter().filter_map(sample).min_by(|p, q| p.0.total_cmp(&q.0))?;
-        for _ in 0..FITS {
-            let near = points.iter().filter(|m| transfer_distance(&best.1, m) <= best.0).copied();
-            match of_half(&near.collect::<Vec<_>>()) {
-                Some(closer) if closer.0 < best.0 => best = closer,
-                _ => break,
-            }
-        }
-        Some(Self { of, views, homography: best.1, epipole_b })
-    }
-
+impl Turns<'_> {
     /// `[e']× H` with the epipole moved by an angle towards one side.
     fn with_epipole(&self, side: &Vector3<f64>, angle: f64) -> Option<Fundamental> {
         let [a, b] = self.views.sizes();
-        let epipole = self.epipole_b * angle.cos() + side * angle.sin();
-        let matrix = normaliser(b).transpose() * epipole.cross_matrix() * self.homography * normaliser(a);
+        let epipole = self.plane.epipole_b * angle.cos() + side * angle.sin();
+        let matrix =
+            normaliser(b).transpose() * epipole.cross_matrix() * self.plane.homography * normaliser(a);
         Fundamental::from_matrix(&matrix, a, b)
     }
 
     /// The geometries that are [`AWAY`] over the images, to all sides.
     fn turned(&self, scale: f64) -> Vec<Fundamental> {
-        let e = self.epipole_b;
+        let e = self.plane.epipole_b;
         let across = e.cross(&Vector3::ith(e.iamin(), 1.0)).normalize();
         let along = e.cross(&across);
         let sides = (0..SIDES).map(|k| {

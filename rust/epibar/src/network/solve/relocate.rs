@@ -79,9 +79,9 @@ impl Placed {
     /// `None` where no more than half of them do, or none does not by itself.
     pub fn turned_elsewhere(&self, other: &Self, by: f64) -> Option<Vec<usize>> {
         let stand: Vec<usize> = (0..self.cameras.len()).filter(|&c| self.placed[c]).collect();
-        let elsewhere = |than: &usize| -> Vec<usize> {
-            stand.iter().copied().filter(|&c| !(self.turn(other, *than, c) <= by)).collect()
-        };
+        let alike = |a: usize, b: usize| self.turn(other, a, b) <= by;
+        let elsewhere =
+            |than: &usize| -> Vec<usize> { stand.iter().copied().filter(|&c| !alike(*than, c)).collect() };
         let fewest = stand.iter().map(elsewhere).min_by_key(Vec::len)?;
         (!fewest.is_empty() && 2 * fewest.len() < stand.len()).then_some(fewest)
     }
