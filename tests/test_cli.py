@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -244,6 +245,21 @@ def test_a_missing_file_is_named(masks, tmp_path, capsys):
     assert "nowhere.mp4" in told
     assert "accepted: 0 of 1 pairs; errors: 1, see above" in told.splitlines()[-1]
     assert read(tmp_path / "o")["pairs"] == []
+
+
+def test_where_nothing_can_be_read_earlier_results_stay(masks, tmp_path, capsys):
+    out, videos = tmp_path / "out", [tmp_path / Path(name).name for name in masks[:2]]
+    for name, video in zip(masks, videos, strict=False):
+        video.write_bytes(Path(name).read_bytes())
+    words = ["calibrate", *map(str, videos), "--masks", "--out", str(out), *FAST]
+    assert main(words) == 0
+    before = {path: path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    for video in videos:  # as where a drive is not there
+        video.unlink()
+    capsys.readouterr()
+    assert main([word for word in words if word != "--quiet"]) == 2
+    assert "errors: 2, see above; what an earlier run wrote in" in capsys.readouterr().err.splitlines()[-1]
+    assert {path: path.read_bytes() for path in out.rglob("*") if path.is_file()} == before
 
 
 @pytest.mark.parametrize(

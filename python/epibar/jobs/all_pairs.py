@@ -39,13 +39,15 @@ class AllPairs:
     errors : list of dict of str to str
         What could not be done: ``message``, and ``camera`` and ``file``, or ``a`` and ``b``.
     content : dict
-        What was written to calibration.json.
+        What calibration.json holds of this run.
     network : Network or None
         Of all cameras; where there is none ``content["network_reason"]`` says why.
     searched : sequence of (str, str)
         Pairs that were to be done: all, or of more than six cameras those that a network needs.
     network_files : sequence of Path
         Where the network was written.
+    leaves_earlier : bool
+        Whether nothing came of it, and the results of an earlier run stay in the folder as they are.
     """
 
     recordings: dict[str, Recording]
@@ -55,6 +57,7 @@ class AllPairs:
     network: Network | None = None
     searched: Sequence[tuple[str, str]] = ()
     network_files: Sequence[Path] = ()
+    leaves_earlier: bool = False
 
     def __repr__(self) -> str:
         accepted = sum(calibration.accepted for calibration in self.calibrations.values())
@@ -219,7 +222,7 @@ def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> A
         runner = Runner(job, folder, executor, watch)
         runner.run()
     results = runner.results
-    if job.report:
+    if job.report and not results.leaves_earlier:
         watch.note("writing the report ...")
         results.write_report()
     runner.tally.finished()
@@ -235,6 +238,7 @@ def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> A
         results.network,
         runner.searched,
         results.network_files,
+        results.leaves_earlier,
     )
 
 

@@ -57,6 +57,7 @@ class Results:
         self.no_network: str | None = "the run was not finished"
         self.network_files: list[Path] = []
         self._job = job
+        self._earlier = self.path.exists()
         self._files: dict[Pair, dict[str, str]] = {}
         self._written = time.monotonic()
         self._in_file = 0
@@ -65,6 +66,11 @@ class Results:
     def path(self) -> Path:
         """The file calibration.json."""
         return self._job.out / RESULT
+
+    @property
+    def leaves_earlier(self) -> bool:
+        """Whether nothing came of the run, and what an earlier one wrote stays as it is."""
+        return self._earlier and bool(self.errors) and not self.calibrations
 
     def take(self, camera: CameraInput, recording: Recording) -> None:
         """Take a recording; its pictures stay here when it goes to the tasks of its pairs."""
@@ -150,6 +156,8 @@ class Results:
 
     def write_network(self, key: str | None, tables: bool = True) -> list[str]:
         """Write the network's own files, with its tables or without, or remove old ones; returns warnings."""
+        if self.leaves_earlier:
+            return []
         job, network = self._job, self.network
         lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
         recordings = {camera.name: recording for camera, recording in self.recordings.items()}
@@ -205,6 +213,8 @@ class Results:
 
     def write(self) -> None:
         """Write calibration.json."""
+        if self.leaves_earlier:
+            return
         self._folder.will_write(self.path)
         write_json(self.path, self.content())
         self._written, self._in_file = time.monotonic(), len(self._files)
