@@ -16,10 +16,12 @@ from jobs_input import WORDS, write_masks
 
 import epibar
 from epibar import synthetic
+from epibar.calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS
 from epibar.cli import main
 from epibar.cli.exit_codes import DONE, PARTLY, UNUSABLE, exit_code
 from epibar.cli.parser import COMMANDS, build_parser
 from epibar.evaluation import image_correspondences
+from epibar.recording import DEFAULT_LINES
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +54,14 @@ def test_videos_are_left_alone(words):
         None,
         "D",
     )
+
+
+def test_defaults_are_those_of_the_package():
+    # Written out there, as help is shown without loading the compiled module.
+    given = build_parser().parse_args(["calibrate", "c1", "c2", "-o", "D"])
+    assert (given.search_seconds, given.max_expected_error) == (SEARCH_SECONDS, MAX_EXPECTED_ERROR)
+    assert given.lines == DEFAULT_LINES
+    assert build_parser().parse_args(["check", "D", "c1"]).search_seconds == SEARCH_SECONDS
 
 
 def test_where_videos_begin_is_said_if_it_was_guessed(capsys):

@@ -5,11 +5,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "MAP_SHAPE",
+    "MAX_EXPECTED_ERROR",
+    "MAX_LINES",
+    "MOST_DRIFT",
     "NINE_IN_TEN",
     "NINE_IN_TEN_IN_SPACE",
     "PAIR_DEVIATES",
     "RIVALS",
     "RIVAL_SHARE",
+    "SEARCH_SECONDS",
+    "SOME_Z",
     "TANGENTIAL",
     "Calibration",
     "Mixture",
@@ -39,11 +45,17 @@ __all__ = [
     "walker_tracks",
 ]
 
+MAP_SHAPE: tuple[int, int]
+MAX_EXPECTED_ERROR: float
+MAX_LINES: int
+MOST_DRIFT: float
 NINE_IN_TEN: float
 NINE_IN_TEN_IN_SPACE: float
 PAIR_DEVIATES: float
 RIVALS: int
 RIVAL_SHARE: float
+SEARCH_SECONDS: float
+SOME_Z: float
 TANGENTIAL: float
 
 @final

@@ -35,13 +35,13 @@ __all__ = ["METHODS", "Calibration", "Candidates", "FrontierPoints", "Timing", "
 
 METHODS = ("frontier", "lines")
 
-MAX_EXPECTED_ERROR = 3.0
+MAX_EXPECTED_ERROR = _core.MAX_EXPECTED_ERROR
 """Pixels: a pair that states more is refused by default."""
 
-MAP_SHAPE = (24, 32)
+MAP_SHAPE = _core.MAP_SHAPE
 """Rows and columns of an error map."""
 
-SEARCH_SECONDS = 21.0
+SEARCH_SECONDS = _core.SEARCH_SECONDS
 """How far either way an offset is looked for, of a pair or of the clocks of a network, unless it is said."""
 
 

@@ -46,7 +46,7 @@ FORMAT = 1
 KIND = "a recording saved by epibar"
 MARK = "epibar_recording"
 PREFIX = "core_"
-MAX_LINES = 10_000_000
+MAX_LINES = _core.MAX_LINES
 
 
 class Recording:

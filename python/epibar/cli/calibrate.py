@@ -157,7 +157,8 @@ def _summary(job: Job, found: AllPairs) -> str:
     accepted = sum(calibration.accepted for calibration in found.calibrations.values())
     said = f"accepted: {accepted} of {len(found.searched)} pairs"
     if found.leaves_earlier:
-        return f"{said}; errors: {len(found.errors)}, see above; what an earlier run wrote in {job.out} stays as it is"
+        stays = f"what an earlier run wrote in {job.out} stays as it is"
+        return f"{said}; errors: {len(found.errors)}, see above; {stays}"
     files = ["calibration.json"]
     if found.network is not None:
         cameras = len(found.network.cameras) - len(found.network.left_out)

@@ -55,9 +55,10 @@ def add_options(command: CommandParser) -> None:
     group.add_argument(
         "--search-seconds",
         type=seconds,
-        default=30.0,
+        default=21.0,
         metavar="S",
-        help="how far either way a time offset is looked for (default: %(default)g)",
+        help="how far either way a time offset is looked for: raise it for cameras started further apart "
+        "(default: %(default)g)",
     )
     command.add_argument(
         "--update",

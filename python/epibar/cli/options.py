@@ -87,8 +87,9 @@ def add_output_options(command: argparse.ArgumentParser, json: str | None = None
     group = command.add_argument_group("what is printed")
     if json is not None:
         group.add_argument("--json", action="store_true", help=json)
-    group.add_argument("-q", "--quiet", action="store_true", help="errors only")
-    group.add_argument(
+    how_much = group.add_mutually_exclusive_group()
+    how_much.add_argument("-q", "--quiet", action="store_true", help="errors only")
+    how_much.add_argument(
         "-v",
         "--verbose",
         action="store_true",

@@ -28,7 +28,8 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         several,
         "--background",
         metavar="VIDEO",
-        purpose="videos of the empty scene{each}: when people stand still for long",
+        purpose=("a video of the empty scene", "videos of the empty scene, one per camera in the same order"),
+        when="when people stand still for long",
     )
     _add_each(
         command,
@@ -36,7 +37,11 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         several,
         "--ignore",
         metavar="MASK.png",
-        purpose="images, white where motion does not count{each}: trees, screens, a clock in the picture",
+        purpose=(
+            "an image, white where motion does not count",
+            "images, white where motion does not count, one per camera in the same order",
+        ),
+        when="trees, screens, a clock in the picture",
     )
     group.add_argument(
         "--masks",
@@ -91,14 +96,16 @@ def _add_each(
     group: argparse._ArgumentGroup,
     several: bool,
     option: str,
-    purpose: str,
+    purpose: tuple[str, str],
+    when: str,
     **options: Any,
 ) -> None:
+    """Add an option that takes one value, or one for each of several cameras, and say it of either."""
+    of_one, of_each = purpose
     if several:
-        each = ", one per camera in the same order"
-        command.add_for_each_video(group, option, help=purpose.format(each=each), **options)
+        command.add_for_each_video(group, option, help=f"{of_each}: {when}", **options)
     else:
-        group.add_argument(option, help=purpose.format(each=" of this camera"), **options)
+        group.add_argument(option, help=f"{of_one}: {when}", **options)
 
 
 def record_options(args: argparse.Namespace) -> RecordOptions:

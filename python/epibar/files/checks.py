@@ -11,6 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from .. import _core
 from ..arguments import is_number
 from ..errors import EpibarError
 
@@ -19,7 +20,7 @@ __all__ = ["LONGEST_SIDE", "check_calibration", "check_format", "check_recording
 LONGEST_SIDE = 16_384
 """Pixels of an image, either way."""
 
-MOST_LINES = 10_000_000
+MOST_LINES = _core.MAX_LINES
 
 
 class Shaped(Protocol):

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import _core
 from ..arguments import Array, is_number
 from ..clocks import frame_interval
 from ..errors import EpibarError
@@ -20,7 +21,7 @@ __all__ = ["StartTime", "start_times"]
 LONGEST_OFFSET = 1e8
 """Seconds, three years: no two videos of one scene are further apart."""
 
-MOST_DRIFT = 1e5
+MOST_DRIFT = _core.MOST_DRIFT
 """Parts per million. No clock is wrong by a tenth."""
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from .. import _core
 from ..calibration import Calibration
 
 __all__ = ["advice", "verdict_prose"]
 
-SOME_EVIDENCE = 2.0
+SOME_EVIDENCE = _core.SOME_Z
 """Standard deviations above chance: by chance one pair in 44 has more."""
 
 TITLES = {

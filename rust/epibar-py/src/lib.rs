@@ -46,11 +46,17 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;
     module.add_function(wrap_pyfunction!(tracks::walker_tracks, module)?)?;
+    module.add("MAP_SHAPE", (internals::MAP_ROWS, internals::MAP_COLUMNS))?;
+    module.add("MAX_EXPECTED_ERROR", internals::MAX_EXPECTED_ERROR)?;
+    module.add("MAX_LINES", internals::MAX_LINES)?;
+    module.add("MOST_DRIFT", internals::MOST_DRIFT)?;
     module.add("NINE_IN_TEN", internals::NINE_IN_TEN)?;
     module.add("NINE_IN_TEN_IN_SPACE", internals::NINE_IN_TEN_IN_SPACE)?;
     module.add("PAIR_DEVIATES", internals::PAIR_DEVIATES)?;
     module.add("RIVALS", internals::RIVALS)?;
     module.add("RIVAL_SHARE", internals::RIVAL_SHARE)?;
+    module.add("SEARCH_SECONDS", internals::SEARCH_SECONDS)?;
+    module.add("SOME_Z", internals::SOME_Z)?;
     module.add("TANGENTIAL", internals::TANGENTIAL)?;
     Ok(())
 }

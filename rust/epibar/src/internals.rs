@@ -25,22 +25,27 @@ pub use crate::matching::{
     Candidate, CandidateOptions, Candidates, Match, MotionLineOptions, correlation, find_candidates,
     motion_lines, mutual_matches,
 };
+pub use crate::network::clocks::MOST_DRIFT;
 pub use crate::network::input::TANGENTIAL;
 pub use crate::network::optics::Optics;
 pub use crate::network::pair::{RIVAL_SHARE, RIVALS};
 pub use crate::network::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
 pub use crate::network::support::PAIR_DEVIATES;
+pub use crate::options::{MAX_EXPECTED_ERROR, SEARCH_SECONDS};
 pub use crate::random::generator;
 pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;
 pub use crate::recording::components::Components;
 pub use crate::recording::hull::convex_hull;
 pub use crate::recording::pixel_words::{BLOCK_FRAMES, PixelBlock};
+pub use crate::recording::recorder::MAX_LINES;
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
 pub use crate::refine::refine;
 pub use crate::search::resampled;
+pub use crate::verify::error_map::{COLUMNS as MAP_COLUMNS, ROWS as MAP_ROWS};
 pub use crate::verify::planarity::plane_residual;
 pub use crate::verify::rivals::Winner;
 pub use crate::verify::shift_curve::{HeldOut, normal_deviate, shift_curve};
+pub use crate::verify::thresholds::SOME_Z;
 pub use crate::verify::turning::may_turn;

@@ -5,6 +5,11 @@ use crate::error::{Error, Result};
 use crate::geometry::CameraMatrices;
 use crate::matching::CandidateOptions;
 
+/// A result that states a larger error, pixels, is refused unless something else is said.
+pub const MAX_EXPECTED_ERROR: f64 = 3.0;
+/// How far either way offsets of clocks are looked for, seconds, unless something else is said.
+pub const SEARCH_SECONDS: f64 = 21.0;
+
 /// How `F` is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -72,7 +77,7 @@ impl Default for CalibrateOptions {
             cameras: None,
             candidates: 1000,
             draws: 10_000,
-            max_expected_error: 3.0,
+            max_expected_error: MAX_EXPECTED_ERROR,
             matching: CandidateOptions::default(),
         }
     }

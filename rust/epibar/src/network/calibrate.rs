@@ -12,7 +12,7 @@ use crate::calibrate::calibrate_watched;
 use crate::clock::TimeOffset;
 use crate::error::{Error, Result};
 use crate::geometry::CameraMatrices;
-use crate::options::CalibrateOptions;
+use crate::options::{CalibrateOptions, SEARCH_SECONDS};
 use crate::recording::Recording;
 use crate::watch::{Stage, Unwatched, Watch, report};
 
@@ -41,7 +41,7 @@ pub struct NetworkOptions {
 
 impl Default for NetworkOptions {
     fn default() -> Self {
-        Self { pairs: CalibrateOptions::default(), time: NetworkTime::Search { seconds: 21.0 } }
+        Self { pairs: CalibrateOptions::default(), time: NetworkTime::Search { seconds: SEARCH_SECONDS } }
     }
 }
 

@@ -69,7 +69,7 @@ pub use given::clocks::Offsets;
 pub use given::input::{Aspect, CameraInput, Knowledge};
 pub use given::pair::PairFound;
 pub use given::posed::PosedCamera;
-pub(crate) use given::{input, pair};
+pub(crate) use given::{clocks, input, pair};
 pub use join::join;
 pub(crate) use model::optics;
 pub use result::{

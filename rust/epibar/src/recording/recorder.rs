@@ -17,7 +17,7 @@ use crate::image::{ImageSize, Segment};
 use std::sync::Arc;
 
 /// Most lines a recorder takes: their barcodes are 64 bytes each per 512 frames.
-const MAX_LINES: usize = 10_000_000;
+pub const MAX_LINES: usize = 10_000_000;
 
 /// How to record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -17,8 +17,9 @@ use crate::geometry::seven_parameters::{Information, SevenParameters, Step};
 use crate::image::ImageSize;
 
 /// Cells of a map.
-const ROWS: usize = 24;
-const COLUMNS: usize = 32;
+pub const ROWS: usize = 24;
+/// From left to right.
+pub const COLUMNS: usize = 32;
 
 /// What is known of the error of a geometry.
 #[derive(Debug, Clone)]

@@ -14,6 +14,9 @@ use crate::network::thresholds as limits;
 use crate::recording::Recording;
 use crate::watch::{Stage, Unwatched, Watch, report};
 
+/// No clock is wrong by a tenth, ppm.
+pub const MOST_DRIFT: f64 = 1e5;
+
 /// What the barcodes of a pair say of its clocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairOffset {

@@ -23,6 +23,7 @@ use groups::{Group, Scale, groups};
 use linking::Crowd;
 use sightings::{Eye, Sighting, sightings};
 
+use super::given::clocks::MOST_DRIFT;
 use super::given::input::INSET;
 use super::given::posed::{EXPECTED, PosedCamera};
 use super::model::camera::Camera;
@@ -67,8 +68,6 @@ const FRAMES: usize = 250;
 const WITH_SIGHTINGS: usize = 1000;
 /// Moments of which everything is held in memory at once.
 const AT_ONCE: usize = 1500;
-/// No clock is wrong by a tenth, ppm.
-const MOST_DRIFT: f64 = 1e5;
 /// Radius to begin with, pixels of a 640×480 image.
 const WIDEST: f64 = 6.0;
 
