@@ -1,11 +1,18 @@
 //! Is it true, and how far off may it be?
 //!
-//! [`split`] keeps frames aside, [`mod@shift_curve`] tests a geometry on them against chance ([`independence`] counts what its shifts are worth), and [`evidence`] holds what that
-//! gives, [`second_look`] with what other frames gave; [`repetition`] asks whether what moves looks the same with others in its place, [`throughout`] whether all parts of the recording
-//! agree, or [`moved`] cameras explain one, [`mod@halves`] whether either half asks for another, [`planarity`] whether one plane explains
-//! everything and [`turning`] what is known off it, [`room`] whether what moves has the depth of a room, [`mod@rivals`] whether another geometry explains as much, and [`mod@covariance`] how far off it may be, which [`error_map`] draws over the images. [`mod@decide`] goes through the tests, by
-//! the [`thresholds`], and says why in the words of [`prose`]; [`untestable`] refuses before there is anything to test, and
-//! [`trials`] takes account of a searched offset. What comes out is in [`verified`].
+//! * `split`: keeps frames aside.
+//! * `shift_curve`, `independence`: a geometry on these against chance, which shifted clocks have to offer; what the shifts are worth.
+//! * `evidence`, `second_look`: the numbers that this gives, and with them what other frames gave.
+//! * `repetition`: does what moves look the same with others in its place?
+//! * `throughout`, `moved`: do all parts of the recording agree, or does a moved camera explain one?
+//! * `halves`: does either half ask for another geometry?
+//! * `planarity`, `plane`, `turning`: does one plane explain everything, which one is it, and how far may `F` turn about it?
+//! * `room`: has what moves the depth of a room?
+//! * `rivals`: does another geometry explain as much?
+//! * `covariance`, `error_map`, `over_image`: how far off it may be, where in the images, and places all over these.
+//! * `untestable`, `trials`: what is refused before there is anything to test, and what is allowed for a searched offset.
+//! * `findings`, `decide`, `thresholds`, `prose`: what the tests look at, the tests in their order, their numbers and their words.
+//! * `verdict`, `verified`: what comes out.
 
 pub mod covariance;
 pub mod decide;
@@ -63,8 +70,9 @@ use room::Room;
 use second_look::{Earlier, LOOKS};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
 use thresholds::{
-    CLEAN_RADIUS, COARSE_SHARE, CONVEX, FAINT_CLASS_Z, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, MIN_Z,
-    NEIGHBOUR, NEIGHBOUR_SHARE, ROUGH_DEVIATION, SHIFTS, STANDS_IN, larger, reaches, within,
+    CLEAN_RADIUS, COARSE_SHARE, CONVEX, FAINT_CLASS_Z, FIT_FACTOR, GENEROUS_RADIUS, GRID_ERROR,
+    LEAST_EXPLAINED, LEAST_RADIUS, LEAST_TESTED_RADIUS, MIN_Z, NEIGHBOUR, NEIGHBOUR_SHARE, RADIUS_DEVIATIONS,
+    ROUGH_DEVIATION, SHIFTS, STANDS_IN, UNKNOWN_RADIUS, larger, reaches, within,
 };
 use throughout::holds;
 use trials::left;
@@ -108,7 +116,7 @@ pub struct Case<'a> {
 pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> Result<Verified> {
     let views = case.views;
     let scale = views.pixel_scale();
-    let radius = radius_of(&compare(views, fundamental, 6.0 * scale).matches, scale);
+    let radius = radius_of(&compare(views, fundamental, GENEROUS_RADIUS * scale).matches, scale);
     let matches = compare(views, fundamental, radius).matches;
 
     let fitted = case.found.fitted;
@@ -180,8 +188,9 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
 
 /// The radius follows the masks: three times the deviation of what meets at a generous one.
 fn radius_of(generous: &[TangentMatch], scale: f64) -> f64 {
-    let radius = (3.0 * robust_deviation(generous)).clamp(1.0 * scale, 6.0 * scale);
-    if radius.is_nan() { 3.0 * scale } else { radius }
+    let radius = RADIUS_DEVIATIONS * robust_deviation(generous);
+    let radius = radius.clamp(LEAST_RADIUS * scale, GENEROUS_RADIUS * scale);
+    if radius.is_nan() { UNKNOWN_RADIUS * scale } else { radius }
 }
 
 /// The curve over time shifts, on the frames kept aside, of what the others were fitted with, and its sum: with that of other
@@ -193,13 +202,13 @@ fn tested(
     alike: Option<&Earlier>,
 ) -> (ShiftCurve, Evidence) {
     let scale = case.busy_views.pixel_scale();
-    let generous = compare(case.fitted_views, fitted, 6.0 * scale).matches;
+    let generous = compare(case.fitted_views, fitted, GENEROUS_RADIUS * scale).matches;
     let held_out = HeldOut {
         views: case.busy_views,
         fitted: case.fitted_views,
         tested: &case.split.tested,
         stay: case.split.gap,
-        radius: radius_of(&generous, scale).max(2.0 * scale),
+        radius: radius_of(&generous, scale).max(LEAST_TESTED_RADIUS * scale),
     };
     let curve = shift_curve(&held_out, fitted, SHIFTS);
     let curve = match alike {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::thresholds::{MIN_COMPARED, RIVAL_SHARE, RIVAL_Z, reaches, within};
+use super::thresholds::{MIN_COMPARED, MOST_OF_CAMERAS, RIVAL_SHARE, RIVAL_Z, reaches, within};
 use crate::frontier::Views;
 use crate::frontier::symmetric::{SymmetricScore, score_by_frame, symmetric_score};
 use crate::frontier::volume::{Correspondence, disagreement};
@@ -107,9 +107,6 @@ pub fn rivals(winner: &Winner, others: &[Solution], volume: &[Correspondence]) -
     rivals.sort_by(|p, q| q.share.total_cmp(&p.share));
     rivals
 }
-
-/// What matrices say for or against a rival counts for so many deviations at most: they are measured too.
-const MOST_OF_CAMERAS: f64 = 3.0;
 
 /// Two independent deviates as one, with squares that add up as logarithms of likelihoods do: that of the evidence, and by how
 /// much worse than the winner the rival agrees with the camera matrices.

@@ -31,6 +31,17 @@ pub const MIN_LINES: usize = 2;
 /// Fewest candidates that make a pencil.
 pub const MIN_CANDIDATES: usize = 3;
 
+/// Tangents meet within so many deviations of what meets at [`GENEROUS_RADIUS`]: nearly all of those that are right.
+pub const RADIUS_DEVIATIONS: f64 = 3.0;
+/// Within this they meet at first, and no farther apart, pixels of a 640×480 image: four times the radius of clean outlines.
+pub const GENEROUS_RADIUS: f64 = 6.0;
+/// They meet within at least this, whatever the deviation, pixels of a 640×480 image: outlines are of whole pixels in both.
+pub const LEAST_RADIUS: f64 = 1.0;
+/// Within this where too few meet to tell a deviation, pixels of a 640×480 image.
+pub const UNKNOWN_RADIUS: f64 = 3.0;
+/// Against chance within at least this, pixels of a 640×480 image: what was fitted to other frames is off by more than a pixel on those kept aside.
+pub const LEAST_TESTED_RADIUS: f64 = 2.0;
+
 /// Evidence below this normal deviate on frames kept aside is none. Unrelated pairs were never seen to reach 3, true ones of
 /// 400 frames stood at 7 and more.
 pub const MIN_Z: f64 = 5.0;
@@ -105,7 +116,9 @@ pub const PLACE: f64 = 4.0;
 pub const MAX_BEYOND: f64 = 2.0;
 /// A different geometry whose score differs by less than this many standard deviations may be the truth as well.
 pub const RIVAL_Z: f64 = 2.5;
-/// One that has no more than this share of the evidence is not the truth, however few blocks of time there are to tell by. Where the truth itself
+/// What matrices say for or against a rival counts for so many deviations at most: they are measured too.
+pub const MOST_OF_CAMERAS: f64 = 3.0;
+/// A geometry that has no more than this share of the evidence is not the truth, however few blocks of time there are to tell by. Where the truth itself
 /// was found and lost, it had 0.75 of the evidence at the least.
 pub const RIVAL_SHARE: f64 = 0.5;
 /// Geometries that differ by less are one, pixels of a 640×480 image.
