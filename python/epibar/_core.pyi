@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "GRID",
     "MAP_SHAPE",
     "MAX_EXPECTED_ERROR",
     "MAX_LINES",
@@ -45,6 +46,7 @@ __all__ = [
     "walker_tracks",
 ]
 
+GRID: float
 MAP_SHAPE: tuple[int, int]
 MAX_EXPECTED_ERROR: float
 MAX_LINES: int

@@ -15,7 +15,7 @@ from ..recording import Recording
 
 __all__ = ["ClockOffsets", "find_offsets", "given_offsets", "pairs_to_add", "pairs_to_search"]
 
-GRID = 0.04
+GRID = _core.GRID
 """Seconds. A search starts from a found offset rounded to this, which it sharpens anyway: so the same search
 is known again though one more camera moved all offsets by a millisecond."""
 

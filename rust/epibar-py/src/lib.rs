@@ -46,6 +46,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(scores::score_lines, module)?)?;
     module.add_function(wrap_pyfunction!(scores::score_tangents, module)?)?;
     module.add_function(wrap_pyfunction!(tracks::walker_tracks, module)?)?;
+    module.add("GRID", internals::GRID)?;
     module.add("MAP_SHAPE", (internals::MAP_ROWS, internals::MAP_COLUMNS))?;
     module.add("MAX_EXPECTED_ERROR", internals::MAX_EXPECTED_ERROR)?;
     module.add("MAX_LINES", internals::MAX_LINES)?;

@@ -25,7 +25,7 @@ pub use crate::matching::{
     Candidate, CandidateOptions, Candidates, Match, MotionLineOptions, correlation, find_candidates,
     motion_lines, mutual_matches,
 };
-pub use crate::network::clocks::MOST_DRIFT;
+pub use crate::network::clocks::{GRID, MOST_DRIFT};
 pub use crate::network::input::TANGENTIAL;
 pub use crate::network::optics::Optics;
 pub use crate::network::pair::{RIVAL_SHARE, RIVALS};

@@ -145,6 +145,24 @@ fn two_cameras_need_to_be_known() {
 }
 
 #[test]
+fn two_known_cameras_are_tried_together_before_an_offset_is_searched_for() {
+    let scene = Scene::new(5, FRAMES, 9);
+    let cameras = &cameras()[..2];
+    let known: Vec<Knowledge> = cameras.iter().map(|c| Knowledge::new().matrix(c.matrix())).collect();
+    for late in [0.0, 31.0] {
+        let recordings = [recorded(&scene, &cameras[0], 0.0, 0), recorded(&scene, &cameras[1], late, 1)];
+        let found = network(&recordings, &known, NetworkTime::Search { seconds: 3.0 });
+        assert!(found.accepted, "{late}: {}", found.reason);
+        assert!(errors(&found, cameras).0 < 0.3, "{late}");
+        let offset = found.cameras[1].clock().unwrap().0;
+        assert!((offset - late * recordings[1].frame_interval()).abs() < 0.02, "{late}: {offset}");
+    }
+    let recordings = [recorded(&scene, &cameras[0], 0.0, 0), recorded(&scene, &cameras[1], 0.0, 1)];
+    let unknown = network(&recordings, &[], NetworkTime::Search { seconds: 3.0 });
+    assert!(unknown.cameras.iter().all(|c| c.status == CameraStatus::TooFew), "{}", unknown.reason);
+}
+
+#[test]
 fn a_false_focal_length_is_named_and_the_others_stand() {
     let scene = Scene::new(5, FRAMES, 7);
     let cameras = cameras();

@@ -9,6 +9,7 @@ use super::given::pair_choice::{ALL_PAIRS, all_pairs, chosen};
 use super::join::join;
 use super::result::Network;
 use crate::calibrate::calibrate_watched;
+use crate::calibration::Calibration;
 use crate::clock::TimeOffset;
 use crate::error::{Error, Result};
 use crate::geometry::CameraMatrices;
@@ -86,6 +87,17 @@ pub fn calibrate_network_watched(
     watch: &mut dyn Watch,
 ) -> Result<Network> {
     check(cameras)?;
+    if let [first, second] = cameras {
+        if !(first.known.has_focal() && second.known.has_focal()) {
+            // No search can help: it is said what is missing.
+            return join(cameras, &[], &Offsets::given(vec![0.0; 2]), watch);
+        }
+        if let NetworkTime::Search { seconds } = options.time {
+            let pair = unsynchronised([first, second], &options.pairs, seconds, watch)?;
+            let found: Vec<PairFound> = PairFound::of(0, 1, &pair).into_iter().collect();
+            return join(cameras, &found, &offsets_of_pair(second.recording, &pair), watch);
+        }
+    }
     let recordings: Vec<&Recording> = cameras.iter().map(|c| c.recording).collect();
     let offsets = clock_offsets(&recordings, &options.time, watch)?;
     let searched = pairs_to_search(&recordings, &offsets)?;
@@ -169,12 +181,14 @@ fn options_of_pair(
     a: usize,
     b: usize,
 ) -> CalibrateOptions {
-    let frames = (offsets.seconds[b] - offsets.seconds[a]) / cameras[b].recording.frame_interval();
-    let time =
-        if offsets.given || offsets.together { TimeOffset::Known(frames) } else { TimeOffset::About(frames) };
-    let pair = options.pairs.clone().time_offset(time);
-    match (cameras[a].known.matrix, cameras[b].known.matrix) {
-        (Some(p), Some(q)) if cameras[a].known.is_undistorted() && cameras[b].known.is_undistorted() => {
+    let pair = with_matrices(options.pairs.clone(), [&cameras[a], &cameras[b]]);
+    pair.time_offset(offsets.frames_between(a, b, cameras[b].recording))
+}
+
+/// With the matrices of two cameras, where these are known and no lens bends their images.
+fn with_matrices(pair: CalibrateOptions, [a, b]: [&CameraInput; 2]) -> CalibrateOptions {
+    match (a.known.matrix, b.known.matrix) {
+        (Some(p), Some(q)) if a.known.is_undistorted() && b.known.is_undistorted() => {
             match CameraMatrices::new(p, q) {
                 Ok(matrices) => pair.cameras(matrices),
                 Err(_) => pair,
@@ -182,6 +196,40 @@ fn options_of_pair(
         }
         _ => pair,
     }
+}
+
+/// Two cameras that may or may not have been started together.
+///
+/// No other pair can vouch for an offset that barcodes find. So no offset is tried first: what is accepted so has passed the test of shifted
+/// clocks, so that another offset would have been noticed. Only where it is refused an offset is searched for; where neither is
+/// accepted, it is the one for which more speaks.
+fn unsynchronised(
+    cameras: [&CameraInput; 2],
+    options: &CalibrateOptions,
+    seconds: f64,
+    watch: &mut dyn Watch,
+) -> Result<Calibration> {
+    let search = TimeOffset::Search { seconds };
+    search.check()?;
+    let [a, b] = cameras.map(|camera| camera.recording);
+    let options = with_matrices(options.clone(), cameras);
+    let mut calibrated = |time, share: f64| {
+        let mut inner = |_: Stage, _: f64| report(watch, Stage::Pairs, share).is_ok();
+        calibrate_watched(a, b, &options.clone().time_offset(time), &mut inner)
+    };
+    let together = calibrated(TimeOffset::Known(0.0), 0.0)?;
+    if together.accepted() {
+        return Ok(together);
+    }
+    let searched = calibrated(search, 0.5)?;
+    let better = searched.accepted() || searched.evidence.z > together.evidence.z;
+    Ok(if better { searched } else { together })
+}
+
+/// Clocks of the two cameras of a pair, whose offset was tried or searched for.
+fn offsets_of_pair(second: &Recording, pair: &Calibration) -> Offsets {
+    let offset = pair.timing.offset * second.frame_interval();
+    Offsets { together: offset == 0.0, ..Offsets::found(vec![0.0, offset]) }
 }
 
 fn check(cameras: &[CameraInput]) -> Result<()> {

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::pair_choice::{ALL_PAIRS, all_pairs};
-use crate::clock::{find_offset, score_at_offset};
+use crate::clock::{TimeOffset, find_offset, score_at_offset};
 use crate::error::Result;
 use crate::network::model::joint::Belief;
 use crate::network::thresholds as limits;
@@ -16,6 +16,10 @@ use crate::watch::{Stage, Unwatched, Watch, report};
 
 /// No clock is wrong by a tenth, ppm.
 pub const MOST_DRIFT: f64 = 1e5;
+
+/// A search starts from a found offset rounded to this, seconds, which it sharpens anyway: so it is the same one though one more camera
+/// moved all offsets by a millisecond.
+pub const GRID: f64 = 0.04;
 
 /// What the barcodes of a pair say of its clocks.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +59,16 @@ impl Offsets {
     /// Given offsets, seconds.
     pub fn given(seconds: Vec<f64>) -> Self {
         Self { seconds, together: false, given: true }
+    }
+
+    /// Where the first frame of a camera falls in another, frames of that one, to start a search from.
+    pub(in crate::network) fn frames_between(&self, a: usize, b: usize, of_b: &Recording) -> TimeOffset {
+        let seconds = self.seconds[b] - self.seconds[a];
+        if self.given || self.together {
+            TimeOffset::Known(seconds / of_b.frame_interval())
+        } else {
+            TimeOffset::About((seconds / GRID).round_ties_even() * GRID / of_b.frame_interval())
+        }
     }
 
     /// Whether two cameras filmed at the same time for a while, as far as is known.
