@@ -151,10 +151,7 @@ pub const LEFT_OVER: f64 = 0.05;
 
 // --- was a camera knocked while it was filmed? ---
 
-/// Parts of the recording between which a knock is looked for.
-pub const KNOCKED_PARTS: usize = 8;
-/// Shifts of the clocks whose evidence is what chance has there.
-pub const KNOCKED_SHIFTS: usize = 3;
+pub use crate::verify::thresholds::{HOLDS_CLEAR as KNOCKED_CLEAR, HOLDS_SHOWS as KNOCKED_SHOWS};
 /// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment; and at least
 /// that share of what pairs keep that it has no part in.
 pub const KNOCKED: [f64; 2] = [0.35, 0.45];
@@ -168,10 +165,6 @@ pub const TURNED: (f64, f64) = (0.3, 8.0);
 pub const KNOCKED_OTHER: f64 = 0.75;
 /// Nothing is said of a knock where those pairs keep less than this share.
 pub const OTHERS_KEEP: f64 = 0.4;
-/// Nor where its evidence on the better side is less than this many tangents.
-pub const KNOCKED_CLEAR: f64 = 60.0;
-/// Nor where on one side it sees less than this share of what it sees on the other.
-pub const KNOCKED_SHOWS: f64 = 0.2;
 
 // --- the floor ---
 

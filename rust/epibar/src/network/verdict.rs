@@ -1,8 +1,9 @@
 //! The verdict: what is said of each camera, each pair and the whole.
 
 use super::case::{Case, Finished, Out};
+use super::evidence::knocks::knocked;
 use super::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
-use super::evidence::support::{Deviates, Support, knocked};
+use super::evidence::support::{Deviates, Support};
 use super::given::input::Kind;
 use super::given::pair::PairFound;
 use super::given::pair_choice::all_pairs;

@@ -4,7 +4,7 @@
 //! * `shift_curve`, `independence`: a geometry on these against chance, which shifted clocks have to offer; what the shifts are worth.
 //! * `evidence`, `second_look`: the numbers that this gives, and with them what other frames gave.
 //! * `repetition`: does what moves look the same with others in its place?
-//! * `throughout`, `moved`: do all parts of the recording agree, or does a moved camera explain one?
+//! * `throughout`, `sides`, `moved`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
 //! * `halves`: does either half ask for another geometry?
 //! * `planarity`, `plane`, `turning`: does one plane explain everything, which one is it, and how far may `F` turn about it?
 //! * `room`: has what moves the depth of a room?
@@ -31,6 +31,7 @@ pub mod rivals;
 mod room;
 pub mod second_look;
 pub mod shift_curve;
+pub mod sides;
 pub mod split;
 pub mod thresholds;
 mod throughout;

@@ -5,6 +5,7 @@
 //! does not for a while; but there no other geometry explains more, or one of them sees less.
 
 use super::moved::moved_for;
+use super::sides::{MOMENTS, PARTS, SHIFTS, beyond_chance, rate};
 use super::thresholds::{
     HOLDS_AS_MUCH, HOLDS_CLEAR, HOLDS_DIFFERS, HOLDS_LESS, HOLDS_NOTHING, HOLDS_OTHER, HOLDS_SHOWS,
 };
@@ -12,13 +13,6 @@ use crate::error::Result;
 use crate::frontier::{Comparer, Views};
 use crate::geometry::Fundamental;
 use crate::watch::{Stage, Watch, report};
-
-/// Parts between which the moment is looked for.
-const PARTS: usize = 8;
-/// The first and the last moment that is asked for, in parts: before and after that too little is left to tell.
-const MOMENTS: std::ops::Range<usize> = 2..PARTS - 1;
-/// Shifts of the clocks whose evidence is what chance has there.
-const SHIFTS: usize = 3;
 
 /// Evidence beyond chance, from A to B and back, and the tangents of either camera.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,7 +35,7 @@ impl Side {
     }
 
     fn rate(&self) -> f64 {
-        (self.excess / self.ends.max(1.0)).max(0.0)
+        rate(self.excess, self.ends)
     }
 
     /// What each camera sees as a share of what it sees in the other side, of the two the less.
@@ -148,11 +142,9 @@ impl Of<'_> {
             for (i, part) in parts.iter_mut().enumerate() {
                 let frames: Vec<usize> = (frames_to(views, i)..frames_to(views, i + 1)).collect();
                 let score = weighed.score_of(&frames);
+                part.excess += beyond_chance(0.5 * score.total(), shift);
                 if shift == 0 {
-                    part.excess += 0.5 * score.total();
                     part.tangents[k] += score.tangents() as f64;
-                } else {
-                    part.excess -= 0.5 * score.total() / SHIFTS as f64;
                 }
             }
         }

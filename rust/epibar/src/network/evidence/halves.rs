@@ -7,7 +7,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::support::knocked;
+use super::knocks::knocked;
 use crate::network::model::camera::{PARAMETERS, ROTATION};
 use crate::network::model::joint::weight;
 use crate::network::model::residual::Pair;

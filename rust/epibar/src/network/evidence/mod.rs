@@ -1,7 +1,7 @@
 //! What speaks for a network that was solved for, and how wrong it may be.
 //!
 //! * `support`: what speaks for each camera on moments kept aside.
-//! * `halves`: was a camera turned a little at half time?
+//! * `knocks`, `halves`: was a camera knocked far while it filmed, or turned a little at half time?
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
 //! * `stated_errors`: errors to expect of each camera.
@@ -10,6 +10,7 @@
 pub mod contradictions;
 pub mod covariance;
 pub mod halves;
+pub mod knocks;
 pub mod outlines;
 pub mod stated_errors;
 pub mod support;
