@@ -40,6 +40,27 @@ pub struct NetworkOptions {
     pub time: NetworkTime,
 }
 
+impl NetworkTime {
+    fn check(&self, cameras: usize) -> Result<()> {
+        match self {
+            Self::Known(seconds) if seconds.len() == cameras && seconds.iter().all(|s| s.is_finite()) => {
+                Ok(())
+            }
+            Self::Known(seconds) => Err(Error::Argument {
+                name: "time",
+                value: format!("{seconds:?}"),
+                expected: "a finite number of seconds for each camera",
+            }),
+            Self::Search { seconds } if seconds.is_finite() && *seconds > 0.0 => Ok(()),
+            Self::Search { seconds } => Err(Error::Argument {
+                name: "seconds",
+                value: seconds.to_string(),
+                expected: "a positive number of seconds to search",
+            }),
+        }
+    }
+}
+
 impl Default for NetworkOptions {
     fn default() -> Self {
         Self { pairs: CalibrateOptions::default(), time: NetworkTime::Search { seconds: SEARCH_SECONDS } }
@@ -87,6 +108,8 @@ pub fn calibrate_network_watched(
     watch: &mut dyn Watch,
 ) -> Result<Network> {
     check(cameras)?;
+    options.time.check(cameras.len())?;
+    options.pairs.check()?;
     if let [first, second] = cameras {
         if !(first.known.has_focal() && second.known.has_focal()) {
             // No search can help: it is said what is missing.
@@ -122,26 +145,13 @@ pub fn clock_offsets(
     time: &NetworkTime,
     watch: &mut dyn Watch,
 ) -> Result<Offsets> {
+    time.check(recordings.len())?;
     match time {
-        NetworkTime::Known(seconds)
-            if seconds.len() == recordings.len() && seconds.iter().all(|s| s.is_finite()) =>
-        {
-            Ok(Offsets::given(seconds.clone()))
-        }
-        NetworkTime::Known(seconds) => Err(Error::Argument {
-            name: "time",
-            value: format!("{seconds:?}"),
-            expected: "a finite number of seconds for each camera",
-        }),
-        NetworkTime::Search { seconds } if seconds.is_finite() && *seconds > 0.0 => {
+        NetworkTime::Known(seconds) => Ok(Offsets::given(seconds.clone())),
+        NetworkTime::Search { seconds } => {
             let found = pair_offsets(recordings, *seconds, watch)?;
             Ok(agreed(recordings.len(), &found))
         }
-        NetworkTime::Search { seconds } => Err(Error::Argument {
-            name: "seconds",
-            value: seconds.to_string(),
-            expected: "a positive number of seconds to search",
-        }),
     }
 }
 
@@ -210,7 +220,6 @@ fn unsynchronised(
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
     let search = TimeOffset::Search { seconds };
-    search.check()?;
     let [a, b] = cameras.map(|camera| camera.recording);
     let options = with_matrices(options.clone(), cameras);
     let mut calibrated = |time, share: f64| {
