@@ -47,7 +47,7 @@ class AllPairs:
     network_files : sequence of Path
         Where the network was written.
     leaves_earlier : bool
-        Whether nothing came of it, and the results of an earlier run stay in the folder as they are.
+        Whether no camera could be recorded, and the results of an earlier run stay in the folder as they are.
     """
 
     recordings: dict[str, Recording]

@@ -69,8 +69,8 @@ class Results:
 
     @property
     def leaves_earlier(self) -> bool:
-        """Whether nothing came of the run, and what an earlier one wrote stays as it is."""
-        return self._earlier and bool(self.errors) and not self.calibrations
+        """Whether no camera could be recorded, and what an earlier run wrote stays as it is."""
+        return self._earlier and bool(self.errors) and not self.recordings
 
     def take(self, camera: CameraInput, recording: Recording) -> None:
         """Take a recording; its pictures stay here when it goes to the tasks of its pairs."""
