@@ -4,16 +4,17 @@
 //! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
 
 use super::case::{Case, Finished, Out};
+use super::evidence::alternatives::alternatives;
 use super::evidence::contradictions::contradictions;
 use super::evidence::covariance::{Covariance, covariance_with_principal_points};
+use super::evidence::doubts::{doubts, with_doubts};
 use super::evidence::halves;
 use super::evidence::outlines::{Shapes, outline_errors};
-use super::evidence::stated_errors::{Expected, expected};
+use super::evidence::stated_errors::Expected;
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::{AS_SOLD, CameraInput, PRINCIPAL_LEVELS};
 use super::given::pair::PairFound;
-use super::model::camera::CLOCK;
 use super::model::joint::standing;
 use super::observations::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
@@ -186,9 +187,13 @@ impl Case<'_> {
         let mut contradicted = Vec::new();
         loop {
             let freed = self.with_principal_points(solver, (now.clone(), support));
-            let (finished, shapes) = (self.finished(&freed), freed.shapes);
-            let Some(found) = contradictions(&finished.solved, &freed.likely, shapes) else {
-                return Finished { contradicted, ..finished };
+            let (finished, errors) = self.finished(&freed);
+            let alternatives = alternatives(&finished.solved, &freed.likely, freed.shapes);
+            let Some(found) = contradictions(&finished.solved.network.cameras, &alternatives, freed.shapes)
+            else {
+                let doubts = doubts(&finished.solved.network.cameras, &alternatives, freed.shapes);
+                let errors = errors.map(|errors| with_doubts(errors, &doubts));
+                return Finished { contradicted, doubts, ..finished }.with_errors(errors.as_ref());
             };
             let mut beliefs = now.beliefs.clone();
             for one in &found.found {
@@ -202,25 +207,26 @@ impl Case<'_> {
         }
     }
 
-    /// The network over all frames, and errors to expect.
-    fn finished(&self, Freed { solved, support, likely, shapes }: &Freed) -> Finished {
+    /// The network over all frames, of whose errors nothing is said yet, and their covariance.
+    fn finished(&self, Freed { solved, support, likely, shapes }: &Freed) -> (Finished, Option<Covariance>) {
         let many = Survey::new(&self.observed, shared(FRAMES_IN_THE_END, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
         let finished = settled(&many, solved.network.clone(), &solved.beliefs, &support.confirmed(), radius);
         let floor = world::floor(&many, &finished.network, finished.settled.radius.max(FIGURES_WITHIN));
         let outlines = outline_errors(&finished.settled, *shapes);
-        let found = covariance_with_principal_points(&finished, likely, &outlines);
-        let (expected, offsets) = match found {
-            Some(found) => {
-                let offsets = (0..self.count()).map(|c| found.deviation(c, CLOCK)).collect();
-                let Covariance { active, matrix, .. } = &found;
-                (expected(&finished.network.cameras, &finished.network.placed, active, matrix), offsets)
-            }
-            None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
+        let errors = covariance_with_principal_points(&finished, likely, &outlines);
+        let finished = Finished {
+            expected: vec![Expected::UNKNOWN; self.count()],
+            offsets: vec![f64::NAN; self.count()],
+            support: support.clone(),
+            strained: *shapes == Shapes::Strained,
+            solved: finished,
+            floor,
+            contradicted: Vec::new(),
+            doubts: Vec::new(),
         };
-        let (support, strained) = (support.clone(), *shapes == Shapes::Strained);
-        Finished { solved: finished, support, expected, offsets, floor, strained, contradicted: Vec::new() }
+        (finished, errors)
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is said of cameras and networks, as sentences.
 
 use super::evidence::contradictions::Contradiction;
+use super::evidence::doubts::Doubt;
 use super::evidence::stated_errors::Expected;
 use super::given::input::{CameraInput, Kind};
 use super::given::pair::PairFound;
@@ -8,7 +9,7 @@ use super::model::camera::{Camera, INTRINSIC};
 use super::model::joint::Beliefs;
 use super::result::{CameraStatus, NetworkCamera, NetworkPair, PairStatus};
 use super::solve::world::Ground;
-use super::thresholds::{MAX_FOCAL, MAX_POSITION, MAX_ROTATION};
+use super::thresholds::{DOUBT_SAID, MAX_FOCAL, MAX_POSITION, MAX_ROTATION};
 
 /// What was found of a camera.
 pub(super) fn of_camera(
@@ -76,22 +77,38 @@ pub(super) fn of_camera(
 /// What was given of a camera and is contradicted by what moves.
 pub(super) fn contradiction(found: &Contradiction, given: &Beliefs, fits: &Camera) -> String {
     let given = given.intrinsic.map(|belief| belief.mean);
-    let said = |numbers: [f64; INTRINSIC]| {
-        let [log_focal, log_aspect, cx, cy, k1, k2, k3] = numbers;
-        match found.kind {
-            Kind::Focal => format!("{:.1} px", log_focal.exp()),
-            Kind::Aspect => format!("{:.4}", log_aspect.exp()),
-            Kind::PrincipalPoint => format!("({cx:.1}, {cy:.1})"),
-            Kind::Lens => format!("k1 {k1:.3}, k2 {k2:.3}, k3 {k3:.3}"),
-        }
-    };
-    let what = name(found.kind);
     format!(
-        "the {what} that is given, {}, contradicts what moves: {} agrees with it, {:.0} standard deviations away. Correct what is given, or leave it out",
-        said(given),
-        said(fits.intrinsic()),
+        "the {} that is given, {}, contradicts what moves: {} agrees with it, {:.0} standard deviations away. Correct what is given, or leave it out",
+        name(found.kind),
+        value(found.kind, given),
+        value(found.kind, fits.intrinsic()),
         found.deviate
     )
+}
+
+/// What is added of a camera of which something that was given may be wrong.
+pub(super) fn doubted(doubts: &[Doubt], camera: usize, held: &Camera) -> String {
+    let of_camera = doubts.iter().filter(|d| d.share >= DOUBT_SAID && d.cameras.contains(&camera));
+    let said = |doubt: &Doubt| {
+        format!(
+            "; the {} that is given, {}, may be wrong: {} would explain more of what moves, and the errors count that. Check it, or leave it out",
+            name(doubt.kind),
+            value(doubt.kind, held.intrinsic()),
+            value(doubt.kind, held.stepped(&doubt.steps[camera]).intrinsic())
+        )
+    };
+    of_camera.map(said).collect()
+}
+
+/// The numbers of one kind.
+fn value(kind: Kind, numbers: [f64; INTRINSIC]) -> String {
+    let [log_focal, log_aspect, cx, cy, k1, k2, k3] = numbers;
+    match kind {
+        Kind::Focal => format!("{:.1} px", log_focal.exp()),
+        Kind::Aspect => format!("{:.4}", log_aspect.exp()),
+        Kind::PrincipalPoint => format!("({cx:.1}, {cy:.1})"),
+        Kind::Lens => format!("k1 {k1:.3}, k2 {k2:.3}, k3 {k3:.3}"),
+    }
 }
 
 /// Of a camera of which the same was given as of several others that are contradicted.

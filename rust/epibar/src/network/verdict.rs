@@ -129,6 +129,9 @@ impl Case<'_> {
                 match (status, contradicted) {
                     (CameraStatus::Accepted, _) => camera.reason += &self.remarks(finished, &camera, c),
                     (CameraStatus::Contradicted, Some(said)) => camera.reason = said,
+                    (CameraStatus::FocalLength | CameraStatus::Rotation | CameraStatus::Position, _) => {
+                        camera.reason += &prose::doubted(&finished.doubts, c, &network.cameras[c]);
+                    }
                     _ => (),
                 }
                 camera
@@ -166,6 +169,7 @@ impl Case<'_> {
         if finished.strained && Kind::PrincipalPoint.is_given(&finished.solved.beliefs[camera]) {
             text += prose::PRINCIPAL_POINT_TAKEN_FOR_RIGHT;
         }
+        text += &prose::doubted(&finished.doubts, camera, fits);
         if let Some(reach) = said.lens_reach() {
             text += &prose::short_lens(reach);
         }

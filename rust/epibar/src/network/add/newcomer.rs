@@ -5,8 +5,10 @@ use nalgebra::Matrix3;
 use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{Case, Out};
+use crate::network::evidence::alternatives::alternatives;
 use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance_with_principal_points;
+use crate::network::evidence::doubts::{doubts, with_doubts};
 use crate::network::evidence::halves;
 use crate::network::evidence::knocks::knocked;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
@@ -40,6 +42,8 @@ struct Found {
     offset_error: f64,
     /// What was given of it and is contradicted by what moves, in words.
     contradicted: Option<String>,
+    /// What was given of it and may be wrong, in words.
+    doubted: String,
     /// The largest distance between two cameras.
     rig: f64,
 }
@@ -82,7 +86,7 @@ impl<'a> Newcomer<'a> {
         };
         let pairs = (0..self.camera).map(pair).collect();
         let camera = NetworkCamera {
-            reason: found.contradicted.clone().unwrap_or(said.reason),
+            reason: found.contradicted.clone().unwrap_or(said.reason + &found.doubted),
             camera: Some(cameras[self.camera]),
             expected: Some(expected),
             deviates: found.support.cameras[self.camera],
@@ -194,7 +198,10 @@ impl<'a> Newcomer<'a> {
         let pairs: Vec<(usize, usize)> = now.network.pairs().into_iter().filter(beside).collect();
         let solved = settled(&many, now.network, &now.beliefs, &pairs, radius);
         let outlines = outline_errors(&solved.settled, shapes);
-        let errors = covariance_with_principal_points(&solved, &likely, &outlines);
+        let alternatives = alternatives(&solved, &likely, shapes);
+        let doubts = doubts(&solved.network.cameras, &alternatives, shapes);
+        let errors = covariance_with_principal_points(&solved, &likely, &outlines)
+            .map(|errors| with_doubts(errors, &doubts));
         let of_held = self.typical(&support);
         let (expected, offset_error) = errors.map_or((Expected::UNKNOWN, f64::NAN), |errors| {
             // NaN where it was not solved for, which it was of a camera that is new.
@@ -203,17 +210,18 @@ impl<'a> Newcomer<'a> {
             let focal = NINE_IN_TEN * errors.deviation(self.camera, FOCAL);
             let own = Expected::of_position(focal, length_quantile(&block(ROTATION)), block(POSITION));
             let expected = own.besides(&of_held);
-            // One that is given and held is as good as whoever gave it says.
+            // One that is given and held is as good as whoever gave it says, but for what is doubted of it.
             let is_held = solved.beliefs[self.camera].intrinsic[FOCAL].deviation == 0.0;
-            let focal = if is_held { 0.0 } else { expected.focal };
+            let focal = if is_held { focal } else { expected.focal };
             (Expected { focal, ..expected }, errors.deviation(self.camera, CLOCK))
         });
         let rig = rig(&solved.network.cameras, &solved.network.pairs());
-        let contradicted = contradictions(&solved, &likely, shapes).map(|c| {
+        let contradicted = contradictions(&solved.network.cameras, &alternatives, shapes).map(|c| {
             let (given, fits) = (&solved.beliefs[self.camera], &c.cameras[self.camera]);
             c.found.iter().map(|one| prose::contradiction(one, given, fits)).collect()
         });
-        Found { solved, support, expected, offset_error, contradicted, rig }
+        let doubted = prose::doubted(&doubts, self.camera, &solved.network.cameras[self.camera]);
+        Found { solved, support, expected, offset_error, contradicted, doubted, rig }
     }
 
     /// Root mean square of what the cameras that confirm this one are expected to be wrong by.

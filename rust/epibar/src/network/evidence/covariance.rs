@@ -127,7 +127,7 @@ pub struct Covariance {
     /// The covariance.
     pub matrix: DMatrix<f64>,
     /// How far the optimum is from the cameras that it was asked of, to first order.
-    off: DVector<f64>,
+    pub off: DVector<f64>,
 }
 
 impl Covariance {
@@ -146,11 +146,17 @@ impl Covariance {
         })
     }
 
+    /// The block of some parameters, each of a camera; `None` where one was not solved for.
+    pub fn of(&self, parameters: &[(usize, usize)]) -> Option<DMatrix<f64>> {
+        let place = |at: &(usize, usize)| self.active.iter().position(|p| p == at);
+        let at: Vec<usize> = parameters.iter().map(place).collect::<Option<_>>()?;
+        Some(DMatrix::from_fn(at.len(), at.len(), |i, j| self.matrix[(at[i], at[j])]))
+    }
+
     /// The block of three parameters of a camera from one on; `None` where they were not solved for.
     pub fn block(&self, camera: usize, from: usize) -> Option<Matrix3<f64>> {
-        let place = |k: usize| self.active.iter().position(|p| *p == (camera, k));
-        let at = [place(from)?, place(from + 1)?, place(from + 2)?];
-        Some(Matrix3::from_fn(|i, j| self.matrix[(at[i], at[j])]))
+        let found = self.of(&[from, from + 1, from + 2].map(|k| (camera, k)))?;
+        Some(Matrix3::from_fn(|i, j| found[(i, j)]))
     }
 
     /// The standard deviation of a parameter of a camera; 0 where it was not solved for.

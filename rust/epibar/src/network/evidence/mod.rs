@@ -5,10 +5,14 @@
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
 //! * `stated_errors`: errors to expect of each camera.
+//! * `alternatives`: networks in which something that was given is solved for after all.
 //! * `contradictions`: does what was given of a camera agree with what moves?
+//! * `doubts`: how much what was given may be wrong without being contradicted.
 
+pub mod alternatives;
 pub mod contradictions;
 pub mod covariance;
+pub mod doubts;
 pub mod halves;
 pub mod knocks;
 pub mod outlines;

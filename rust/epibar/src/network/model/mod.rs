@@ -5,11 +5,13 @@
 //! * `residual`: how far two tangents are from meeting.
 //! * `joint`: the joint problem over cameras only.
 //! * `invertible`: its normal matrix, inverted though nothing says where the whole stands.
+//! * `laplace`: what speaks against beliefs about cameras.
 //! * `pose`: where one camera stands beside another, by the geometry of their pair.
 
 pub mod camera;
 pub mod invertible;
 pub mod joint;
+pub mod laplace;
 pub mod optics;
 pub mod pose;
 pub mod residual;

@@ -2,15 +2,13 @@
 //!
 //! A principal point off the middle and a turn of the camera look nearly the same, so how far off it may be is a belief of its own: a
 //! standard deviation, one for all cameras. What the tangents say of it is the evidence of each, with what the cameras may be
-//! otherwise integrated out by Laplace's approximation (`MacKay` 1992): the cost at the optimum, in units in which a standard
-//! deviation of a belief costs ½, the logarithms of the beliefs' widths, and half of that of the determinant of the normal
-//! matrix. Where the tangents say nothing of principal points the last two cancel, and no belief is preferred.
+//! otherwise integrated out ([`laplace`]). Where the tangents say nothing of principal points no belief is preferred.
 
 use super::networks::Solved;
 use crate::network::given::input::{AS_SOLD, PRINCIPAL_LEVELS, PRINCIPAL_SHARES};
 use crate::network::model::camera::Camera;
-use crate::network::model::invertible::Invertible;
 use crate::network::model::joint::Beliefs;
+use crate::network::model::laplace;
 use crate::network::thresholds as limits;
 
 /// Steps of the solver at a level.
@@ -78,17 +76,10 @@ fn cost(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
     solved.problem(beliefs).solve(&solved.network.cameras, STEPS).1 / solved.settled.prior_weight
 }
 
-/// What speaks against some beliefs, nats, but for what is the same whatever is believed of principal points; NaN where the normal
-/// matrix is not usable.
-fn evidence(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
+/// What speaks against some beliefs, nats.
+fn against(solved: &Solved, beliefs: &[Beliefs]) -> f64 {
     let problem = solved.problem(beliefs);
-    let (cameras, cost) = problem.solve(&solved.network.cameras, STEPS);
-    let active = problem.active();
-    let principal = active.iter().filter(|(_, k)| (2..4).contains(k));
-    let widths: f64 = principal.map(|&(camera, k)| beliefs[camera].intrinsic[k].deviation.ln()).sum();
-    let invertible = Invertible::of(&problem.linear(&cameras, &active).normal);
-    let determinant = invertible.map_or(f64::NAN, |normal| normal.log_determinant());
-    cost / solved.settled.prior_weight + widths + 0.5 * determinant
+    laplace::against(&problem, &problem.solve(&solved.network.cameras, STEPS).0)
 }
 
 /// How far principal points may be from the middle, as the tangents of a network say.
@@ -97,7 +88,7 @@ pub fn likely(solved: &Solved) -> Likely {
     if !solved.beliefs.iter().zip(stand).any(|(belief, stands)| belief.centred && *stands) {
         return Likely::only(AS_SOLD);
     }
-    let of_level = |level: f64| evidence(solved, &at_level(&solved.beliefs, &solved.network.cameras, level));
+    let of_level = |level: f64| against(solved, &at_level(&solved.beliefs, &solved.network.cameras, level));
     Likely::by(PRINCIPAL_LEVELS.map(of_level))
 }
 
