@@ -41,7 +41,7 @@ pub struct Alternative {
 /// All of a network that gain something.
 pub fn alternatives(solved: &Solved, likely: &Likely, shapes: Shapes) -> Vec<Alternative> {
     let problem = solved.problem(&solved.beliefs);
-    let held = Held {
+    let as_given = AsGiven {
         cost: problem.cost(&solved.network.cameras),
         against: laplace::against(&problem, &solved.network.cameras),
     };
@@ -51,7 +51,7 @@ pub fn alternatives(solved: &Solved, likely: &Likely, shapes: Shapes) -> Vec<Alt
         let alone = suspected.map(|camera| vec![camera]);
         [Some(given), alone].into_iter().flatten().map(move |freed| (kind, freed))
     });
-    tried.filter_map(|(kind, freed)| Alternative::of(solved, kind, freed, held, likely, shapes)).collect()
+    tried.filter_map(|(kind, freed)| Alternative::of(solved, kind, freed, as_given, likely, shapes)).collect()
 }
 
 /// Cameras that stand and of which a kind of number is given.
@@ -102,7 +102,7 @@ fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
 
 /// The network with all that is given held.
 #[derive(Clone, Copy)]
-struct Held {
+struct AsGiven {
     /// Its cost.
     cost: f64,
     /// What speaks against it, nats.
@@ -115,7 +115,7 @@ impl Alternative {
         given: &Solved,
         kind: Kind,
         freed: Vec<usize>,
-        held: Held,
+        as_given: AsGiven,
         likely: &Likely,
         shapes: Shapes,
     ) -> Option<Self> {
@@ -126,11 +126,11 @@ impl Alternative {
         let problem = given.problem(&beliefs);
         let (cameras, without) = problem.solve(&given.network.cameras, STEPS);
         let numbers = (freed.len() * kind.parameters().len()) as f64;
-        let gain = (held.cost - without) / given.settled.prior_weight - numbers;
+        let gain = (as_given.cost - without) / given.settled.prior_weight - numbers;
         if gain.is_nan() || gain <= 0.0 {
             return None;
         }
-        let log_evidence = held.against - laplace::against(&problem, &cameras);
+        let log_evidence = as_given.against - laplace::against(&problem, &cameras);
         if !log_evidence.is_finite() {
             return None;
         }
@@ -216,8 +216,8 @@ pub(in crate::network) mod tests {
         // Shapes that stand for others ask for other principal points in all cameras, and these do in one.
         let shapes = |of: &Solved| {
             let likely = Likely::only(AS_SOLD);
-            let (kind, held) = (Kind::PrincipalPoint, Held { cost: f64::INFINITY, against: 0.0 });
-            let tried = Alternative::of(of, kind, vec![1], held, &likely, Shapes::Strained).unwrap();
+            let (kind, as_given) = (Kind::PrincipalPoint, AsGiven { cost: f64::INFINITY, against: 0.0 });
+            let tried = Alternative::of(of, kind, vec![1], as_given, &likely, Shapes::Strained).unwrap();
             shapes_without(&tried.solved, kind, &tried.freed, Shapes::Strained)
         };
         assert_eq!(shapes(&false_one), Shapes::Convex);
