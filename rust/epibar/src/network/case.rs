@@ -1,20 +1,18 @@
 //! What a network is made of, on its way from what is given to the verdict.
 
 use super::evidence::contradictions::Contradiction;
-use super::evidence::covariance::Covariance;
 use super::evidence::doubts::Doubt;
-use super::evidence::stated_errors::{Expected, expected};
+use super::evidence::stated_errors::Expected;
 use super::evidence::support::{Deviates, Support};
 use super::given::clocks::Offsets;
 use super::given::input::{Aspect, CameraInput, Kind};
 use super::given::pair::{PairFound, PairHypotheses};
-use super::model::camera::{CLOCK, Camera};
+use super::model::camera::Camera;
 use super::model::joint::Beliefs;
 use super::observations::floor::Floor;
 use super::observations::observed::Observed;
 use super::result::CameraStatus;
 use super::solve::networks::Solved;
-use super::solve::relocate::Placed;
 
 /// What is given.
 pub(super) struct Case<'a> {
@@ -93,17 +91,4 @@ pub(super) struct Finished {
     pub(super) contradicted: Vec<Contradiction>,
     /// What was given and may be wrong.
     pub(super) doubts: Vec<Doubt>,
-}
-
-impl Finished {
-    /// With errors to expect; nothing is known of them without a covariance.
-    pub(super) fn with_errors(self, errors: Option<&Covariance>) -> Self {
-        let Some(errors) = errors else { return self };
-        let Placed { cameras, placed } = &self.solved.network;
-        Self {
-            expected: expected(cameras, placed, &errors.active, &errors.matrix),
-            offsets: (0..cameras.len()).map(|c| errors.deviation(c, CLOCK)).collect(),
-            ..self
-        }
-    }
 }

@@ -5,16 +5,17 @@
 
 use super::case::{Case, Finished, Out};
 use super::evidence::alternatives::alternatives;
-use super::evidence::contradictions::contradictions;
+use super::evidence::contradictions::{Contradiction, contradictions};
 use super::evidence::covariance::{Covariance, covariance_with_principal_points};
-use super::evidence::doubts::{doubts, with_doubts};
+use super::evidence::doubts::{Doubt, doubts, with_doubts};
 use super::evidence::halves;
 use super::evidence::outlines::{Shapes, outline_errors};
-use super::evidence::stated_errors::Expected;
+use super::evidence::stated_errors::{Expected, expected};
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::{AS_SOLD, CameraInput, PRINCIPAL_LEVELS};
 use super::given::pair::PairFound;
+use super::model::camera::CLOCK;
 use super::model::joint::standing;
 use super::observations::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
@@ -187,13 +188,12 @@ impl Case<'_> {
         let mut contradicted = Vec::new();
         loop {
             let freed = self.with_principal_points(solver, (now.clone(), support));
-            let (finished, errors) = self.finished(&freed);
-            let alternatives = alternatives(&finished.solved, &freed.likely, freed.shapes);
-            let Some(found) = contradictions(&finished.solved.network.cameras, &alternatives, freed.shapes)
-            else {
-                let doubts = doubts(&finished.solved.network.cameras, &alternatives, freed.shapes);
-                let errors = errors.map(|errors| with_doubts(errors, &doubts));
-                return Finished { contradicted, doubts, ..finished }.with_errors(errors.as_ref());
+            let (many, solved) = self.over_all_frames(&freed);
+            let cameras = &solved.network.cameras;
+            let alternatives = alternatives(&solved, &freed.likely, freed.shapes);
+            let Some(found) = contradictions(cameras, &alternatives) else {
+                let doubts = doubts(cameras, &alternatives);
+                return self.finished(&many, freed, solved, contradicted, doubts);
             };
             let mut beliefs = now.beliefs.clone();
             for one in &found.found {
@@ -207,26 +207,37 @@ impl Case<'_> {
         }
     }
 
-    /// The network over all frames, of whose errors nothing is said yet, and their covariance.
-    fn finished(&self, Freed { solved, support, likely, shapes }: &Freed) -> (Finished, Option<Covariance>) {
+    /// The network over all frames, and these.
+    fn over_all_frames(&self, Freed { solved, support, .. }: &Freed) -> (Survey<'_>, Solved) {
         let many = Survey::new(&self.observed, shared(FRAMES_IN_THE_END, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
-        let finished = settled(&many, solved.network.clone(), &solved.beliefs, &support.confirmed(), radius);
-        let floor = world::floor(&many, &finished.network, finished.settled.radius.max(FIGURES_WITHIN));
-        let outlines = outline_errors(&finished.settled, *shapes);
-        let errors = covariance_with_principal_points(&finished, likely, &outlines);
-        let finished = Finished {
-            expected: vec![Expected::UNKNOWN; self.count()],
-            offsets: vec![f64::NAN; self.count()],
-            support: support.clone(),
-            strained: *shapes == Shapes::Strained,
-            solved: finished,
-            floor,
-            contradicted: Vec::new(),
-            doubts: Vec::new(),
+        let found = settled(&many, solved.network.clone(), &solved.beliefs, &support.confirmed(), radius);
+        (many, found)
+    }
+
+    /// The network over all frames with its floor, and errors to expect.
+    fn finished(
+        &self,
+        many: &Survey,
+        Freed { support, likely, shapes, .. }: Freed,
+        solved: Solved,
+        contradicted: Vec<Contradiction>,
+        doubts: Vec<Doubt>,
+    ) -> Finished {
+        let floor = world::floor(many, &solved.network, solved.settled.radius.max(FIGURES_WITHIN));
+        let outlines = outline_errors(&solved.settled, shapes);
+        let errors = covariance_with_principal_points(&solved, &likely, &outlines);
+        let (expected, offsets) = match errors.and_then(|errors| with_doubts(errors, &doubts)) {
+            Some(errors) => {
+                let offsets = (0..self.count()).map(|c| errors.deviation(c, CLOCK)).collect();
+                let Covariance { active, matrix, .. } = &errors;
+                (expected(&solved.network.cameras, &solved.network.placed, active, matrix), offsets)
+            }
+            None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
         };
-        (finished, errors)
+        let strained = shapes == Shapes::Strained;
+        Finished { solved, support, expected, offsets, floor, strained, contradicted, doubts }
     }
 }
 

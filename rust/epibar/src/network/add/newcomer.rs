@@ -199,9 +199,9 @@ impl<'a> Newcomer<'a> {
         let solved = settled(&many, now.network, &now.beliefs, &pairs, radius);
         let outlines = outline_errors(&solved.settled, shapes);
         let alternatives = alternatives(&solved, &likely, shapes);
-        let doubts = doubts(&solved.network.cameras, &alternatives, shapes);
+        let doubts = doubts(&solved.network.cameras, &alternatives);
         let errors = covariance_with_principal_points(&solved, &likely, &outlines)
-            .map(|errors| with_doubts(errors, &doubts));
+            .and_then(|errors| with_doubts(errors, &doubts));
         let of_held = self.typical(&support);
         let (expected, offset_error) = errors.map_or((Expected::UNKNOWN, f64::NAN), |errors| {
             // NaN where it was not solved for, which it was of a camera that is new.
@@ -216,7 +216,7 @@ impl<'a> Newcomer<'a> {
             (Expected { focal, ..expected }, errors.deviation(self.camera, CLOCK))
         });
         let rig = rig(&solved.network.cameras, &solved.network.pairs());
-        let contradicted = contradictions(&solved.network.cameras, &alternatives, shapes).map(|c| {
+        let contradicted = contradictions(&solved.network.cameras, &alternatives).map(|c| {
             let (given, fits) = (&solved.beliefs[self.camera], &c.cameras[self.camera]);
             c.found.iter().map(|one| prose::contradiction(one, given, fits)).collect()
         });

@@ -4,6 +4,8 @@
 //! be wrong, little is known of each. How far that moves a number is compared with its own covariance, the one that errors are stated
 //! by (Wald 1943), and how well the tangents are explained with what they cost.
 
+use std::cell::LazyCell;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::covariance::{Covariance, covariance_with_principal_points};
@@ -30,8 +32,10 @@ pub struct Alternative {
     pub solved: Solved,
     /// What that gains, in nats, less one for each number.
     pub gain: f64,
-    /// The same, less what it costs that the numbers may be anything: the logarithm of the Bayes factor of it against what was given.
-    pub log_evidence: f64,
+    /// The same, less what it costs that the numbers may be anything: the logarithm of the Bayes factor of it against what was given. `None`
+    /// where it says nothing: outlines that are wrong alike everywhere, as those of shapes that stand for others, ask for other numbers in all
+    /// cameras by themselves, and those that are all too tall for another fy / fx.
+    pub log_evidence: Option<f64>,
     /// What was believed before.
     given: Vec<Beliefs>,
     /// How well all is known.
@@ -41,10 +45,9 @@ pub struct Alternative {
 /// All of a network that gain something.
 pub fn alternatives(solved: &Solved, likely: &Likely, shapes: Shapes) -> Vec<Alternative> {
     let problem = solved.problem(&solved.beliefs);
-    let as_given = AsGiven {
-        cost: problem.cost(&solved.network.cameras),
-        against: laplace::against(&problem, &solved.network.cameras),
-    };
+    let cost = problem.cost(&solved.network.cameras);
+    let against = LazyCell::new(|| laplace::against(&problem, &solved.network.cameras));
+    let as_given = AsGiven { cost, against: &|| *against };
     let tried = Kind::ALL.into_iter().flat_map(|kind| {
         let given = given(solved, kind);
         let suspected = if given.len() > 1 { suspected(solved, kind, &given) } else { None };
@@ -102,11 +105,11 @@ fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
 
 /// The network with all that is given held.
 #[derive(Clone, Copy)]
-struct AsGiven {
+struct AsGiven<'a> {
     /// Its cost.
     cost: f64,
-    /// What speaks against it, nats.
-    against: f64,
+    /// What speaks against it, nats, where that is asked for.
+    against: &'a dyn Fn() -> f64,
 }
 
 impl Alternative {
@@ -115,7 +118,7 @@ impl Alternative {
         given: &Solved,
         kind: Kind,
         freed: Vec<usize>,
-        as_given: AsGiven,
+        as_given: AsGiven<'_>,
         likely: &Likely,
         shapes: Shapes,
     ) -> Option<Self> {
@@ -130,8 +133,9 @@ impl Alternative {
         if gain.is_nan() || gain <= 0.0 {
             return None;
         }
-        let log_evidence = as_given.against - laplace::against(&problem, &cameras);
-        if !log_evidence.is_finite() {
+        let tells = shapes == Shapes::Masks && kind != Kind::Aspect && freed.len() == 1;
+        let log_evidence = tells.then(|| (as_given.against)() - laplace::against(&problem, &cameras));
+        if log_evidence.is_some_and(|nats| !nats.is_finite()) {
             return None;
         }
         let settled = given.settled.under(&cameras);
@@ -216,7 +220,7 @@ pub(in crate::network) mod tests {
         // Shapes that stand for others ask for other principal points in all cameras, and these do in one.
         let shapes = |of: &Solved| {
             let likely = Likely::only(AS_SOLD);
-            let (kind, as_given) = (Kind::PrincipalPoint, AsGiven { cost: f64::INFINITY, against: 0.0 });
+            let (kind, as_given) = (Kind::PrincipalPoint, AsGiven { cost: f64::INFINITY, against: &|| 0.0 });
             let tried = Alternative::of(of, kind, vec![1], as_given, &likely, Shapes::Strained).unwrap();
             shapes_without(&tried.solved, kind, &tried.freed, Shapes::Strained)
         };

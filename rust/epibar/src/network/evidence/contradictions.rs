@@ -6,7 +6,6 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alternatives::Alternative;
-use super::outlines::Shapes;
 use crate::network::given::input::Kind;
 use crate::network::model::camera::{Camera, Step};
 use crate::network::thresholds as limits;
@@ -33,19 +32,14 @@ pub struct Contradictions {
 
 /// What is contradicted of a network, of whose alternatives; of several kinds the one that explains most, as a wrong focal length asks for
 /// another principal point as well.
-pub fn contradictions(
-    given: &[Camera],
-    alternatives: &[Alternative],
-    shapes: Shapes,
-) -> Option<Contradictions> {
-    let contradicted =
-        alternatives.iter().filter_map(|one| Some((one.gain, contradicted(given, one, shapes)?)));
+pub fn contradictions(given: &[Camera], alternatives: &[Alternative]) -> Option<Contradictions> {
+    let contradicted = alternatives.iter().filter_map(|one| Some((one.gain, contradicted(given, one)?)));
     contradicted.max_by(|p, q| p.0.total_cmp(&q.0)).map(|(_, found)| found)
 }
 
-fn contradicted(given: &[Camera], alternative: &Alternative, shapes: Shapes) -> Option<Contradictions> {
+fn contradicted(given: &[Camera], alternative: &Alternative) -> Option<Contradictions> {
     let Alternative { kind, freed, .. } = alternative;
-    let by_evidence = by_evidence(alternative, shapes);
+    let by_evidence = by_evidence(alternative);
     let of_camera = |&camera: &usize| {
         let (off, covariance) = alternative.off(&[camera])?;
         let by_itself = deviate(&off, covariance)?;
@@ -70,12 +64,10 @@ fn with_given(camera: &Camera, given: &Camera, kind: Kind) -> Camera {
 }
 
 /// By how much an alternative in one camera fits better, as a normal deviate, where what the tangents cost says that chance does not
-/// explain it (Wilks 1938). Outlines that are wrong alike everywhere, as those of shapes that stand for others, make them cost more too,
-/// and those that are all too tall ask for another fy / fx.
-fn by_evidence(alternative: &Alternative, shapes: Shapes) -> Option<f64> {
+/// explain it (Wilks 1938).
+fn by_evidence(alternative: &Alternative) -> Option<f64> {
     let numbers = alternative.kind.parameters().len() as f64;
-    let tells = shapes == Shapes::Masks && alternative.kind != Kind::Aspect && alternative.freed.len() == 1;
-    (tells && alternative.log_evidence >= limits::CONTRADICTED_NATS)
+    (alternative.log_evidence? >= limits::CONTRADICTED_NATS)
         .then(|| normal_of_chi_square(2.0 * (alternative.gain + numbers), numbers))
 }
 
@@ -96,16 +88,14 @@ mod tests {
     use super::*;
     use crate::network::evidence::alternatives::alternatives;
     use crate::network::evidence::alternatives::tests::solved;
+    use crate::network::evidence::outlines::Shapes;
     use crate::network::given::input::AS_SOLD;
     use crate::network::solve::networks::Solved;
     use crate::network::solve::principal::Likely;
 
     fn found_in(solved: &Solved) -> Option<Contradictions> {
-        contradictions(
-            &solved.network.cameras,
-            &alternatives(solved, &Likely::only(AS_SOLD), Shapes::Masks),
-            Shapes::Masks,
-        )
+        let tried = alternatives(solved, &Likely::only(AS_SOLD), Shapes::Masks);
+        contradictions(&solved.network.cameras, &tried)
     }
 
     #[test]

@@ -131,11 +131,18 @@ pub struct Covariance {
 }
 
 impl Covariance {
-    /// Mean square of errors under one of several problems with the same unknowns, each as likely as its share of the sum: within each,
-    /// and by how much its optimum is off. `None` of none.
+    /// Mean square of errors under one of several problems, each as likely as its share of the sum: within each, and by how much its
+    /// optimum is off. What is solved for in some is known in the others. `None` of none.
     pub fn of_several(problems: Vec<(Self, f64)>) -> Option<Self> {
         let sum: f64 = problems.iter().map(|(_, share)| share).sum();
+        let mut active = problems.first()?.0.active.clone();
+        for at in problems.iter().flat_map(|(one, _)| &one.active) {
+            if !active.contains(at) {
+                active.push(*at);
+            }
+        }
         let by_share = |(one, share): (Self, f64)| {
+            let one = if one.active == active { one } else { one.among(&active) };
             let matrix = (one.matrix + &one.off * one.off.transpose()) * (share / sum);
             Self { off: one.off * (share / sum), matrix, active: one.active }
         };
@@ -144,6 +151,27 @@ impl Covariance {
             off: all.off + one.off,
             active: all.active,
         })
+    }
+
+    /// The same among other parameters, which are known.
+    #[must_use]
+    pub fn among(&self, active: &[(usize, usize)]) -> Self {
+        let place: Vec<Option<usize>> =
+            active.iter().map(|at| self.active.iter().position(|p| p == at)).collect();
+        let n = active.len();
+        let matrix = DMatrix::from_fn(n, n, |i, j| match (place[i], place[j]) {
+            (Some(p), Some(q)) => self.matrix[(p, q)],
+            _ => 0.0,
+        });
+        let off = DVector::from_fn(n, |i, _| place[i].map_or(0.0, |p| self.off[p]));
+        Self { active: active.to_vec(), matrix, off }
+    }
+
+    /// The same, with an optimum that is off by so much of each parameter of a camera.
+    #[must_use]
+    pub fn off_by(self, step: impl Fn(usize, usize) -> f64) -> Self {
+        let off = self.active.iter().map(|&(camera, k)| step(camera, k));
+        Self { off: DVector::from_iterator(self.active.len(), off), ..self }
     }
 
     /// The block of some parameters, each of a camera; `None` where one was not solved for.

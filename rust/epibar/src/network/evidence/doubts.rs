@@ -2,15 +2,14 @@
 //!
 //! Between what chance explains and what it does not lies what is half believed: a principal point two or three standard deviations from
 //! where it fits best. Held, it turns its camera by what it is off, and errors stated as if it were right say nothing of that. So each
-//! alternative has a share, by the Bayes factor of it (Kass and Raftery 1995), and stated errors are those of all together, as far as
-//! they are likelier than before anything was seen: where the tangents say nothing, what is given is relied on.
-//! Of shapes that stand for others nothing is doubted: their outlines are wrong alike everywhere, and ask for other numbers by themselves.
+//! alternative has a share, by the Bayes factor of it (Kass and Raftery 1995), as far as it is likelier than before anything was seen, and
+//! stated errors count how far it moves the cameras. Where the tangents say nothing, what is given is relied on; and where outlines that
+//! are wrong alike speak for an alternative that is next to what was given, as they do of true numbers, it moves nothing.
 
-use nalgebra::{DMatrix, DVector};
+use std::iter::once;
 
 use super::alternatives::Alternative;
 use super::covariance::Covariance;
-use super::outlines::Shapes;
 use crate::network::given::input::Kind;
 use crate::network::model::camera::{Camera, Step};
 use crate::network::thresholds as limits;
@@ -26,60 +25,43 @@ pub struct Doubt {
     pub share: f64,
     /// By how much each camera is moved without it.
     pub steps: Vec<Step>,
-    /// How well all is known without it.
-    errors: Covariance,
+    /// What is solved for without it.
+    active: Vec<(usize, usize)>,
 }
 
-/// All of some cameras, of the alternatives to what is given of them; each excludes the others. That pixels are square nobody
-/// doubts.
-pub fn doubts(given: &[Camera], alternatives: &[Alternative], shapes: Shapes) -> Vec<Doubt> {
-    let doubted = alternatives.iter().filter(|one| shapes == Shapes::Masks && one.kind != Kind::Aspect);
-    let doubted: Vec<&Alternative> = doubted.collect();
-    let most = doubted.iter().map(|one| one.log_evidence).fold(0.0, f64::max);
+/// All of some cameras, of the alternatives to what is given of them of which the evidence says something; each excludes the others.
+pub fn doubts(given: &[Camera], alternatives: &[Alternative]) -> Vec<Doubt> {
+    let told = || alternatives.iter().filter_map(|one| Some((one.log_evidence?, one)));
+    let most = told().map(|(log_evidence, _)| log_evidence).fold(0.0, f64::max);
     let odds = limits::GIVEN_WRONG / (1.0 - limits::GIVEN_WRONG);
     // In units of what the likeliest would have, as that of some is beyond any number.
-    let weighed = doubted.into_iter().map(|one| (odds * (one.log_evidence - most).exp(), one));
-    let weighed: Vec<(f64, &Alternative)> = weighed.collect();
+    let weighed: Vec<(f64, &Alternative)> =
+        told().map(|(log_evidence, one)| (odds * (log_evidence - most).exp(), one)).collect();
     let sum = (-most).exp() + weighed.iter().map(|(weight, _)| weight).sum::<f64>();
     let doubt = |(weight, one): (f64, &Alternative)| {
         let share = (weight / sum - limits::GIVEN_WRONG) / (1.0 - limits::GIVEN_WRONG);
         let cameras = one.solved.network.cameras.iter().zip(given);
-        let steps = cameras.map(|(fits, held)| fits.step_from(held)).collect();
-        let errors = one.errors.clone();
-        (share > 0.0).then(|| Doubt { kind: one.kind, cameras: one.freed.clone(), share, steps, errors })
+        let steps: Vec<Step> = cameras.map(|(fits, held)| fits.step_from(held)).collect();
+        let active = one.errors.active.clone();
+        (share > 0.0).then(|| Doubt { kind: one.kind, cameras: one.freed.clone(), share, steps, active })
     };
     weighed.into_iter().filter_map(doubt).collect()
 }
 
-/// Errors where something that was given may be wrong: those of what is given and of every doubt together, each as likely as it is. What
-/// was given of a camera has errors by that as well.
-pub fn with_doubts(errors: Covariance, doubts: &[Doubt]) -> Covariance {
+/// Errors where something that was given may be wrong: those that are stated of what is given, and as likely as that is, by how far the
+/// cameras are moved without it. What was given of a camera has errors by that as well.
+pub fn with_doubts(errors: Covariance, doubts: &[Doubt]) -> Option<Covariance> {
     let relied_on = 1.0 - doubts.iter().map(|doubt| doubt.share).sum::<f64>();
-    let mut active = errors.active.clone();
-    for at in doubts.iter().flat_map(|doubt| &doubt.errors.active) {
-        if !active.contains(at) {
-            active.push(*at);
-        }
-    }
-    let n = active.len();
-    let of = |one: &Covariance| {
-        let place: Vec<Option<usize>> =
-            active.iter().map(|at| one.active.iter().position(|p| p == at)).collect();
-        DMatrix::from_fn(n, n, |i, j| match (place[i], place[j]) {
-            (Some(p), Some(q)) => one.matrix[(p, q)],
-            _ => 0.0,
-        })
-    };
-    let mut matrix = of(&errors) * relied_on;
-    for doubt in doubts {
-        let step = DVector::from_iterator(n, active.iter().map(|&(c, k)| doubt.steps[c][k]));
-        matrix += (of(&doubt.errors) + &step * step.transpose()) * doubt.share;
-    }
-    Covariance { active, matrix, off: errors.off.resize_vertically(n, 0.0) }
+    let moved =
+        |doubt: &Doubt| (errors.among(&doubt.active).off_by(|camera, k| doubt.steps[camera][k]), doubt.share);
+    let doubted: Vec<(Covariance, f64)> = doubts.iter().map(moved).collect();
+    Covariance::of_several(once((errors.off_by(|_, _| 0.0), relied_on)).chain(doubted).collect())
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{DMatrix, DVector};
+
     use super::*;
     use crate::network::evidence::alternatives::alternatives;
     use crate::network::evidence::alternatives::tests::solved;
@@ -95,7 +77,7 @@ mod tests {
             // As many tangents as would say ten times as much.
             one.settled.prior_weight *= 0.1;
             let tried = alternatives(&one, &Likely::only(AS_SOLD), shapes);
-            let found = doubts(&one.network.cameras, &tried, shapes);
+            let found = doubts(&one.network.cameras, &tried);
             assert!(found.iter().map(|doubt| doubt.share).sum::<f64>() <= 1.0);
             let of_one = |d: &&Doubt| d.kind == Kind::PrincipalPoint && d.cameras == [1];
             found.iter().find(of_one).map_or(0.0, |d| d.share)
@@ -114,15 +96,14 @@ mod tests {
             off: DVector::zeros(active.len()),
         };
         let errors = of(&[(0, ROTATION)], 1.0);
-        assert_eq!(with_doubts(errors.clone(), &[]).matrix, errors.matrix);
+        assert_eq!(with_doubts(errors.clone(), &[]).unwrap().matrix, errors.matrix);
         let mut step = Step::zeros();
         (step[FOCAL], step[ROTATION]) = (0.1, -3.0);
-        let wider = of(&[(0, FOCAL), (0, ROTATION)], 4.0);
-        let doubt =
-            Doubt { kind: Kind::Focal, cameras: vec![0], share: 0.25, steps: vec![step], errors: wider };
-        let found = with_doubts(errors, &[doubt]);
+        let active = vec![(0, FOCAL), (0, ROTATION)];
+        let doubt = Doubt { kind: Kind::Focal, cameras: vec![0], share: 0.25, steps: vec![step], active };
+        let found = with_doubts(errors, &[doubt]).unwrap();
         assert_eq!(found.active, [(0, ROTATION), (0, FOCAL)]);
-        let expected = [0.75 + 0.25 * (4.0 + 9.0), -0.25 * 0.3, -0.25 * 0.3, 0.25 * (4.0 + 0.01)];
+        let expected = [1.0 + 0.25 * 9.0, -0.25 * 0.3, -0.25 * 0.3, 0.25 * 0.01];
         assert!(found.matrix.iter().zip(expected).all(|(p, q)| (p - q).abs() < 1e-12), "{}", found.matrix);
     }
 }
