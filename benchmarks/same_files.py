@@ -49,22 +49,25 @@ def demo(seed: int) -> Iterator[tuple[str, str]]:
         yield "demo: against the known answer", digest(table)
         for path in sorted(Path(folder).rglob("*")):
             if path.is_file():
-                yield f"demo: {path.relative_to(folder)}", content(path)
+                yield f"demo: {path.relative_to(folder)}", content(path, folder)
 
 
-def content(path: Path) -> str:
-    """Hash of a file of the demo."""
+def content(path: Path, folder: str) -> str:
+    """Hash of a file of the demo in a folder."""
     if path.name == "calibration.json":
         found = json.loads(path.read_text())
         for camera in found["cameras"]:
             del camera["file"]
         return digest([found["cameras"], found["pairs"], found["errors"]])
+    if path.suffix == ".json":
+        found = json.loads(path.read_text())
+        return digest({name: value for name, value in found.items() if name not in MADE_ON_THE_WAY})
     if path.suffix == ".npz":
         with np.load(path) as arrays:
             return digest({name: arrays[name] for name in arrays if name not in MADE_ON_THE_WAY})
     if path.suffix == ".html":
         return digest(re.sub(r'"seconds":[\d.]+', "", path.read_text(encoding="utf-8")))
-    return digest(path.read_bytes().hex())
+    return digest(path.read_bytes().replace(folder.encode(), b"").hex())
 
 
 def main() -> None:
