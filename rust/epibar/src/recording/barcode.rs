@@ -3,7 +3,7 @@
 //! Bit `i` of a row is frame `i`, packed little-endian: bit `i % 64` of word `i / 64`. Bits beyond the
 //! last frame are zero, always, so that whole words can be counted.
 
-use super::pixel_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
+use super::barcode_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::traversal::is_walkable;
 use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};

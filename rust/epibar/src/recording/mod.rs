@@ -5,7 +5,7 @@
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
 //!    [`silhouettes`] keeps the hulls; [`outline`] adds what a lens needs beyond them, [`mod@fill`] tells people from boxes and ellipses.
-//! 3. [`transposition`] turns masks into words of time, [`pixel_words`] packs 512 frames into one cache line per pixel, and
+//! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 512 frames into one cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
 //! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends.
@@ -13,12 +13,12 @@
 //! Points are `(x, y)` in pixels, pixel centres at integers; bit `i` of a barcode is frame `i`.
 
 pub mod barcode;
+pub mod barcode_words;
 pub mod components;
 pub mod fill;
 pub mod hull;
 pub mod outline;
 pub mod parts;
-pub mod pixel_words;
 pub mod recorder;
 #[allow(clippy::module_inception, reason = "the recording itself, beside what makes one")]
 pub mod recording;

@@ -5,9 +5,9 @@
 //! barcode and of the heat map. Both are reused. Memory is 72 bytes per pixel and the recording itself.
 
 use super::barcode::Barcodes;
+use super::barcode_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
 use super::outline::OutlineFinder;
-use super::pixel_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;
