@@ -22,8 +22,7 @@ from tables import progress, table, write_json
 import epibar
 from epibar import Calibration, Recording, synthetic
 from epibar.calibration import SEARCH_SECONDS
-from epibar.network import find_offsets, join_pairs
-from epibar.network.offsets import pairs_to_search
+from epibar.network import ClockOffsets, find_offsets, join_pairs, pairs_to_search, search_pairs
 from epibar.synthetic.networks import NETWORK, hand_started
 from epibar.synthetic.settings import draw
 
@@ -72,16 +71,19 @@ def recorded(made: Any, lines: int, keep: Path | None) -> dict[str, Recording]:
 
 
 def searched(
-    args: Namespace, made: Any, films: list[Recording], chosen: list[tuple[int, int]], offsets: Any
+    args: Namespace,
+    made: Any,
+    recordings: dict[str, Recording],
+    chosen: list[tuple[int, int]],
+    offsets: ClockOffsets,
 ) -> Pairs:
     """Search every chosen pair, or load what an earlier run has kept."""
     found: Pairs = {}
     made_by = hashlib.sha256(Path(epibar._core.__file__).read_bytes()).hexdigest()[:12]
     for a, b in chosen:
         names = made.cameras[a].name, made.cameras[b].name
-        frames = offsets.between(films, a, b)
-        assert frames is not None
-        what = (len(films), made.seed, args.frames, args.lines, *names, f"{frames:.4f}", made_by)
+        frames = offsets.between(list(recordings.values()), a, b)
+        what = (len(recordings), made.seed, args.frames, args.lines, *names, f"{frames:.4f}", made_by)
         name = "-".join(map(str, what)) + ".npz"
         path = None if args.keep is None else args.keep / name
         if path is not None and path.exists():
@@ -90,9 +92,7 @@ def searched(
             continue
         progress(f"{names[0]} {names[1]}, search {len(found) + 1} of {len(chosen)}")
         started = time.perf_counter()
-        cal = epibar.calibrate(
-            films[a], films[b], time_offset=frames, sharpen_offset=offsets.sharpen, seed=made.seed
-        )
+        cal = search_pairs(recordings, [(a, b)], offsets, seed=made.seed)[names]
         found[names] = cal, time.perf_counter() - started
         if path is not None:
             path.with_suffix(".seconds").write_text(repr(found[names][1]))
@@ -115,7 +115,7 @@ def run(args: Namespace, cameras: int, seed: int) -> dict[str, Any]:
     lap()
     chosen = pairs_to_search(films, offsets)
     lap()
-    timed = searched(args, made, films, chosen, offsets)
+    timed = searched(args, made, recordings, chosen, offsets)
     pairs = {names: cal for names, (cal, _) in timed.items()}
     lap()
     network = join_pairs(recordings, pairs, offsets)

@@ -23,7 +23,7 @@ from tables import progress
 import epibar
 from epibar import Recording
 from epibar.lens.cameras_toml import find_camera, load_cameras
-from epibar.network import ClockOffsets, join_pairs
+from epibar.network import ClockOffsets, join_pairs, search_pairs
 
 COARSE = ("nothing", "lens, focal, principal")
 KNOWLEDGE = {
@@ -183,11 +183,9 @@ def main() -> None:
             continue
         true = true_cameras(folder, data.files)
         recordings = recorded(folder, data, arguments.lines)
-        pairs = {}
-        for a, b in combinations(recordings, 2):
-            progress(f"{name} {a} {b}")
-            pairs[a, b] = epibar.calibrate(recordings[a], recordings[b])
         offsets = ClockOffsets((0.0,) * len(recordings), given=True)
+        progress(f"{name}: pairs")
+        pairs = search_pairs(recordings, list(combinations(range(len(recordings)), 2)), offsets)
         for words in KNOWLEDGE[name]:
             known = {n: knowledge(camera, words) for n, camera in true.items()}
             started = time.perf_counter()

@@ -13,12 +13,10 @@ from pathlib import Path
 from networks_recordings import recorded
 from tables import progress
 
-import epibar
 from epibar import Calibration, Recording, synthetic
 from epibar.calibration import SEARCH_SECONDS
 from epibar.lens.cameras_toml import load_cameras
-from epibar.network import ClockOffsets, find_offsets
-from epibar.network.offsets import pairs_to_search
+from epibar.network import ClockOffsets, find_offsets, pairs_to_search, search_pairs
 from epibar.synthetic import Camera
 
 
@@ -55,18 +53,14 @@ def _pairs(
     folder: Path, recordings: dict[str, Recording], offsets: ClockOffsets, seed: int
 ) -> dict[tuple[str, str], Calibration]:
     """Calibrate the pairs that are worth a search, or load what was found of them."""
-    names, films = list(recordings), list(recordings.values())
-    chosen = pairs_to_search(films, offsets)
+    names = list(recordings)
+    chosen = pairs_to_search(list(recordings.values()), offsets)
     found = {}
     for done, (a, b) in enumerate(chosen):
         path = folder / f"{names[a]}-{names[b]}.npz"
         if not path.exists():
-            frames = offsets.between(films, a, b)
-            assert frames is not None
             progress(f"{folder.name}: {path.stem}, {done + 1} of {len(chosen)}")
-            epibar.calibrate(
-                films[a], films[b], time_offset=frames, sharpen_offset=offsets.sharpen, seed=seed
-            ).save(path)
+            search_pairs(recordings, [(a, b)], offsets, seed=seed)[names[a], names[b]].save(path)
         found[names[a], names[b]] = Calibration.load(path)
     return found
 

@@ -65,16 +65,13 @@ def run(family: str, seed: int, lines: int) -> list[dict[str, Any]]:
     """Draw a situation, record its cameras, search its pairs, and join them under each telling."""
     from epibar import synthetic
     from epibar.calibration import SEARCH_SECONDS
-    from epibar.network import find_offsets, join_pairs
-    from epibar.network.offsets import pairs_to_search
-    from epibar.network.pair_search import search_pairs
+    from epibar.network import find_offsets, join_pairs, pairs_to_search, search_pairs
 
     situation = synthetic.situation(seed, family)
     recordings = {c.name: situation.recording(i, lines) for i, c in enumerate(situation.cameras)}
     films = list(recordings.values())
     offsets = find_offsets(films, SEARCH_SECONDS)
-    chosen = pairs_to_search(films, offsets)
-    pairs = search_pairs(recordings, chosen, offsets, lambda *_: None, seed=seed % 2**32, upright=True)
+    pairs = search_pairs(recordings, pairs_to_search(films, offsets), offsets, seed=seed % 2**32)
     found = []
     for words, (known, false_of) in tellings({c.name: c for c in situation.cameras}).items():
         network = join_pairs(recordings, pairs, offsets, known=known)

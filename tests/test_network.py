@@ -8,7 +8,7 @@ from network_input import FRAMES, LINES, calibrated, recordings, situation
 
 import epibar
 from epibar import EpibarError, KnownCamera, Recording, synthetic
-from epibar.network import ClockOffsets, find_offsets, join_pairs
+from epibar.network import ClockOffsets, find_offsets, join_pairs, pairs_to_search, search_pairs
 
 # --- the whole job ---
 
@@ -114,6 +114,47 @@ def test_join_pairs_takes_refused_pairs_and_leaves_a_camera_out():
         join_pairs(films, {("cam1", "nobody"): object()}, offsets)
     with pytest.raises(EpibarError, match="2 clocks for 3"):
         join_pairs(films, {}, ClockOffsets((0.0, 0.0)))
+
+
+def test_stages_by_hand_make_the_same_network():
+    films = recordings()
+    offsets = find_offsets(list(films.values()), 10.0)
+    told = []
+    chosen = pairs_to_search(list(films.values()), offsets)
+    assert chosen == [(0, 1), (0, 2), (1, 2)]
+    pairs = search_pairs(films, chosen, offsets, seed=3, progress=lambda *at: told.append(at))
+    assert list(pairs) == [("cam1", "cam2"), ("cam1", "cam3"), ("cam2", "cam3")]
+    assert {stage for stage, _ in told} == {"pairs"}
+    assert sorted(set(told)) == [("pairs", done / 3) for done in range(4)]
+    whole_told = []
+    whole = epibar.calibrate_network(
+        films, seed=3, search_seconds=10.0, progress=lambda *at: whole_told.append(at)
+    )
+    for told_of in told, whole_told:
+        for stage in {stage for stage, _ in told_of}:
+            shares = [share for name, share in told_of if name == stage]
+            assert shares == sorted(shares), stage
+    by_hand = join_pairs(films, pairs, offsets)
+    assert by_hand.reason == whole.reason
+    for name, camera in whole.cameras.items():
+        assert by_hand.cameras[name].status == camera.status
+        np.testing.assert_array_equal(by_hand.cameras[name].matrix, camera.matrix)
+
+
+def test_search_pairs_names_what_it_cannot_search():
+    films = recordings()
+    known = ClockOffsets((0.0, 0.0, 0.0), given=True)
+    for chosen in [(1, 0)], [(0, 3)], [(-1, 1)]:
+        with pytest.raises(EpibarError, match="places a < b of the 3 cameras"):
+            search_pairs(films, chosen, known)
+    with pytest.raises(EpibarError, match="cam1 and cam3: nothing tells the offset"):
+        search_pairs(films, [(0, 2)], ClockOffsets((0.0, 0.0, math.nan)))
+    for stage in (
+        lambda clocks: pairs_to_search(list(films.values()), clocks),
+        lambda clocks: search_pairs(films, [], clocks),
+    ):
+        with pytest.raises(EpibarError, match="2 clocks for 3"):
+            stage(ClockOffsets((0.0, 0.0)))
 
 
 # --- what is refused ---

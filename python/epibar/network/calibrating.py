@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from ..arguments import MAX_SEED, as_positive, as_whole_number
@@ -17,7 +16,7 @@ from .pair_search import calibrate_unsynchronised, offsets_of_pair, search_pairs
 from .recordings import Recordings, named_recordings
 from .result import Network
 from .scaling import check_lengths
-from .stages import Progress, stages
+from .stages import Progress, of_pairs, stages
 
 __all__ = ["calibrate_network", "in_metres"]
 
@@ -94,13 +93,19 @@ def calibrate_network(
         return join_pairs(cameras, {}, offsets or ClockOffsets((0.0, 0.0)), known=known)
     if offsets is None and len(films) == 2:
         pair = calibrate_unsynchronised(
-            *films, seed=seed, search_seconds=search_seconds, upright=upright, progress=tell("pairs")
+            *films,
+            seed=seed,
+            search_seconds=search_seconds,
+            upright=upright,
+            progress=of_pairs(progress, 0, 1),
         )
+        if progress is not None:
+            progress("pairs", 1.0)
         offsets, pairs = offsets_of_pair(films[1], pair), {(names[0], names[1]): pair}
     else:
         offsets = offsets or find_offsets(films, search_seconds, tell("clocks"))
-        chosen, of_pair = pairs_to_search(films, offsets), partial(tell, "pairs")
-        pairs = search_pairs(cameras, chosen, offsets, of_pair, seed=seed, upright=upright)
+        chosen = pairs_to_search(films, offsets)
+        pairs = search_pairs(cameras, chosen, offsets, seed=seed, upright=upright, progress=progress)
     network = join_pairs(cameras, pairs, offsets, known=known, progress=tell("network"))
     return in_metres(network, distances, person_height, camera_heights)
 

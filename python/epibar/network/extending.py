@@ -117,9 +117,7 @@ def extend(
     cameras = {name: films[name] for name in (*held, *new)}
     offsets = replace(offsets, seconds=tuple(at[name] for name in cameras))
     chosen = pairs_to_add(list(cameras.values()), len(held), offsets)
-    searched = search_pairs(
-        cameras, chosen, offsets, lambda done, of: tell("pairs", done, of), seed=seed, upright=upright
-    )
+    searched = search_pairs(cameras, chosen, offsets, seed=seed, upright=upright, progress=progress)
     names = list(cameras)
     pairs = [
         pair_to_core(a, b, searched[names[a], names[b]])

@@ -54,8 +54,7 @@ def join_pairs(
     """
     cameras = named_recordings(recordings)
     names = list(cameras)
-    if len(offsets.seconds) != len(names):
-        raise EpibarError(f"{len(offsets.seconds)} clocks for {len(names)} cameras")
+    offsets.refuse_others(len(names))
     knowledge = knowledge_of(cameras, known)
     pairs = []
     for key, calibration in calibrations.items():

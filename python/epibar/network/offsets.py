@@ -54,6 +54,17 @@ class ClockOffsets:
             seconds = round(seconds / GRID) * GRID
         return seconds / frame_interval(recordings[b])
 
+    def refuse_others(self, cameras: int) -> None:
+        """Refuse clocks of other cameras than so many.
+
+        Raises
+        ------
+        EpibarError
+            There are more or fewer.
+        """
+        if len(self.seconds) != cameras:
+            raise EpibarError(f"{len(self.seconds)} clocks for {cameras} cameras")
+
     @property
     def sharpen(self) -> bool:
         """Whether a pair's search is to sharpen its offset: it is known to a frame or two only."""
@@ -114,7 +125,25 @@ def find_offsets(
 
 
 def pairs_to_search(recordings: Sequence[Recording], offsets: ClockOffsets) -> list[tuple[int, int]]:
-    """Places a < b of the pairs worth a search: all of few cameras, of many those that see the same."""
+    """Choose pairs that are worth a search: all of few cameras, of many those likeliest to see the same.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+    offsets : ClockOffsets
+        Of their clocks; pairs of which nothing tells the offset are left out.
+
+    Returns
+    -------
+    list of (int, int)
+        Places a < b among the recordings.
+
+    Raises
+    ------
+    EpibarError
+        There are more or fewer clocks than recordings.
+    """
+    offsets.refuse_others(len(recordings))
     with core_errors():
         return _core.pairs_to_search([one._core for one in recordings], offsets.to_core())
 

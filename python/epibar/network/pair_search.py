@@ -6,14 +6,17 @@ Of two cameras whose clocks are not known no other pair can vouch for an offset 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from .. import _core
 from ..calibration import Calibration, calibrate
 from ..clocks import frame_interval
+from ..errors import EpibarError
 from ..recording import Recording
 from .offsets import ClockOffsets
+from .recordings import Recordings, named_recordings
+from .stages import Progress, of_pairs
 
 __all__ = ["calibrate_unsynchronised", "offsets_of_pair", "pair_to_core", "search_pairs"]
 
@@ -58,39 +61,63 @@ def offsets_of_pair(rec_b: Recording, calibration: Calibration) -> ClockOffsets:
 
 
 def search_pairs(
-    cameras: Mapping[str, Recording],
+    recordings: Recordings,
     chosen: Sequence[tuple[int, int]],
     offsets: ClockOffsets,
-    tell: Callable[[int, int], Callable[[str, float], None] | None],
-    **options: Any,
+    *,
+    seed: int = 0,
+    upright: bool = True,
+    progress: Progress | None = None,
 ) -> dict[tuple[str, str], Calibration]:
-    """Calibrate pairs of cameras, each by itself.
+    """Calibrate pairs of cameras, each by itself, from the offsets of their clocks on.
 
     Parameters
     ----------
-    cameras : mapping of str to Recording
-    chosen : sequence of (int, int)
-        Places a < b among the cameras.
-    offsets : ClockOffsets
+    recordings : mapping of str to Recording, or sequence of Recording
         Of all cameras.
-    tell : callable
-        Of how many pairs are done, and of how many, makes what the next one's progress is told to.
-    options
-        As those of :func:`epibar.calibrate`, but for the offset.
+    chosen : sequence of (int, int)
+        Places a < b among the recordings, such as those of :func:`pairs_to_search`.
+    offsets : ClockOffsets
+        Of the clocks of all cameras, from :func:`find_offsets` or given.
+    seed, upright
+        As those of :func:`epibar.calibrate`.
+    progress : callable, optional
+        Called with "pairs" and the share of the pairs that are done, all the time.
+
+    Returns
+    -------
+    dict of (str, str) to Calibration
+        By the names of the two cameras, for :func:`join_pairs`; refused ones too.
+
+    Raises
+    ------
+    EpibarError
+        An argument is of the wrong kind or out of its range, or nothing tells the offset of a chosen pair.
     """
+    cameras = named_recordings(recordings)
     names, films = list(cameras), list(cameras.values())
+    offsets.refuse_others(len(names))
     found = {}
     for done, (a, b) in enumerate(chosen):
+        if not 0 <= a < b < len(names):
+            raise EpibarError(f"chosen has {(a, b)}: expected places a < b of the {len(names)} cameras")
         frames = offsets.between(films, a, b)
-        assert frames is not None
+        if frames is None:
+            raise EpibarError(
+                f"{names[a]} and {names[b]}: nothing tells the offset of their clocks; leave the pair "
+                "out, or give offsets"
+            )
         found[names[a], names[b]] = calibrate(
             films[a],
             films[b],
             time_offset=frames,
             sharpen_offset=offsets.sharpen,
-            progress=tell(done, len(chosen)),
-            **options,
+            seed=seed,
+            upright=upright,
+            progress=of_pairs(progress, done, len(chosen)),
         )
+        if progress is not None:
+            progress("pairs", (done + 1) / len(chosen))
     return found
 
 
