@@ -4,11 +4,11 @@
 //! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
 
 use super::case::{Case, Finished, Out};
+use super::decide::{NetworkFindings, is_rival, to_take_out};
 use super::evidence::alternatives::alternatives;
 use super::evidence::contradictions::{Contradiction, contradictions};
 use super::evidence::covariance::{Covariance, covariance_with_principal_points};
 use super::evidence::doubts::{Doubt, doubts, with_doubts};
-use super::evidence::halves;
 use super::evidence::outlines::{Shapes, outline_errors};
 use super::evidence::stated_errors::{Expected, expected};
 use super::evidence::support::Support;
@@ -25,7 +25,6 @@ use super::solve::relocate::Placed;
 use super::solve::settle::Again;
 use super::solve::world;
 use super::thresholds as limits;
-use super::verdict::{is_rival, worst};
 use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
 
@@ -118,10 +117,12 @@ impl Case<'_> {
         loop {
             report(watch, Stage::Network, 0.4 + 0.3 * out.len() as f64 / self.count() as f64)?;
             let support = Support::of(&self.observed, &now);
-            let mut bad = worst(&solver.some, &now.network, &support);
-            if bad.is_empty() && now.network.placed.iter().filter(|p| **p).count() > 2 {
-                bad.extend(self.knocked_a_little(solver, &now, &support));
-            }
+            let bad = to_take_out(&NetworkFindings {
+                observed: &self.observed,
+                survey: &solver.some,
+                solved: &now,
+                support: &support,
+            });
             if bad.is_empty() {
                 return Ok(Some((now, support)));
             }
@@ -150,12 +151,6 @@ impl Case<'_> {
         network.cameras = standing(&network.cameras, &network.placed);
         let radius = Some(Again::FEWER_CAMERAS.after(&now.settled));
         Some(solver.settled(network, &now.beliefs, radius))
-    }
-
-    fn knocked_a_little(&self, solver: &Solver, now: &Solved, support: &Support) -> Option<Out> {
-        let (camera, at) = halves::knocked_a_little(&self.observed, &solver.some, now)?;
-        let deviates = support.cameras[camera];
-        Some(Out { camera, status: CameraStatus::Knocked, deviates, at: Some(at) })
     }
 
     /// The network with principal points as far from the middle as the tangents call for.

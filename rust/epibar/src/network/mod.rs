@@ -9,7 +9,8 @@
 //! * `solve`: from the geometries of pairs to networks, and to the world that they stand in.
 //! * `evidence`: what speaks for each camera on moments kept aside, and by how much it may be wrong.
 //! * `case`, `result`: what a network is made of on its way to the verdict; what comes out.
-//! * `verdict`, `thresholds`, `prose`: what is said of each camera; the numbers that decide; sentences.
+//! * `decide`, `thresholds`: the tests by name, in their order; the numbers that decide.
+//! * `verdict`, `prose`: what is said of each camera, each pair and the whole; sentences.
 //!
 //! Of a network that stands:
 //!
@@ -45,6 +46,7 @@ mod add;
 mod calibrate;
 mod case;
 mod check;
+mod decide;
 mod evidence;
 mod given;
 mod join;

@@ -1,7 +1,7 @@
-//! The verdict: what is said of each camera, each pair and the whole.
+//! The verdict put together: what is said of each camera, each pair and the whole.
 
 use super::case::{Case, Finished, Out};
-use super::evidence::knocks::knocked;
+use super::decide::{self, CameraFindings};
 use super::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
 use super::evidence::support::{Deviates, Support};
 use super::given::input::Kind;
@@ -9,91 +9,17 @@ use super::given::pair::PairFound;
 use super::given::pair_choice::all_pairs;
 use super::model::camera::Camera;
 use super::model::residual::Pair;
-use super::observations::survey::Survey;
 use super::prose;
 use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
-use super::solve::networks::{Solved, gain};
-use super::solve::relocate::Placed;
 use super::solve::world::{self, World};
 use super::thresholds as limits;
 use crate::geometry::median::median;
 use crate::image::ImageSize;
 
-/// Whether another network has about the same evidence, and another geometry.
-pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
-    let of_best = &best.network.placed;
-    if of_best.iter().zip(&rival.network.placed).any(|(best, rival)| *best && !rival) {
-        return false;
-    }
-    is_as_good(survey, &best.network.pairs(), &best.network, &rival.network)
-}
-
-/// Whether another geometry of the same cameras has about the same evidence in some pairs.
-pub(super) fn is_as_good(survey: &Survey, pairs: &[(usize, usize)], best: &Placed, rival: &Placed) -> bool {
-    let differs = best.turns(rival).any(|turn| turn > limits::RIVAL_TURN);
-    let (share, z) = gain(survey, pairs, best, rival);
-    differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
-}
-
 /// The largest distance between the cameras of some pairs.
 pub(super) fn rig(cameras: &[Camera], pairs: &[(usize, usize)]) -> f64 {
     let distances = pairs.iter().map(|&(a, b)| (cameras[a].position - cameras[b].position).norm());
     distances.fold(0.0, f64::max)
-}
-
-/// Those cameras that stand and should not: the one for which least speaks, if that is too little; else those of all
-/// groups but the largest, if nothing joins them; else one that was knocked far.
-pub(super) fn worst(survey: &Survey, network: &Placed, support: &Support) -> Vec<Out> {
-    let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
-    let confirmed = support.confirmed();
-    let needed = if stand.len() > 2 { limits::CONFIRMED_PAIRS } else { 1 };
-    let enough = |c: usize| {
-        let pairs = confirmed.iter().filter(|p| p.0 == c || p.1 == c).count();
-        stands_out(support, c) && pairs >= needed
-    };
-    let out = |camera: usize, status: CameraStatus, at: Option<f64>| Out {
-        camera,
-        status,
-        deviates: support.cameras[camera],
-        at,
-    };
-    let by_deviate =
-        |&c: &usize, &d: &usize| support.cameras[c].tangents.total_cmp(&support.cameras[d].tangents);
-    if let Some(camera) = stand.iter().copied().filter(|&c| !enough(c)).min_by(|c, d| by_deviate(c, d)) {
-        return vec![out(camera, CameraStatus::NothingInCommon, None)];
-    }
-    let largest = largest_group(&stand, &confirmed);
-    if largest.len() < stand.len() {
-        let others = stand.iter().filter(|c| !largest.contains(c));
-        return others.map(|&camera| out(camera, CameraStatus::Apart, None)).collect();
-    }
-    let knocked =
-        knocked(survey, network, limits::KNOCKED).into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
-    knocked.map(|(camera, at)| out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
-}
-
-/// Whether so much speaks for a camera on moments kept aside that chance does not, and that explains what it sees.
-pub(super) fn stands_out(support: &Support, camera: usize) -> bool {
-    let (d, share) = (support.cameras[camera], support.shares[camera]);
-    let explains = share.whole >= limits::CAMERA_WHOLE || share.excess >= limits::CAMERA_EXCESS;
-    d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES && explains
-}
-
-/// The most cameras that confirmed pairs join; of equals those with the most pairs, then the first.
-fn largest_group(stand: &[usize], confirmed: &[(usize, usize)]) -> Vec<usize> {
-    let mut groups: Vec<Vec<usize>> = stand.iter().map(|&c| vec![c]).collect();
-    for (a, b) in confirmed {
-        let place = |c: &usize| groups.iter().position(|g| g.contains(c));
-        if let (Some(p), Some(q)) = (place(a), place(b))
-            && p != q
-        {
-            let moved = groups.swap_remove(p.max(q));
-            groups[p.min(q)].extend(moved);
-        }
-    }
-    let pairs = |group: &Vec<usize>| confirmed.iter().filter(|(a, _)| group.contains(a)).count();
-    let first = |group: &Vec<usize>| std::cmp::Reverse(group.iter().min().copied());
-    groups.into_iter().max_by_key(|g| (g.len(), pairs(g), first(g))).unwrap_or_default()
 }
 
 impl Case<'_> {
@@ -115,9 +41,12 @@ impl Case<'_> {
                 let status = match found {
                     Some(out) => out.status,
                     None if !stands => CameraStatus::NothingInCommon,
-                    None if rivalled => CameraStatus::Ambiguous,
-                    None if contradicted.is_some() => CameraStatus::Contradicted,
-                    None => status_by_errors(&expected, rig),
+                    None => decide::status(&CameraFindings {
+                        rivalled,
+                        contradicted: contradicted.is_some(),
+                        expected: &expected,
+                        rig,
+                    }),
                 };
                 let mut camera = NetworkCamera {
                     camera: stands.then_some(placed[c]),
@@ -273,45 +202,5 @@ pub(super) fn outside((a, b): (usize, usize)) -> NetworkPair {
         accepted: false,
         fundamental: None,
         deviates: Deviates::default(),
-    }
-}
-
-/// Whether errors are small enough.
-pub(super) fn status_by_errors(expected: &Expected, rig: f64) -> CameraStatus {
-    // Each so that NaN refuses.
-    let errors = [
-        (expected.focal, limits::MAX_FOCAL, CameraStatus::FocalLength),
-        (expected.rotation, limits::MAX_ROTATION, CameraStatus::Rotation),
-        (expected.position, limits::MAX_POSITION * rig, CameraStatus::Position),
-    ];
-    let small = |error: f64, limit: f64| error <= limit;
-    let too_large = errors.into_iter().find(|(error, limit, _)| !small(*error, *limit));
-    too_large.map_or(CameraStatus::Accepted, |(_, _, status)| status)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn groups_that_nothing_joins_stay_apart() {
-        let confirmed = [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (5, 6), (3, 6)];
-        let mut group = largest_group(&[0, 1, 2, 3, 4, 5, 6], &confirmed);
-        group.sort_unstable();
-        assert_eq!(group, [3, 4, 5, 6]);
-        let mut group = largest_group(&[0, 1, 2, 3, 4, 5], &confirmed[..5]);
-        group.sort_unstable();
-        assert_eq!(group, [0, 1, 2]);
-        assert!(largest_group(&[], &[]).is_empty());
-    }
-
-    #[test]
-    fn what_is_no_number_is_refused() {
-        let good = Expected::new(0.01, 0.01, 0.01);
-        assert_eq!(status_by_errors(&good, 1.0), CameraStatus::Accepted);
-        assert_eq!(status_by_errors(&Expected::UNKNOWN, 1.0), CameraStatus::FocalLength);
-        assert_eq!(status_by_errors(&Expected { rotation: f64::NAN, ..good }, 1.0), CameraStatus::Rotation);
-        assert_eq!(status_by_errors(&good, f64::NAN), CameraStatus::Position);
-        assert_eq!(status_by_errors(&Expected { position: 0.2, ..good }, 1.0), CameraStatus::Position);
     }
 }

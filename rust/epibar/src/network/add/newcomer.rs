@@ -5,6 +5,7 @@ use nalgebra::Matrix3;
 use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{Case, Out};
+use crate::network::decide::{CameraFindings, is_as_good, stands_out, status};
 use crate::network::evidence::alternatives::alternatives;
 use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance_with_principal_points;
@@ -25,7 +26,7 @@ use crate::network::solve::principal;
 use crate::network::solve::relocate::{Placed, Tries, places};
 use crate::network::solve::settle::Again;
 use crate::network::thresholds as limits;
-use crate::network::verdict::{is_as_good, outside, rig, stands_out, status_by_errors};
+use crate::network::verdict::{outside, rig};
 
 /// A new camera, the last of some of which all others are held.
 pub struct Newcomer<'a> {
@@ -69,8 +70,10 @@ impl<'a> Newcomer<'a> {
     ) -> Result<(NetworkCamera, Vec<NetworkPair>)> {
         let found = self.found(tell)?;
         let (status, out) = match &found {
-            Ok(Found { contradicted: Some(_), .. }) => (CameraStatus::Contradicted, None),
-            Ok(found) => (status_by_errors(&found.expected, found.rig), None),
+            Ok(Found { contradicted, expected, rig, .. }) => {
+                let contradicted = contradicted.is_some();
+                (status(&CameraFindings { rivalled: false, contradicted, expected, rig: *rig }), None)
+            }
             Err(out) => (out.status, Some(out)),
         };
         let (expected, rig) = found.as_ref().map_or((Expected::UNKNOWN, 1.0), |f| (f.expected, f.rig));

@@ -1,7 +1,7 @@
 //! What new footage says of a camera, as a result with its sentence.
 
 use super::moves::Move;
-use super::replace::Replaced;
+use super::replace::{NoPlace, Replaced};
 use super::which_moved::Judged;
 use crate::network::observations::observed::Observed;
 use crate::network::result::{CameraCheck, CheckStatus};
@@ -21,13 +21,7 @@ pub struct Seen<'o> {
 pub fn said(camera: usize, seen: &Seen, judged: &Judged, replaced: Replaced) -> CameraCheck {
     let found = judged.found[camera].as_ref();
     let rivals: Vec<&str> = judged.rivals[camera].iter().map(|&r| seen.names[r]).collect();
-    let enough = seen.deviate >= limits::CAMERA_DEVIATES;
-    let status = match found {
-        Some(_) if !rivals.is_empty() && enough => CheckStatus::Suspect,
-        Some(_) if judged.moved[camera] && enough => CheckStatus::Moved,
-        Some(_) if enough => CheckStatus::Unmoved,
-        _ => CheckStatus::Unsure,
-    };
+    let status = judged.status(camera, seen.deviate);
     let seconds = seen.observed.times.last().copied().unwrap_or(0.0);
     let moved = matches!(status, CheckStatus::Moved | CheckStatus::Suspect);
     let since = found.filter(|f| moved && f.is_within()).map(|f| f.since * seconds);
@@ -35,7 +29,7 @@ pub fn said(camera: usize, seen: &Seen, judged: &Judged, replaced: Replaced) -> 
     let reason = match (status, found) {
         (CheckStatus::Moved, Some(found)) => {
             let what = of_move("it", found, since);
-            replaced.as_ref().err().map_or_else(|| what.clone(), |why| format!("{what}; {why}"))
+            replaced.as_ref().err().map_or_else(|| what.clone(), |why| format!("{what}; {}", no_place(*why)))
         }
         (CheckStatus::Suspect, Some(found)) => format!(
             "it or {} moved, and what was filmed does not tell which; if it was this one, {}",
@@ -65,6 +59,20 @@ pub fn said(camera: usize, seen: &Seen, judged: &Judged, replaced: Replaced) -> 
         since,
         place: replaced.ok().filter(|_| status == CheckStatus::Moved),
         rivals: if status == CheckStatus::Suspect { judged.rivals[camera].clone() } else { Vec::new() },
+    }
+}
+
+fn no_place(why: NoPlace) -> &'static str {
+    match why {
+        NoPlace::Stands => "it did not move",
+        NoPlace::OneOfSeveral => {
+            "another camera moved of which it is not known which, so its new place is not certain"
+        }
+        NoPlace::Unconfirmed => "too few cameras that stand confirm its new place",
+        NoPlace::OrZoomed => "its new place is not certain",
+        NoPlace::LeftOver => {
+            "its new place leaves something over: a pair by itself agrees clearly better with another one"
+        }
     }
 }
 

@@ -17,15 +17,22 @@ use crate::network::solve::settle::settle;
 use crate::network::thresholds as limits;
 
 /// The new place of a camera, or why none is given.
-pub type Replaced = Result<Place, &'static str>;
+pub type Replaced = Result<Place, NoPlace>;
 
-const UNCONFIRMED: &str = "too few cameras that stand confirm its new place";
-const ONE_OF_SEVERAL: &str =
-    "another camera moved of which it is not known which, so its new place is not certain";
-const LEFT_OVER: &str =
-    "its new place leaves something over: a pair by itself agrees clearly better with another one";
-const OR_ZOOMED: &str = "its new place is not certain";
-const STANDS: &str = "it did not move";
+/// Why no new place of a camera is given.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NoPlace {
+    /// It did not move.
+    Stands,
+    /// Another camera moved of which it is not known which.
+    OneOfSeveral,
+    /// Too few cameras that stand confirm it.
+    Unconfirmed,
+    /// It may have been zoomed instead.
+    OrZoomed,
+    /// A pair by itself agrees clearly better with another place.
+    LeftOver,
+}
 
 /// New places of the cameras that moved, by the footage since the last of them did; what was found of them is told by these.
 pub fn replaced(
@@ -36,15 +43,17 @@ pub fn replaced(
 ) -> Vec<Replaced> {
     let n = stored.len();
     if !judged.moved.contains(&true) {
-        return vec![Err(STANDS); n];
+        return vec![Err(NoPlace::Stands); n];
     }
     if judged.rivals.iter().any(|r| !r.is_empty()) {
-        return vec![Err(ONE_OF_SEVERAL); n];
+        return vec![Err(NoPlace::OneOfSeveral); n];
     }
     if judged.moved.iter().filter(|m| !**m).count() < limits::CONFIRMED_PAIRS {
-        return vec![Err(UNCONFIRMED); n];
+        return vec![Err(NoPlace::Unconfirmed); n];
     }
-    let Some(solved) = Resolved::of(observed, judged, beliefs) else { return vec![Err(UNCONFIRMED); n] };
+    let Some(solved) = Resolved::of(observed, judged, beliefs) else {
+        return vec![Err(NoPlace::Unconfirmed); n];
+    };
     (0..n).map(|c| solved.place(judged, stored, c)).collect()
 }
 
@@ -90,7 +99,7 @@ impl<'a> Resolved<'a> {
     /// The place of a camera, where two that stand confirm it and nothing is left over.
     fn place(&self, judged: &mut Judged, stored: &[Camera], c: usize) -> Replaced {
         let moved = judged.moved.clone();
-        let Some(m) = judged.found[c].as_mut().filter(|_| moved[c]) else { return Err(STANDS) };
+        let Some(m) = judged.found[c].as_mut().filter(|_| moved[c]) else { return Err(NoPlace::Stands) };
         let at = self.cameras[c];
         let seen: Vec<_> = self.pairs.iter().filter(|((a, b), _)| *a == c || *b == c).collect();
         let beside = |(a, b): (usize, usize)| if a == c { b } else { a };
@@ -98,14 +107,14 @@ impl<'a> Resolved<'a> {
         let confirmed: Vec<usize> =
             confirm.filter(|(o, d)| !moved[*o] && *d >= limits::PAIR_DEVIATES).map(|(o, _)| o).collect();
         if confirmed.len() < limits::CONFIRMED_PAIRS {
-            return Err(UNCONFIRMED);
+            return Err(NoPlace::Unconfirmed);
         }
         measure(m, &at, &stored[c], &self.errors[0], c);
         if m.or_zoomed {
-            return Err(OR_ZOOMED);
+            return Err(NoPlace::OrZoomed);
         }
         if confirmed.iter().any(|&other| self.leaves_over(c, other)) {
-            return Err(LEFT_OVER);
+            return Err(NoPlace::LeftOver);
         }
         Ok(Place {
             matrix: at.matrix(),

@@ -12,6 +12,7 @@ use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::summed;
+use crate::network::result::CheckStatus;
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::settle;
 use crate::network::thresholds as limits;
@@ -27,6 +28,19 @@ pub struct Judged {
     pub rivals: Vec<Vec<usize>>,
     /// What was found of each camera, beside those that moved.
     pub found: Vec<Option<Move>>,
+}
+
+impl Judged {
+    /// What is said of a camera that has so much in common with the others, as a normal deviate.
+    pub fn status(&self, camera: usize, deviate: f64) -> CheckStatus {
+        let known = self.found[camera].is_some() && deviate >= limits::CAMERA_DEVIATES;
+        match (known, !self.rivals[camera].is_empty(), self.moved[camera]) {
+            (false, ..) => CheckStatus::Unsure,
+            (true, true, _) => CheckStatus::Suspect,
+            (true, false, true) => CheckStatus::Moved,
+            (true, false, false) => CheckStatus::Unmoved,
+        }
+    }
 }
 
 /// New footage of a network.

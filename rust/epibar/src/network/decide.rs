@@ -1,0 +1,208 @@
+//! What is decided of each camera, test by test: which are taken out of a network, and what is said of those that stand.
+
+use super::case::Out;
+use super::evidence::halves;
+use super::evidence::knocks::knocked;
+use super::evidence::stated_errors::Expected;
+use super::evidence::support::Support;
+use super::observations::observed::Observed;
+use super::observations::survey::Survey;
+use super::result::CameraStatus;
+use super::solve::networks::{Solved, gain};
+use super::solve::relocate::Placed;
+use super::thresholds as limits;
+
+/// A network whose cameras are to be sifted.
+pub(super) struct NetworkFindings<'a> {
+    /// Of all cameras.
+    pub(super) observed: &'a [Observed],
+    /// Of the moments that it was solved on.
+    pub(super) survey: &'a Survey<'a>,
+    pub(super) solved: &'a Solved,
+    /// What speaks for it on moments kept aside.
+    pub(super) support: &'a Support,
+}
+
+/// Finds cameras that stand and should not.
+type NetworkTest = fn(&NetworkFindings) -> Vec<Out>;
+
+/// Tests of the cameras of a network by name, in their order.
+pub(super) const NETWORK_TESTS: [(&str, NetworkTest); 4] = [
+    ("enough speaks for each camera", least_supported),
+    ("confirmed pairs join all cameras", apart),
+    ("no camera was knocked far", knocked_far),
+    ("no camera was knocked a little", knocked_a_little),
+];
+
+/// Those cameras that stand and should not, by the first test that finds some.
+pub(super) fn to_take_out(findings: &NetworkFindings) -> Vec<Out> {
+    NETWORK_TESTS.iter().map(|(_, test)| test(findings)).find(|out| !out.is_empty()).unwrap_or_default()
+}
+
+impl NetworkFindings<'_> {
+    fn stand(&self) -> Vec<usize> {
+        let Placed { cameras, placed } = &self.solved.network;
+        (0..cameras.len()).filter(|&c| placed[c]).collect()
+    }
+
+    fn out(&self, camera: usize, status: CameraStatus, at: Option<f64>) -> Out {
+        Out { camera, status, deviates: self.support.cameras[camera], at }
+    }
+}
+
+/// The camera for which least speaks, if that is too little.
+fn least_supported(f: &NetworkFindings) -> Vec<Out> {
+    let stand = f.stand();
+    let confirmed = f.support.confirmed();
+    let needed = if stand.len() > 2 { limits::CONFIRMED_PAIRS } else { 1 };
+    let enough = |c: usize| {
+        let pairs = confirmed.iter().filter(|p| p.0 == c || p.1 == c).count();
+        stands_out(f.support, c) && pairs >= needed
+    };
+    let deviate = |c: usize| f.support.cameras[c].tangents;
+    let least = stand.into_iter().filter(|&c| !enough(c)).min_by(|&c, &d| deviate(c).total_cmp(&deviate(d)));
+    least.map(|camera| f.out(camera, CameraStatus::NothingInCommon, None)).into_iter().collect()
+}
+
+/// All groups but the largest, if nothing joins them.
+fn apart(f: &NetworkFindings) -> Vec<Out> {
+    let stand = f.stand();
+    let largest = largest_group(&stand, &f.support.confirmed());
+    let others = stand.into_iter().filter(|c| !largest.contains(c));
+    others.map(|camera| f.out(camera, CameraStatus::Apart, None)).collect()
+}
+
+/// One that agrees with the others only before or after some moment.
+fn knocked_far(f: &NetworkFindings) -> Vec<Out> {
+    let found = knocked(f.survey, &f.solved.network, limits::KNOCKED);
+    let knocked = found.into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
+    knocked.map(|(camera, at)| f.out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
+}
+
+/// One that turned so little that it agrees with the others throughout. Of two nobody can say which did.
+fn knocked_a_little(f: &NetworkFindings) -> Vec<Out> {
+    if f.stand().len() <= 2 {
+        return Vec::new();
+    }
+    let found = halves::knocked_a_little(f.observed, f.survey, f.solved);
+    found.map(|(camera, at)| f.out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
+}
+
+/// Whether so much speaks for a camera on moments kept aside that chance does not, and that explains what it sees.
+pub(super) fn stands_out(support: &Support, camera: usize) -> bool {
+    let (d, share) = (support.cameras[camera], support.shares[camera]);
+    let explains = share.whole >= limits::CAMERA_WHOLE || share.excess >= limits::CAMERA_EXCESS;
+    d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES && explains
+}
+
+/// The most cameras that confirmed pairs join; of equals those with the most pairs, then the first.
+fn largest_group(stand: &[usize], confirmed: &[(usize, usize)]) -> Vec<usize> {
+    let mut groups: Vec<Vec<usize>> = stand.iter().map(|&c| vec![c]).collect();
+    for (a, b) in confirmed {
+        let place = |c: &usize| groups.iter().position(|g| g.contains(c));
+        if let (Some(p), Some(q)) = (place(a), place(b))
+            && p != q
+        {
+            let moved = groups.swap_remove(p.max(q));
+            groups[p.min(q)].extend(moved);
+        }
+    }
+    let pairs = |group: &Vec<usize>| confirmed.iter().filter(|(a, _)| group.contains(a)).count();
+    let first = |group: &Vec<usize>| std::cmp::Reverse(group.iter().min().copied());
+    groups.into_iter().max_by_key(|g| (g.len(), pairs(g), first(g))).unwrap_or_default()
+}
+
+/// Whether another network has about the same evidence, and another geometry.
+pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
+    let of_best = &best.network.placed;
+    if of_best.iter().zip(&rival.network.placed).any(|(best, rival)| *best && !rival) {
+        return false;
+    }
+    is_as_good(survey, &best.network.pairs(), &best.network, &rival.network)
+}
+
+/// Whether another geometry of the same cameras has about the same evidence in some pairs.
+pub(super) fn is_as_good(survey: &Survey, pairs: &[(usize, usize)], best: &Placed, rival: &Placed) -> bool {
+    let differs = best.turns(rival).any(|turn| turn > limits::RIVAL_TURN);
+    let (share, z) = gain(survey, pairs, best, rival);
+    differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
+}
+
+/// A camera that stands.
+#[derive(Clone, Copy)]
+pub(super) struct CameraFindings<'a> {
+    /// Another network explains what moves nearly as well.
+    pub(super) rivalled: bool,
+    /// What was given of it is contradicted by what moves.
+    pub(super) contradicted: bool,
+    pub(super) expected: &'a Expected,
+    /// The largest distance between two cameras.
+    pub(super) rig: f64,
+}
+
+/// A test that finds fault, or does not.
+type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
+
+/// Tests of a camera that stands by name, in their order.
+pub(super) const CAMERA_TESTS: [(&str, CameraTest); 5] = [
+    ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
+    ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
+    ("focal length known", |f| unless(f.expected.focal <= limits::MAX_FOCAL, CameraStatus::FocalLength)),
+    ("rotation known", |f| unless(f.expected.rotation <= limits::MAX_ROTATION, CameraStatus::Rotation)),
+    ("position known", |f| {
+        unless(f.expected.position <= limits::MAX_POSITION * f.rig, CameraStatus::Position)
+    }),
+];
+
+/// Fault, unless it is sound; so that NaN refuses.
+fn unless(sound: bool, status: CameraStatus) -> Option<CameraStatus> {
+    (!sound).then_some(status)
+}
+
+/// What is said of a camera that stands.
+pub(super) fn status(findings: &CameraFindings) -> CameraStatus {
+    CAMERA_TESTS.iter().find_map(|(_, test)| test(findings)).unwrap_or(CameraStatus::Accepted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_that_nothing_joins_stay_apart() {
+        let confirmed = [(0, 1), (1, 2), (0, 2), (3, 4), (4, 5), (5, 6), (3, 6)];
+        let mut group = largest_group(&[0, 1, 2, 3, 4, 5, 6], &confirmed);
+        group.sort_unstable();
+        assert_eq!(group, [3, 4, 5, 6]);
+        let mut group = largest_group(&[0, 1, 2, 3, 4, 5], &confirmed[..5]);
+        group.sort_unstable();
+        assert_eq!(group, [0, 1, 2]);
+        assert!(largest_group(&[], &[]).is_empty());
+    }
+
+    #[test]
+    fn what_is_no_number_is_refused() {
+        let good = Expected::new(0.01, 0.01, 0.01);
+        let status_by_errors = |expected: &Expected, rig| {
+            status(&CameraFindings { rivalled: false, contradicted: false, expected, rig })
+        };
+        assert_eq!(status_by_errors(&good, 1.0), CameraStatus::Accepted);
+        assert_eq!(status_by_errors(&Expected::UNKNOWN, 1.0), CameraStatus::FocalLength);
+        assert_eq!(status_by_errors(&Expected { rotation: f64::NAN, ..good }, 1.0), CameraStatus::Rotation);
+        assert_eq!(status_by_errors(&good, f64::NAN), CameraStatus::Position);
+        assert_eq!(status_by_errors(&Expected { position: 0.2, ..good }, 1.0), CameraStatus::Position);
+    }
+
+    #[test]
+    fn the_first_fault_is_said_of_a_camera() {
+        let unknown =
+            CameraFindings { rivalled: true, contradicted: true, expected: &Expected::UNKNOWN, rig: 1.0 };
+        assert_eq!(status(&unknown), CameraStatus::Ambiguous);
+        let contradicted = CameraFindings { rivalled: false, ..unknown };
+        assert_eq!(status(&contradicted), CameraStatus::Contradicted);
+        assert_eq!(
+            status(&CameraFindings { contradicted: false, ..contradicted }),
+            CameraStatus::FocalLength
+        );
+    }
+}
