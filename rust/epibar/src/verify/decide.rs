@@ -286,6 +286,7 @@ mod tests {
             (room(0.5, 23.0, 0.8, 0.6), Kind::Accepted),
             (room(1.5, 23.0, 0.8, 0.6), Kind::Accepted),
             (room(4.0, 23.0, 0.8, 0.6), Kind::Accepted),
+            (room(0.5, 23.0, 0.8, 0.45), Kind::Accepted),
             (room(0.5, 23.0, 0.7, 0.6), Kind::Undetermined),
             (room(0.5, 23.0, 0.8, 0.4), Kind::Undetermined),
             (room(0.5, 23.0, f64::NAN, 0.6), Kind::Undetermined),

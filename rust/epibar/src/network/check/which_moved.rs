@@ -255,3 +255,29 @@ impl Round {
         clearly(&stand, limits::SPOILED_SHARE) || clearly(&all, limits::RULED_OUT_SHARE)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::ImageSize;
+
+    #[test]
+    fn what_is_said_needs_enough_in_common_and_one_explanation() {
+        let cameras = [500.0, 600.0].map(|focal| Camera::new(ImageSize::new(640, 480).unwrap(), focal));
+        let mut judged = Judged {
+            now: Placed { cameras: cameras.to_vec(), placed: vec![true; 2] },
+            moved: vec![true, false],
+            rivals: vec![Vec::new(); 2],
+            found: cameras.map(|camera| Some(Move::none(camera))).to_vec(),
+        };
+        let enough = limits::CAMERA_DEVIATES;
+        assert_eq!([0, 1].map(|c| judged.status(c, enough)), [CheckStatus::Moved, CheckStatus::Unmoved]);
+        for deviate in [enough - 0.1, f64::NAN] {
+            assert_eq!([0, 1].map(|c| judged.status(c, deviate)), [CheckStatus::Unsure; 2]);
+        }
+        judged.rivals = vec![vec![1], vec![0]];
+        assert_eq!([0, 1].map(|c| judged.status(c, enough)), [CheckStatus::Suspect; 2]);
+        judged.found[1] = None;
+        assert_eq!(judged.status(1, enough), CheckStatus::Unsure);
+    }
+}
