@@ -110,10 +110,9 @@ def run(args: Namespace, cameras: int, seed: int) -> dict[str, Any]:
 
     recordings = recorded(made, args.lines, args.keep)
     lap()
-    films = list(recordings.values())
-    offsets = find_offsets(films, SEARCH_SECONDS)
+    offsets = find_offsets(recordings, SEARCH_SECONDS)
     lap()
-    chosen = pairs_to_search(films, offsets)
+    chosen = pairs_to_search(recordings, offsets)
     lap()
     timed = searched(args, made, recordings, chosen, offsets)
     pairs = {names: cal for names, (cal, _) in timed.items()}

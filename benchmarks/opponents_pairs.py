@@ -54,7 +54,7 @@ def _pairs(
 ) -> dict[tuple[str, str], Calibration]:
     """Calibrate the pairs that are worth a search, or load what was found of them."""
     names = list(recordings)
-    chosen = pairs_to_search(list(recordings.values()), offsets)
+    chosen = pairs_to_search(recordings, offsets)
     found = {}
     for done, (a, b) in enumerate(chosen):
         path = folder / f"{names[a]}-{names[b]}.npz"

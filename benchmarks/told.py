@@ -69,9 +69,8 @@ def run(family: str, seed: int, lines: int) -> list[dict[str, Any]]:
 
     situation = synthetic.situation(seed, family)
     recordings = {c.name: situation.recording(i, lines) for i, c in enumerate(situation.cameras)}
-    films = list(recordings.values())
-    offsets = find_offsets(films, SEARCH_SECONDS)
-    pairs = search_pairs(recordings, pairs_to_search(films, offsets), offsets, seed=seed % 2**32)
+    offsets = find_offsets(recordings, SEARCH_SECONDS)
+    pairs = search_pairs(recordings, pairs_to_search(recordings, offsets), offsets, seed=seed % 2**32)
     found = []
     for words, (known, false_of) in tellings({c.name: c for c in situation.cameras}).items():
         network = join_pairs(recordings, pairs, offsets, known=known)

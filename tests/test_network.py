@@ -118,9 +118,10 @@ def test_join_pairs_takes_refused_pairs_and_leaves_a_camera_out():
 
 def test_stages_by_hand_make_the_same_network():
     films = recordings()
-    offsets = find_offsets(list(films.values()), 10.0)
+    offsets = find_offsets(films, 10.0)
+    assert offsets == find_offsets(list(films.values()), 10.0)
     told = []
-    chosen = pairs_to_search(list(films.values()), offsets)
+    chosen = pairs_to_search(films, offsets)
     assert chosen == [(0, 1), (0, 2), (1, 2)]
     pairs = search_pairs(films, chosen, offsets, seed=3, progress=lambda *at: told.append(at))
     assert list(pairs) == [("cam1", "cam2"), ("cam1", "cam3"), ("cam2", "cam3")]
@@ -144,17 +145,27 @@ def test_stages_by_hand_make_the_same_network():
 def test_search_pairs_names_what_it_cannot_search():
     films = recordings()
     known = ClockOffsets((0.0, 0.0, 0.0), given=True)
-    for chosen in [(1, 0)], [(0, 3)], [(-1, 1)]:
+    for chosen in [(1, 0)], [(0, 3)], [(-1, 1)], [("cam1", "cam2")], [(0, 1, 2)], [3]:
         with pytest.raises(EpibarError, match="places a < b of the 3 cameras"):
             search_pairs(films, chosen, known)
     with pytest.raises(EpibarError, match="cam1 and cam3: nothing tells the offset"):
         search_pairs(films, [(0, 2)], ClockOffsets((0.0, 0.0, math.nan)))
     for stage in (
-        lambda clocks: pairs_to_search(list(films.values()), clocks),
+        lambda clocks: pairs_to_search(films, clocks),
         lambda clocks: search_pairs(films, [], clocks),
     ):
         with pytest.raises(EpibarError, match="2 clocks for 3"):
             stage(ClockOffsets((0.0, 0.0)))
+        with pytest.raises(EpibarError, match="offsets is a float, expected ClockOffsets"):
+            stage(0.0)
+    for wrong, named in (
+        (7, "recordings is a int"),
+        ({"cam1": "cam1.npz"}, r"recordings\['cam1'\] is a str"),
+    ):
+        with pytest.raises(EpibarError, match=named):
+            find_offsets(wrong, 10.0)
+        with pytest.raises(EpibarError, match=named):
+            pairs_to_search(wrong, known)
 
 
 # --- what is refused ---

@@ -10,7 +10,7 @@ from ..calibration import Calibration
 from ..errors import EpibarError
 from .core_result import network_of
 from .knowledge import KnownCamera, knowledge_of
-from .offsets import ClockOffsets
+from .offsets import ClockOffsets, as_offsets
 from .pair_search import pair_to_core
 from .recordings import Recordings, named_recordings
 from .result import Network
@@ -54,7 +54,7 @@ def join_pairs(
     """
     cameras = named_recordings(recordings)
     names = list(cameras)
-    offsets.refuse_others(len(names))
+    as_offsets(offsets, len(names))
     knowledge = knowledge_of(cameras, known)
     pairs = []
     for key, calibration in calibrations.items():

@@ -12,8 +12,9 @@ from ..arguments import as_positive, core_errors, is_number
 from ..clocks import frame_interval
 from ..errors import EpibarError
 from ..recording import Recording
+from .recordings import Recordings, films_of
 
-__all__ = ["ClockOffsets", "find_offsets", "given_offsets", "pairs_to_add", "pairs_to_search"]
+__all__ = ["ClockOffsets", "as_offsets", "find_offsets", "given_offsets", "pairs_to_add", "pairs_to_search"]
 
 GRID = _core.GRID
 """Seconds. A search starts from a found offset rounded to this, which it sharpens anyway: so the same search
@@ -54,21 +55,22 @@ class ClockOffsets:
             seconds = round(seconds / GRID) * GRID
         return seconds / frame_interval(recordings[b])
 
-    def refuse_others(self, cameras: int) -> None:
-        """Refuse clocks of other cameras than so many.
-
-        Raises
-        ------
-        EpibarError
-            There are more or fewer.
-        """
-        if len(self.seconds) != cameras:
-            raise EpibarError(f"{len(self.seconds)} clocks for {cameras} cameras")
-
     @property
     def sharpen(self) -> bool:
         """Whether a pair's search is to sharpen its offset: it is known to a frame or two only."""
         return not (self.given or self.together)
+
+
+def as_offsets(value: Any, cameras: int) -> ClockOffsets:
+    """Return ``value``, the argument ``offsets``, if it is of so many cameras."""
+    if not isinstance(value, ClockOffsets):
+        raise EpibarError(
+            f"offsets is a {type(value).__name__}, expected ClockOffsets, e.g. from "
+            "epibar.network.find_offsets"
+        )
+    if len(value.seconds) != cameras:
+        raise EpibarError(f"{len(value.seconds)} clocks for {cameras} cameras")
+    return value
 
 
 def given_offsets(names: Sequence[str], time_offset: Any) -> ClockOffsets | None:
@@ -104,7 +106,7 @@ def given_offsets(names: Sequence[str], time_offset: Any) -> ClockOffsets | None
 
 
 def find_offsets(
-    recordings: Sequence[Recording],
+    recordings: Recordings,
     search_seconds: float,
     progress: Callable[[str, float], None] | None = None,
 ) -> ClockOffsets:
@@ -112,24 +114,34 @@ def find_offsets(
 
     Parameters
     ----------
-    recordings : sequence of Recording
+    recordings : mapping of str to Recording, or sequence of Recording
     search_seconds : float
         How far either way to look.
     progress : callable, optional
         Called with the name of the stage and the share of it that is done.
+
+    Returns
+    -------
+    ClockOffsets
+
+    Raises
+    ------
+    EpibarError
+        An argument is of the wrong kind or out of its range.
     """
+    films = films_of(recordings)
     reach = as_positive("search_seconds", search_seconds, "seconds")
     with core_errors():
-        seconds, together, given = _core.clock_offsets([one._core for one in recordings], reach, progress)
+        seconds, together, given = _core.clock_offsets([one._core for one in films], reach, progress)
     return ClockOffsets(tuple(seconds), together, given)
 
 
-def pairs_to_search(recordings: Sequence[Recording], offsets: ClockOffsets) -> list[tuple[int, int]]:
+def pairs_to_search(recordings: Recordings, offsets: ClockOffsets) -> list[tuple[int, int]]:
     """Choose pairs that are worth a search: all of few cameras, of many those likeliest to see the same.
 
     Parameters
     ----------
-    recordings : sequence of Recording
+    recordings : mapping of str to Recording, or sequence of Recording
     offsets : ClockOffsets
         Of their clocks; pairs of which nothing tells the offset are left out.
 
@@ -141,11 +153,12 @@ def pairs_to_search(recordings: Sequence[Recording], offsets: ClockOffsets) -> l
     Raises
     ------
     EpibarError
-        There are more or fewer clocks than recordings.
+        An argument is of the wrong kind, or there are more or fewer clocks than recordings.
     """
-    offsets.refuse_others(len(recordings))
+    films = films_of(recordings)
+    clocks = as_offsets(offsets, len(films)).to_core()
     with core_errors():
-        return _core.pairs_to_search([one._core for one in recordings], offsets.to_core())
+        return _core.pairs_to_search([one._core for one in films], clocks)
 
 
 def pairs_to_add(

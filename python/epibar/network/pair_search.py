@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from numbers import Integral
 from typing import Any
 
 from .. import _core
@@ -14,7 +15,7 @@ from ..calibration import Calibration, calibrate
 from ..clocks import frame_interval
 from ..errors import EpibarError
 from ..recording import Recording
-from .offsets import ClockOffsets
+from .offsets import ClockOffsets, as_offsets
 from .recordings import Recordings, named_recordings
 from .stages import Progress, of_pairs
 
@@ -96,11 +97,10 @@ def search_pairs(
     """
     cameras = named_recordings(recordings)
     names, films = list(cameras), list(cameras.values())
-    offsets.refuse_others(len(names))
+    as_offsets(offsets, len(names))
     found = {}
-    for done, (a, b) in enumerate(chosen):
-        if not 0 <= a < b < len(names):
-            raise EpibarError(f"chosen has {(a, b)}: expected places a < b of the {len(names)} cameras")
+    places = [_places(pair, len(names)) for pair in chosen]
+    for done, (a, b) in enumerate(places):
         frames = offsets.between(films, a, b)
         if frames is None:
             raise EpibarError(
@@ -114,11 +114,20 @@ def search_pairs(
             sharpen_offset=offsets.sharpen,
             seed=seed,
             upright=upright,
-            progress=of_pairs(progress, done, len(chosen)),
+            progress=of_pairs(progress, done, len(places)),
         )
         if progress is not None:
-            progress("pairs", (done + 1) / len(chosen))
+            progress("pairs", (done + 1) / len(places))
     return found
+
+
+def _places(pair: Any, cameras: int) -> tuple[int, int]:
+    """Return two places of cameras, if they are in their order."""
+    if isinstance(pair, Sequence) and len(pair) == 2 and all(isinstance(place, Integral) for place in pair):
+        a, b = map(int, pair)
+        if 0 <= a < b < cameras:
+            return a, b
+    raise EpibarError(f"chosen has {pair!r}: expected places a < b of the {cameras} cameras, such as (0, 1)")
 
 
 def pair_to_core(a: int, b: int, calibration: Calibration) -> dict[str, Any]:

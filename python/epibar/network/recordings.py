@@ -9,9 +9,24 @@ from ..arguments import camera_names
 from ..errors import EpibarError, address_without_secrets, is_address
 from ..recording import Recording, as_recording
 
-__all__ = ["Recordings", "named_recordings"]
+__all__ = ["Recordings", "films_of", "named_recordings"]
 
 Recordings = Mapping[str, Recording] | Sequence[Recording]
+
+
+def films_of(recordings: Any) -> list[Recording]:
+    """Return recordings in their order, whatever their cameras are called.
+
+    Raises
+    ------
+    EpibarError
+        No recordings.
+    """
+    if isinstance(recordings, Mapping):
+        return [as_recording(f"recordings[{name!r}]", one) for name, one in recordings.items()]
+    if isinstance(recordings, Sequence) and not isinstance(recordings, str):
+        return [as_recording(f"recordings[{index}]", one) for index, one in enumerate(recordings)]
+    raise EpibarError(f"recordings is a {type(recordings).__name__}, expected recordings of several cameras")
 
 
 def named_recordings(recordings: Any) -> dict[str, Recording]:
