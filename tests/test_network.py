@@ -166,6 +166,9 @@ def test_search_pairs_names_what_it_cannot_search():
             find_offsets(wrong, 10.0)
         with pytest.raises(EpibarError, match=named):
             pairs_to_search(wrong, known)
+    with pytest.raises(EpibarError, match="no name of a camera") as refused:
+        find_offsets({"rtsp://me:secret@hall/1": "cam1.npz"}, 10.0)
+    assert "secret" not in str(refused.value)
 
 
 # --- what is refused ---

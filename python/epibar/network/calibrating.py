@@ -16,7 +16,7 @@ from .pair_search import calibrate_unsynchronised, offsets_of_pair, search_pairs
 from .recordings import Recordings, named_recordings
 from .result import Network
 from .scaling import check_lengths
-from .stages import Progress, of_pairs, stages
+from .stages import Progress, as_stage, of_pairs
 
 __all__ = ["calibrate_network", "in_metres"]
 
@@ -87,7 +87,6 @@ def calibrate_network(
     knowledge = knowledge_of(cameras, known)
     check_lengths(names, distances, person_height, camera_heights)
     offsets = given_offsets(names, time_offset)
-    tell = stages(progress)
     if len(names) == 2 and not all(map(has_focal, knowledge)):
         # No search can help: the core says what is missing.
         return join_pairs(cameras, {}, offsets or ClockOffsets((0.0, 0.0)), known=known)
@@ -103,10 +102,10 @@ def calibrate_network(
             progress("pairs", 1.0)
         offsets, pairs = offsets_of_pair(films[1], pair), {(names[0], names[1]): pair}
     else:
-        offsets = offsets or find_offsets(films, search_seconds, tell("clocks"))
+        offsets = offsets or find_offsets(films, search_seconds, as_stage("clocks", progress))
         chosen = pairs_to_search(films, offsets)
         pairs = search_pairs(cameras, chosen, offsets, seed=seed, upright=upright, progress=progress)
-    network = join_pairs(cameras, pairs, offsets, known=known, progress=tell("network"))
+    network = join_pairs(cameras, pairs, offsets, known=known, progress=as_stage("network", progress))
     return in_metres(network, distances, person_height, camera_heights)
 
 

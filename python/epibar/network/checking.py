@@ -17,7 +17,7 @@ from .core_parts import covariance_of
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .parts import NetworkCamera, NetworkParts, evidence_of
 from .recordings import Recordings, named_recordings
-from .stages import Progress
+from .stages import Progress, as_stage
 
 __all__ = [
     "MOVED",
@@ -206,12 +206,12 @@ def check_network(
     cameras = [stored_camera(network.cameras[name], films[name]) for name in names]
     checked = [films[name] for name in names]
     if offsets is None:
-        offsets = find_offsets(checked, reach, _stage("clocks", progress))
+        offsets = find_offsets(checked, reach, as_stage("clocks", progress))
     else:
         offsets = _clocks_of(names, list(films), offsets)
     with core_errors():
         found = _core.check_network(
-            [one._core for one in checked], names, cameras, offsets.to_core(), _stage("check", progress)
+            [one._core for one in checked], names, cameras, offsets.to_core(), as_stage("check", progress)
         )
     answers = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
     return NetworkCheck(answers, left_out, network.unit)
@@ -302,7 +302,3 @@ def _clocks_of(names: list[str], given: list[str], offsets: ClockOffsets) -> Clo
     """Keep the clocks of some cameras, against the first of these."""
     seconds: Mapping[str, float] = dict(zip(given, offsets.seconds, strict=True))
     return ClockOffsets(tuple(seconds[name] - seconds[names[0]] for name in names), given=offsets.given)
-
-
-def _stage(name: str, progress: Progress | None) -> Progress | None:
-    return None if progress is None else lambda _, share: progress(name, share)

@@ -19,7 +19,7 @@ from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pair
 from .pair_search import pair_to_core, search_pairs
 from .parts import NetworkCamera, NetworkClock, NetworkPair, NetworkPairs, NetworkParts
 from .recordings import Recordings, named_recordings
-from .stages import Progress, stages
+from .stages import Progress, as_stage
 
 __all__ = ["Extension", "extend", "refuse_spellings", "with_added"]
 
@@ -104,9 +104,8 @@ def extend(
     if len(held) < LEAST_HELD:
         return Extension(check, {name: _alone(name, one, check) for name, one in new.items()})
     cameras = {**{name: films[name] for name in held}, **new}
-    tell = stages(progress)
     if seconds is None:
-        offsets = _clocks(cameras, len(held), reach, tell("clocks"))
+        offsets = _clocks(cameras, len(held), reach, as_stage("clocks", progress))
     else:
         offsets = ClockOffsets(tuple(seconds[n] - seconds[held[0]] for n in cameras), given=True)
     # A camera of which no clock is known has no part.
@@ -132,7 +131,7 @@ def extend(
             knowledge,
             pairs,
             offsets.to_core(),
-            tell("network"),
+            as_stage("network", progress),
         )
     return _extension(network, check, found, new, held)
 

@@ -20,13 +20,18 @@ def films_of(recordings: Any) -> list[Recording]:
     Raises
     ------
     EpibarError
-        No recordings.
+        No recordings, or an address for a name.
     """
     if isinstance(recordings, Mapping):
-        return [as_recording(f"recordings[{name!r}]", one) for name, one in recordings.items()]
+        for name, one in recordings.items():
+            _refuse_address(str(name))
+            as_recording(f"recordings[{name!r}]", one)
+        return list(recordings.values())
     if isinstance(recordings, Sequence) and not isinstance(recordings, str):
         return [as_recording(f"recordings[{index}]", one) for index, one in enumerate(recordings)]
-    raise EpibarError(f"recordings is a {type(recordings).__name__}, expected recordings of several cameras")
+    raise EpibarError(
+        f"recordings is a {type(recordings).__name__}, expected recordings by the names of their cameras"
+    )
 
 
 def named_recordings(recordings: Any) -> dict[str, Recording]:
@@ -37,24 +42,22 @@ def named_recordings(recordings: Any) -> dict[str, Recording]:
     EpibarError
         Fewer than two, no recordings, or two of one name.
     """
+    films = films_of(recordings)
     if isinstance(recordings, Mapping):
-        found = {str(name): one for name, one in recordings.items()}
-        if len(found) < len(recordings) or "" in found:
+        found = dict(zip(map(str, recordings), films, strict=True))
+        if len(found) < len(films) or "" in found:
             raise EpibarError(f"cameras are called {', '.join(map(repr, recordings))}: names must differ")
-    elif isinstance(recordings, Sequence) and not isinstance(recordings, str):
-        for index, one in enumerate(recordings):
-            as_recording(f"recordings[{index}]", one)
-        names = camera_names(one.name for one in recordings)
-        found = dict(zip(names, recordings, strict=True))
     else:
-        raise EpibarError(
-            f"recordings is a {type(recordings).__name__}, expected recordings by the names of their cameras"
-        )
-    for name, one in found.items():
-        if is_address(name):
-            shown = address_without_secrets(name)
-            raise EpibarError(f"{shown}: an address, which may hold a password, is no name of a camera")
-        as_recording(f"recordings[{name!r}]", one)
+        found = dict(zip(camera_names(one.name for one in films), films, strict=True))
+        for name in found:
+            _refuse_address(name)
     if len(found) < 2:
         raise EpibarError(f"recordings: {len(found)} given, but a network has at least two cameras")
     return found
+
+
+def _refuse_address(name: str) -> None:
+    """Refuse an address for a name, and show nothing of it that is secret."""
+    if is_address(name):
+        shown = address_without_secrets(name)
+        raise EpibarError(f"{shown}: an address, which may hold a password, is no name of a camera")

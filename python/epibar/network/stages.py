@@ -1,24 +1,18 @@
-"""How far each stage of a network's job is; no share of a stage is ever less than one told before."""
+"""How far each stage of a network's job is."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-__all__ = ["Progress", "of_pairs", "stages"]
+__all__ = ["Progress", "as_stage", "of_pairs"]
 
 Progress = Callable[[str, float], None]
 """Takes the name of a stage and the share of it that is done."""
 
 
-def stages(progress: Progress | None) -> Callable[[str], Progress | None]:
-    """Make functions that tell how far a stage is, whatever its parts are called."""
-
-    def tell(stage: str) -> Progress | None:
-        if progress is None:
-            return None
-        return lambda _, share: progress(stage, share)
-
-    return tell
+def as_stage(name: str, progress: Progress | None) -> Progress | None:
+    """Make what tells how far a stage is, whatever its own parts are called."""
+    return None if progress is None else lambda _, share: progress(name, share)
 
 
 def of_pairs(progress: Progress | None, done: int, of: int) -> Progress | None:
