@@ -18,7 +18,7 @@ ROOMS = (
 
 NETWORK_ROOMS = (
     *("thresholds", "model", "given", "observations", "solve", "evidence"),
-    *("result", "case", "prose", "verdict"),
+    *("result", "case", "verdict"),
     *("join", "calibrate", "check", "add", "tracks"),
 )
 """Those of the room `network`, in the same way; its own file re-exports, and stands above them."""

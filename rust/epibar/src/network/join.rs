@@ -4,7 +4,6 @@
 //! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
 
 use super::case::{Case, Finished, Out};
-use super::decide::{NetworkFindings, is_rival, to_take_out};
 use super::evidence::alternatives::alternatives;
 use super::evidence::contradictions::{Contradiction, contradictions};
 use super::evidence::covariance::{Covariance, covariance_with_principal_points};
@@ -25,6 +24,7 @@ use super::solve::relocate::Placed;
 use super::solve::settle::Again;
 use super::solve::world;
 use super::thresholds as limits;
+use super::verdict::decide::{NetworkFindings, is_rival, to_take_out};
 use crate::error::{Error, Result};
 use crate::watch::{Stage, Watch, report};
 

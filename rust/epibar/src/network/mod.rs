@@ -9,8 +9,7 @@
 //! * `solve`: from the geometries of pairs to networks, and to the world that they stand in.
 //! * `evidence`: what speaks for each camera on moments kept aside, and by how much it may be wrong.
 //! * `case`, `result`: what a network is made of on its way to the verdict; what comes out.
-//! * `decide`, `thresholds`: the tests by name, in their order; the numbers that decide.
-//! * `verdict`, `prose`: what is said of each camera, each pair and the whole; sentences.
+//! * `verdict`, `thresholds`: the tests by name, in their order, and what is said of each camera, each pair and the whole; the numbers that decide.
 //!
 //! Of a network that stands:
 //!
@@ -46,13 +45,11 @@ mod add;
 mod calibrate;
 mod case;
 mod check;
-mod decide;
 mod evidence;
 mod given;
 mod join;
 mod model;
 mod observations;
-mod prose;
 mod result;
 mod solve;
 mod thresholds;

@@ -5,7 +5,6 @@ use nalgebra::Matrix3;
 use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{Case, Out};
-use crate::network::decide::{CameraFindings, is_as_good, stands_out, status};
 use crate::network::evidence::alternatives::alternatives;
 use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance_with_principal_points;
@@ -19,14 +18,14 @@ use crate::network::given::input::{AS_SOLD, PRINCIPAL_LEVELS};
 use crate::network::model::camera::{CLOCK, Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::Beliefs;
 use crate::network::observations::survey::{Survey, shared};
-use crate::network::prose;
 use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair};
 use crate::network::solve::networks::{FRAMES, FRAMES_IN_THE_END, Solved, settled};
 use crate::network::solve::principal;
 use crate::network::solve::relocate::{Placed, Tries, places};
 use crate::network::solve::settle::Again;
 use crate::network::thresholds as limits;
-use crate::network::verdict::{outside, rig};
+use crate::network::verdict::decide::{CameraFindings, is_as_good, stands_out, status};
+use crate::network::verdict::{outside, prose, rig};
 
 /// A new camera, the last of some of which all others are held.
 pub struct Newcomer<'a> {

@@ -1,18 +1,18 @@
 //! What is said of cameras and networks, as sentences.
 
-use super::evidence::contradictions::Contradiction;
-use super::evidence::doubts::Doubt;
-use super::evidence::stated_errors::Expected;
-use super::given::input::{CameraInput, Kind};
-use super::given::pair::PairFound;
-use super::model::camera::{Camera, INTRINSIC};
-use super::model::joint::Beliefs;
-use super::result::{CameraStatus, NetworkCamera, NetworkPair, PairStatus};
-use super::solve::world::Ground;
-use super::thresholds::{DOUBT_SAID, MAX_FOCAL, MAX_POSITION, MAX_ROTATION};
+use crate::network::evidence::contradictions::Contradiction;
+use crate::network::evidence::doubts::Doubt;
+use crate::network::evidence::stated_errors::Expected;
+use crate::network::given::input::{CameraInput, Kind};
+use crate::network::given::pair::PairFound;
+use crate::network::model::camera::{Camera, INTRINSIC};
+use crate::network::model::joint::Beliefs;
+use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair, PairStatus};
+use crate::network::solve::world::Ground;
+use crate::network::thresholds::{DOUBT_SAID, MAX_FOCAL, MAX_POSITION, MAX_ROTATION};
 
 /// What was found of a camera.
-pub(super) fn of_camera(
+pub(in crate::network) fn of_camera(
     status: CameraStatus,
     expected: &Expected,
     rig: f64,
@@ -75,7 +75,7 @@ pub(super) fn of_camera(
 }
 
 /// What was given of a camera and is contradicted by what moves.
-pub(super) fn contradiction(found: &Contradiction, given: &Beliefs, fits: &Camera) -> String {
+pub(in crate::network) fn contradiction(found: &Contradiction, given: &Beliefs, fits: &Camera) -> String {
     let given = given.intrinsic.map(|belief| belief.mean);
     format!(
         "the {} that is given, {}, contradicts what moves: {} agrees with it, {:.0} standard deviations away. Correct what is given, or leave it out",
@@ -87,7 +87,7 @@ pub(super) fn contradiction(found: &Contradiction, given: &Beliefs, fits: &Camer
 }
 
 /// What is added of a camera of which something that was given may be wrong.
-pub(super) fn doubted(doubts: &[Doubt], camera: usize, held: &Camera) -> String {
+pub(in crate::network) fn doubted(doubts: &[Doubt], camera: usize, held: &Camera) -> String {
     let of_camera = doubts.iter().filter(|d| d.share >= DOUBT_SAID && d.cameras.contains(&camera));
     let said = |doubt: &Doubt| {
         format!(
@@ -112,7 +112,7 @@ fn value(kind: Kind, numbers: [f64; INTRINSIC]) -> String {
 }
 
 /// Of a camera of which the same was given as of several others that are contradicted.
-pub(super) fn given_like_others(kind: Kind) -> String {
+pub(in crate::network) fn given_like_others(kind: Kind) -> String {
     let what = name(kind);
     format!(
         "the {what} that is given contradicts what moves in other cameras, so that of this one is not relied on. Correct what is given, or leave it out"
@@ -129,20 +129,24 @@ fn name(kind: Kind) -> &'static str {
 }
 
 /// What is added of a camera whose pixels were taken for square.
-pub(super) fn pixels_not_square(fits: &Camera) -> String {
+pub(in crate::network) fn pixels_not_square(fits: &Camera) -> String {
     format!("; its pixels are not square, as they were taken to be: fy / fx is {:.4}", fits.log_aspect.exp())
 }
 
 /// What is added of a camera where that cannot be told.
-pub(super) const PRINCIPAL_POINT_TAKEN_FOR_RIGHT: &str = "; what moves asks for another principal point than the one that is given, as boxes and ellipses do that stand for people: this holds if what is given is right";
+pub(in crate::network) const PRINCIPAL_POINT_TAKEN_FOR_RIGHT: &str = "; what moves asks for another principal point than the one that is given, as boxes and ellipses do that stand for people: this holds if what is given is right";
 
 /// What is added of a camera whose lens shows nothing in the corners of its images.
-pub(super) fn short_lens(reach: f64) -> String {
+pub(in crate::network) fn short_lens(reach: f64) -> String {
     format!("; its lens holds up to {reach:.0} px from the principal point: use no pixels farther out")
 }
 
 /// What was found of the whole.
-pub(super) fn of_network(cameras: &[NetworkCamera], pairs: &[NetworkPair], ground: &Ground) -> String {
+pub(in crate::network) fn of_network(
+    cameras: &[NetworkCamera],
+    pairs: &[NetworkPair],
+    ground: &Ground,
+) -> String {
     let names = |chosen: &dyn Fn(&NetworkCamera) -> bool| -> Vec<String> {
         cameras.iter().filter(|c| chosen(c)).map(|c| c.name.clone()).collect()
     };

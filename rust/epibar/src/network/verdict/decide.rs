@@ -1,33 +1,33 @@
 //! What is decided of each camera, test by test: which are taken out of a network, and what is said of those that stand.
 
-use super::case::Out;
-use super::evidence::halves;
-use super::evidence::knocks::knocked;
-use super::evidence::stated_errors::Expected;
-use super::evidence::support::Support;
-use super::observations::observed::Observed;
-use super::observations::survey::Survey;
-use super::result::CameraStatus;
-use super::solve::networks::{Solved, gain};
-use super::solve::relocate::Placed;
-use super::thresholds as limits;
+use crate::network::case::Out;
+use crate::network::evidence::halves;
+use crate::network::evidence::knocks::knocked;
+use crate::network::evidence::stated_errors::Expected;
+use crate::network::evidence::support::Support;
+use crate::network::observations::observed::Observed;
+use crate::network::observations::survey::Survey;
+use crate::network::result::CameraStatus;
+use crate::network::solve::networks::{Solved, gain};
+use crate::network::solve::relocate::Placed;
+use crate::network::thresholds as limits;
 
 /// A network whose cameras are to be sifted.
-pub(super) struct NetworkFindings<'a> {
+pub(in crate::network) struct NetworkFindings<'a> {
     /// Of all cameras.
-    pub(super) observed: &'a [Observed],
+    pub(in crate::network) observed: &'a [Observed],
     /// Of the moments that it was solved on.
-    pub(super) survey: &'a Survey<'a>,
-    pub(super) solved: &'a Solved,
+    pub(in crate::network) survey: &'a Survey<'a>,
+    pub(in crate::network) solved: &'a Solved,
     /// What speaks for it on moments kept aside.
-    pub(super) support: &'a Support,
+    pub(in crate::network) support: &'a Support,
 }
 
 /// Finds cameras that stand and should not.
 type NetworkTest = fn(&NetworkFindings) -> Vec<Out>;
 
 /// Tests of the cameras of a network by name, in their order.
-pub(super) const NETWORK_TESTS: [(&str, NetworkTest); 4] = [
+pub(in crate::network) const NETWORK_TESTS: [(&str, NetworkTest); 4] = [
     ("enough speaks for each camera", least_supported),
     ("confirmed pairs join all cameras", apart),
     ("no camera was knocked far", knocked_far),
@@ -35,7 +35,7 @@ pub(super) const NETWORK_TESTS: [(&str, NetworkTest); 4] = [
 ];
 
 /// Those cameras that stand and should not, by the first test that finds some.
-pub(super) fn to_take_out(findings: &NetworkFindings) -> Vec<Out> {
+pub(in crate::network) fn to_take_out(findings: &NetworkFindings) -> Vec<Out> {
     NETWORK_TESTS.iter().map(|(_, test)| test(findings)).find(|out| !out.is_empty()).unwrap_or_default()
 }
 
@@ -89,7 +89,7 @@ fn knocked_a_little(f: &NetworkFindings) -> Vec<Out> {
 }
 
 /// Whether so much speaks for a camera on moments kept aside that chance does not, and that explains what it sees.
-pub(super) fn stands_out(support: &Support, camera: usize) -> bool {
+pub(in crate::network) fn stands_out(support: &Support, camera: usize) -> bool {
     let (d, share) = (support.cameras[camera], support.shares[camera]);
     let explains = share.whole >= limits::CAMERA_WHOLE || share.excess >= limits::CAMERA_EXCESS;
     d.tangents >= limits::CAMERA_DEVIATES && d.whole >= limits::WHOLE_DEVIATES && explains
@@ -113,7 +113,7 @@ fn largest_group(stand: &[usize], confirmed: &[(usize, usize)]) -> Vec<usize> {
 }
 
 /// Whether another network has about the same evidence, and another geometry.
-pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
+pub(in crate::network) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
     let of_best = &best.network.placed;
     if of_best.iter().zip(&rival.network.placed).any(|(best, rival)| *best && !rival) {
         return false;
@@ -122,7 +122,12 @@ pub(super) fn is_rival(survey: &Survey, best: &Solved, rival: &Solved) -> bool {
 }
 
 /// Whether another geometry of the same cameras has about the same evidence in some pairs.
-pub(super) fn is_as_good(survey: &Survey, pairs: &[(usize, usize)], best: &Placed, rival: &Placed) -> bool {
+pub(in crate::network) fn is_as_good(
+    survey: &Survey,
+    pairs: &[(usize, usize)],
+    best: &Placed,
+    rival: &Placed,
+) -> bool {
     let differs = best.turns(rival).any(|turn| turn > limits::RIVAL_TURN);
     let (share, z) = gain(survey, pairs, best, rival);
     differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
@@ -130,21 +135,21 @@ pub(super) fn is_as_good(survey: &Survey, pairs: &[(usize, usize)], best: &Place
 
 /// A camera that stands.
 #[derive(Clone, Copy)]
-pub(super) struct CameraFindings<'a> {
+pub(in crate::network) struct CameraFindings<'a> {
     /// Another network explains what moves nearly as well.
-    pub(super) rivalled: bool,
+    pub(in crate::network) rivalled: bool,
     /// What was given of it is contradicted by what moves.
-    pub(super) contradicted: bool,
-    pub(super) expected: &'a Expected,
+    pub(in crate::network) contradicted: bool,
+    pub(in crate::network) expected: &'a Expected,
     /// The largest distance between two cameras.
-    pub(super) rig: f64,
+    pub(in crate::network) rig: f64,
 }
 
 /// A test that finds fault, or does not.
 type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
 
 /// Tests of a camera that stands by name, in their order.
-pub(super) const CAMERA_TESTS: [(&str, CameraTest); 5] = [
+pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 5] = [
     ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
     ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
     ("focal length known", |f| unless(f.expected.focal <= limits::MAX_FOCAL, CameraStatus::FocalLength)),
@@ -160,7 +165,7 @@ fn unless(sound: bool, status: CameraStatus) -> Option<CameraStatus> {
 }
 
 /// What is said of a camera that stands.
-pub(super) fn status(findings: &CameraFindings) -> CameraStatus {
+pub(in crate::network) fn status(findings: &CameraFindings) -> CameraStatus {
     CAMERA_TESTS.iter().find_map(|(_, test)| test(findings)).unwrap_or(CameraStatus::Accepted)
 }
 

@@ -1,20 +1,25 @@
 //! The verdict put together: what is said of each camera, each pair and the whole.
+//!
+//! * `decide`: the tests by name, in their order.
+//! * `prose`: sentences.
 
-use super::case::{Case, Finished, Out};
-use super::decide::{self, CameraFindings};
-use super::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
-use super::evidence::support::{Deviates, Support};
-use super::given::input::Kind;
-use super::given::pair::PairFound;
-use super::given::pair_choice::all_pairs;
-use super::model::camera::Camera;
-use super::model::residual::Pair;
-use super::prose;
-use super::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
-use super::solve::world::{self, World};
-use super::thresholds as limits;
+pub mod decide;
+pub mod prose;
+
+use self::decide::CameraFindings;
 use crate::geometry::median::median;
 use crate::image::ImageSize;
+use crate::network::case::{Case, Finished, Out};
+use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
+use crate::network::evidence::support::{Deviates, Support};
+use crate::network::given::input::Kind;
+use crate::network::given::pair::PairFound;
+use crate::network::given::pair_choice::all_pairs;
+use crate::network::model::camera::Camera;
+use crate::network::model::residual::Pair;
+use crate::network::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
+use crate::network::solve::world::{self, World};
+use crate::network::thresholds as limits;
 
 /// The largest distance between the cameras of some pairs.
 pub(super) fn rig(cameras: &[Camera], pairs: &[(usize, usize)]) -> f64 {
