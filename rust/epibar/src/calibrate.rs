@@ -120,7 +120,7 @@ impl<'a> Pair<'a> {
         if let Some(verdict) = untestable::too_little_motion(&candidates, self.busy.len()) {
             return refused(verdict, &candidates);
         }
-        let seen = Seen::new(self, split);
+        let seen = SplitViews::new(self, split);
         let found = match self.options.method {
             Method::Frontier => self.by_tangents(&seen, &candidates, watch)?,
             Method::Lines => self.by_lines(&seen, &candidates, watch)?,
@@ -155,7 +155,12 @@ impl<'a> Pair<'a> {
     }
 
     /// The method of frontier points: search on the fitted frames, then refine on all.
-    fn by_tangents(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
+    fn by_tangents(
+        &self,
+        seen: &SplitViews,
+        candidates: &Candidates,
+        watch: &mut dyn Watch,
+    ) -> Result<Found> {
         let defaults = SearchOptions::default();
         let draws = Draws { lines: self.options.draws, ..defaults.draws };
         let some = |limit| {
@@ -172,7 +177,7 @@ impl<'a> Pair<'a> {
     }
 
     /// The method of the paper.
-    fn by_lines(&self, seen: &Seen, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
+    fn by_lines(&self, seen: &SplitViews, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Found> {
         let fitted = self.candidates_of(&seen.split.fitted)?;
         let recordings = [self.aligned.a(), self.aligned.b()];
         let all = Filmed { recordings, frames: &self.common, candidates };
@@ -183,7 +188,7 @@ impl<'a> Pair<'a> {
 
     fn calibration(
         &self,
-        seen: &Seen,
+        seen: &SplitViews,
         candidates: &Candidates,
         found: &Found,
         winner: &Solution,
@@ -218,14 +223,14 @@ impl<'a> Pair<'a> {
 }
 
 /// The silhouettes of both cameras, and which frames are kept aside.
-struct Seen {
+struct SplitViews {
     split: Split,
     all: Views,
     fitted: Views,
     busy: Views,
 }
 
-impl Seen {
+impl SplitViews {
     fn new(pair: &Pair, split: Split) -> Self {
         Self {
             all: pair.views(&pair.common),

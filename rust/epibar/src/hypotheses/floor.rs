@@ -23,7 +23,7 @@ const TOLERANCE: f64 = 0.006;
 
 /// The homography of a plane on which things move.
 #[derive(Debug, Clone)]
-pub struct Floor {
+pub struct FloorHomography {
     /// `x_b ~ H x_a`, pixels, Frobenius norm 1.
     pub homography: Matrix3<f64>,
     /// Candidates that fit it.
@@ -47,7 +47,7 @@ fn end_distance(line: &Vector3<f64>, segment: &Segment) -> f64 {
     })
 }
 
-impl Floor {
+impl FloorHomography {
     /// Whether it is worth reporting: many of the candidates fit it, and not because they all pass through one point.
     pub fn is_supported(&self, candidates: usize) -> bool {
         self.inliers * 5 >= candidates && self.outside_pencil * 8 >= candidates && self.outside_pencil >= 30
@@ -102,13 +102,13 @@ pub fn find_floors(
     seed: u64,
     keep: usize,
     watch: &mut dyn Watch,
-) -> Result<Vec<Floor>> {
+) -> Result<Vec<FloorHomography>> {
     if candidates.len() < 20 {
         return Ok(Vec::new());
     }
     let model = FloorModel { candidates, arrays: LineArrays::new(candidates), sizes };
     let found = ransac(&model, DRAWS, 4 * keep, seed, Stage::Floor, watch)?;
-    let mut floors: Vec<Floor> = Vec::new();
+    let mut floors: Vec<FloorHomography> = Vec::new();
     for start in found {
         let mut h = start.model;
         let mut inliers = model.inliers(&h);
@@ -127,7 +127,7 @@ pub fn find_floors(
             continue;
         }
         let outside_pencil = inliers.len() - largest_pencil(&inliers, sizes[0]);
-        floors.push(Floor { homography: h, inliers: inliers.len(), outside_pencil });
+        floors.push(FloorHomography { homography: h, inliers: inliers.len(), outside_pencil });
     }
     floors.sort_by_key(|f| std::cmp::Reverse(f.inliers + f.outside_pencil));
     floors.truncate(keep);

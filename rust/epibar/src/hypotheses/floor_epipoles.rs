@@ -7,7 +7,7 @@
 use nalgebra::{Matrix3, Vector3};
 use rand::RngExt;
 
-use super::floor::Floor;
+use super::floor::FloorHomography;
 use super::ransac::Estimator;
 use super::tracks::{Extremes, extremes};
 use crate::frontier::{Scorer, View, Views};
@@ -31,7 +31,7 @@ pub struct FloorEpipoles<'a> {
 impl<'a> FloorEpipoles<'a> {
     /// Associates the silhouettes of `views` by their feet. Where these are not upright the feet may be either end of a
     /// silhouette, in A and in B: those that associate most are.
-    pub fn new(floor: &Floor, views: &Views, scorer: &'a Scorer<'a>) -> Self {
+    pub fn new(floor: &FloorHomography, views: &Views, scorer: &'a Scorer<'a>) -> Self {
         let h = floor.homography;
         let ends: &[[usize; 2]] = if views.upright { &[[1, 1]] } else { &[[1, 1], [0, 0], [0, 1], [1, 0]] };
         // Of equally many the first.

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::floor::{Floor, find_floors};
+use super::floor::{FloorHomography, find_floors};
 use super::floor_epipoles::FloorEpipoles;
 use super::line_model::LineModel;
 use super::ransac::{Estimator, Scored, ransac};
@@ -90,7 +90,7 @@ pub struct Hypotheses {
     /// Best first.
     pub scored: Vec<Hypothesis>,
     /// Best first.
-    pub floors: Vec<Floor>,
+    pub floors: Vec<FloorHomography>,
 }
 
 /// How many hypotheses are drawn.

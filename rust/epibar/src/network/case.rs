@@ -5,7 +5,7 @@ use super::evidence::doubts::Doubt;
 use super::evidence::stated_errors::Expected;
 use super::evidence::support::{Deviates, Support};
 use super::given::clocks::Offsets;
-use super::given::input::{Aspect, CameraInput, Kind};
+use super::given::input::{Aspect, CameraInput, IntrinsicKind};
 use super::given::pair::{PairFound, PairHypotheses};
 use super::model::camera::Camera;
 use super::model::joint::Beliefs;
@@ -15,7 +15,7 @@ use super::result::CameraStatus;
 use super::solve::networks::Solved;
 
 /// What is given.
-pub(super) struct Case<'a> {
+pub(super) struct NetworkCase<'a> {
     pub(super) inputs: &'a [CameraInput<'a>],
     pub(super) pairs: &'a [PairFound],
     pub(super) observed: Vec<Observed>,
@@ -24,7 +24,7 @@ pub(super) struct Case<'a> {
     pub(super) hypotheses: Vec<PairHypotheses>,
 }
 
-impl<'a> Case<'a> {
+impl<'a> NetworkCase<'a> {
     /// Of what is given of each camera, pair and clock.
     pub(super) fn new(inputs: &'a [CameraInput], pairs: &'a [PairFound], clocks: &Offsets) -> Self {
         let observed = inputs.iter().map(|i| Observed::new(i.recording)).collect();
@@ -43,9 +43,9 @@ impl<'a> Case<'a> {
     }
 
     /// Whether nobody gave what a camera is held to: pixels are taken for square unless it is said.
-    pub(super) fn is_of_default(&self, camera: usize, kind: Kind) -> bool {
+    pub(super) fn is_of_default(&self, camera: usize, kind: IntrinsicKind) -> bool {
         let known = &self.inputs[camera].known;
-        kind == Kind::Aspect && known.matrix.is_none() && known.aspect == Aspect::Square
+        kind == IntrinsicKind::Aspect && known.matrix.is_none() && known.aspect == Aspect::Square
     }
 
     pub(super) fn count(&self) -> usize {

@@ -3,7 +3,7 @@
 //! Solve; ask what speaks for each camera on moments kept aside; take out the one for which least does, and solve again, until
 //! all that stand can be relied on; only then free principal points, look at all frames, and say how large errors are.
 
-use super::case::{Case, Finished, Out};
+use super::case::{Finished, NetworkCase, Out};
 use super::evidence::alternatives::alternatives;
 use super::evidence::contradictions::{Contradiction, contradictions};
 use super::evidence::covariance::{Covariance, covariance_with_principal_points};
@@ -47,7 +47,7 @@ pub fn join(
     }
     check(inputs.len(), pairs, clocks)?;
     report(watch, Stage::Network, 0.0)?;
-    let case = Case::new(inputs, pairs, clocks);
+    let case = NetworkCase::new(inputs, pairs, clocks);
     if let Some(status) = case.hopeless() {
         return Ok(case.nothing(status));
     }
@@ -105,7 +105,7 @@ fn ambiguous((now, support): &Sifted, rival: &Solved) -> Option<Vec<Out>> {
     )
 }
 
-impl Case<'_> {
+impl NetworkCase<'_> {
     /// The network without cameras for which nothing speaks; `None` where too few are left.
     fn sifted(
         &self,

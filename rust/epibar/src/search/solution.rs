@@ -4,7 +4,7 @@ use crate::frontier::Views;
 use crate::frontier::symmetric::{SymmetricScore, chance_level, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::hypotheses::Source;
-use crate::hypotheses::floor::Floor;
+use crate::hypotheses::floor::FloorHomography;
 
 /// A refined geometry with its score.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +25,7 @@ pub struct Searched {
     /// Highest score first.
     pub solutions: Vec<Solution>,
     /// The plane that many candidates fit, if there is one.
-    pub floor: Option<Floor>,
+    pub floor: Option<FloorHomography>,
 }
 
 /// What was found: the answer, what is tested, and rivals.
@@ -36,7 +36,7 @@ pub struct Found {
     /// The winner of the fitted frames alone, in which those kept aside had no part.
     pub fitted: Option<Fundamental>,
     /// The plane that many candidates fit, if there is one.
-    pub floor: Option<Floor>,
+    pub floor: Option<FloorHomography>,
 }
 
 /// What is worth a share of a score, which may be below nought: then it is below that.

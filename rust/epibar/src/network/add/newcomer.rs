@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 
 use super::held::{Given, Held};
 use crate::error::Result;
-use crate::network::case::{Case, Out};
+use crate::network::case::{NetworkCase, Out};
 use crate::network::evidence::alternatives::alternatives;
 use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance_with_principal_points;
@@ -29,13 +29,13 @@ use crate::network::verdict::{outside, prose, rig};
 
 /// A new camera, the last of some of which all others are held.
 pub struct Newcomer<'a> {
-    case: Case<'a>,
+    case: NetworkCase<'a>,
     held: &'a Held<'a>,
     camera: usize,
 }
 
 /// A camera that stands, with what its errors are expected to be.
-struct Found {
+struct FoundCamera {
     solved: Solved,
     support: Support,
     expected: Expected,
@@ -52,7 +52,7 @@ impl<'a> Newcomer<'a> {
     /// With what is given of it.
     pub fn new(held: &'a Held<'a>, given: &'a Given<'a>) -> Self {
         let camera = held.cameras.len();
-        let mut case = Case::new(&given.inputs, &given.pairs, &given.clocks);
+        let mut case = NetworkCase::new(&given.inputs, &given.pairs, &given.clocks);
         case.cameras[..camera].copy_from_slice(&held.cameras);
         case.beliefs[..camera].copy_from_slice(&held.beliefs);
         case.observed[..camera].clone_from_slice(&held.observed);
@@ -69,7 +69,7 @@ impl<'a> Newcomer<'a> {
     ) -> Result<(NetworkCamera, Vec<NetworkPair>)> {
         let found = self.found(tell)?;
         let (status, out) = match &found {
-            Ok(Found { contradicted, expected, rig, .. }) => {
+            Ok(FoundCamera { contradicted, expected, rig, .. }) => {
                 let contradicted = contradicted.is_some();
                 (status(&CameraFindings { rivalled: false, contradicted, expected, rig: *rig }), None)
             }
@@ -99,9 +99,12 @@ impl<'a> Newcomer<'a> {
     }
 
     /// The camera where it stands, or why it does not.
-    fn found(&self, tell: &mut dyn FnMut(f64) -> Result<()>) -> Result<std::result::Result<Found, Out>> {
+    fn found(
+        &self,
+        tell: &mut dyn FnMut(f64) -> Result<()>,
+    ) -> Result<std::result::Result<FoundCamera, Out>> {
         let [few, some] = FRAMES.map(|frames| Survey::new(&self.case.observed, frames));
-        let Case { cameras, beliefs, hypotheses, .. } = &self.case;
+        let NetworkCase { cameras, beliefs, hypotheses, .. } = &self.case;
         let placed: Vec<bool> = (0..=self.camera).map(|c| c != self.camera).collect();
         let without = Placed { cameras: cameras.clone(), placed };
         let tried = places(&few, &without, beliefs, hypotheses, self.camera, Tries::MANY);
@@ -171,7 +174,7 @@ impl<'a> Newcomer<'a> {
     }
 
     /// The camera over all frames, with its principal point as far from the middle as the tangents call for, and errors to expect.
-    fn finished(&self, some: &Survey, now: Solved, support: Support) -> Found {
+    fn finished(&self, some: &Survey, now: Solved, support: Support) -> FoundCamera {
         let shapes = Shapes::of(&self.case.observed);
         let placed: Vec<bool> = (0..=self.camera).map(|c| c == self.camera).collect();
         let network = Placed { cameras: now.network.cameras.clone(), placed };
@@ -223,7 +226,7 @@ impl<'a> Newcomer<'a> {
             c.found.iter().map(|one| prose::contradiction(one, given, fits)).collect()
         });
         let doubted = prose::doubted(&doubts, self.camera, &solved.network.cameras[self.camera]);
-        Found { solved, support, expected, offset_error, contradicted, doubted, rig }
+        FoundCamera { solved, support, expected, offset_error, contradicted, doubted, rig }
     }
 
     /// Root mean square of what the cameras that confirm this one are expected to be wrong by.

@@ -17,7 +17,7 @@ mod stretch;
 mod which_moved;
 mod zoom;
 
-use prose::{Seen, said};
+use prose::{NewFootage, said};
 use replace::replaced;
 pub(super) use stretch::FRAMES;
 use which_moved::{Footage, judged};
@@ -89,7 +89,8 @@ pub fn check_network(
     Ok((0..cameras.len())
         .zip(places)
         .map(|(c, place)| {
-            let seen = Seen { names: &names, observed: &observed[c], deviate: support.cameras[c].tangents };
+            let seen =
+                NewFootage { names: &names, observed: &observed[c], deviate: support.cameras[c].tangents };
             said(c, &seen, &judged, place)
         })
         .collect())

@@ -7,7 +7,7 @@ use super::stretch::Stretch;
 use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
-use crate::network::model::joint::{Belief, Beliefs, Problem};
+use crate::network::model::joint::{Belief, Beliefs, JointProblem};
 use crate::network::observations::survey::{Survey, summed};
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::{Settled, settle};
@@ -110,7 +110,7 @@ impl Move {
 }
 
 /// New footage against which the cameras of a network are held.
-pub struct Case<'a> {
+pub struct StretchCase<'a> {
     /// What of it is compared, part by part.
     pub stretch: &'a Stretch<'a>,
     /// That on which cameras are solved for: the same, or its end.
@@ -143,7 +143,7 @@ impl Standing {
     }
 }
 
-impl Case<'_> {
+impl StretchCase<'_> {
     /// All pairs of a camera.
     pub fn pairs_of(&self, camera: usize) -> Vec<(usize, usize)> {
         let others = (0..self.beliefs.len()).filter(|&o| o != camera);
@@ -248,7 +248,7 @@ impl Case<'_> {
     }
 
     fn covariance(&self, settled: &Settled, camera: usize, beliefs: &[Beliefs]) -> Option<Covariance> {
-        let problem = Problem {
+        let problem = JointProblem {
             pairs: &settled.pairs,
             beliefs,
             scale: settled.scale,

@@ -8,7 +8,7 @@ use crate::network::result::{CameraCheck, CheckStatus};
 use crate::network::thresholds as limits;
 
 /// What a camera saw, and how much of it the others saw.
-pub struct Seen<'o> {
+pub struct NewFootage<'o> {
     /// Names of all cameras.
     pub names: &'o [&'o str],
     /// Its silhouettes.
@@ -18,7 +18,7 @@ pub struct Seen<'o> {
 }
 
 /// The result of one camera.
-pub fn said(camera: usize, seen: &Seen, judged: &Judged, replaced: Replaced) -> CameraCheck {
+pub fn said(camera: usize, seen: &NewFootage, judged: &Judged, replaced: Replaced) -> CameraCheck {
     let found = judged.found[camera].as_ref();
     let rivals: Vec<&str> = judged.rivals[camera].iter().map(|&r| seen.names[r]).collect();
     let status = judged.status(camera, seen.deviate);

@@ -8,7 +8,7 @@ use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::support::{Deviates, Support};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
-use crate::network::model::joint::{Beliefs, Problem};
+use crate::network::model::joint::{Beliefs, JointProblem};
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
 use crate::network::result::Place;
@@ -78,7 +78,7 @@ impl<'a> Resolved<'a> {
         let pairs: Vec<(usize, usize)> =
             now.pairs().into_iter().filter(|&(a, b)| moved[a] || moved[b]).collect();
         let settled = settle(&survey, &now.cameras, &beliefs, &pairs, moved, None);
-        let problem = Problem {
+        let problem = JointProblem {
             pairs: &settled.pairs,
             beliefs: &beliefs,
             scale: settled.scale,

@@ -5,7 +5,7 @@
 //! its pair with that camera at the most, and spoils pairs that stand. Three cameras of which one moved along the line to another
 //! form a triangle of the same shape: then two explanations are equal, and either may be the true one.
 
-use super::moves::{CLOSE, Case, Move, PARTS, Standing, deviates};
+use super::moves::{CLOSE, Move, PARTS, Standing, StretchCase, deviates};
 use super::stretch::Stretch;
 use crate::error::Result;
 use crate::network::model::camera::Camera;
@@ -138,14 +138,14 @@ impl Footage<'_> {
         let n = self.beliefs.len();
         let end = stretch.end();
         let standing = Standing::of(stretch, &so_far.now);
-        let whole = Case {
+        let whole = StretchCase {
             stretch,
             fitted: stretch,
             beliefs: self.beliefs,
             network: &so_far.now,
             standing: &standing,
         };
-        let at_end = Case { fitted: &end, ..whole };
+        let at_end = StretchCase { fitted: &end, ..whole };
         let rounds = so_far.moved.iter().filter(|m| **m).count();
         let mut found = Vec::new();
         for c in 0..n {
@@ -169,8 +169,13 @@ impl Footage<'_> {
         let network = self.without(stretch, &so_far.now, camera);
         let standing = Standing::of(stretch, &network);
         let fitted = self.since(found, stretch);
-        let case =
-            Case { stretch, fitted: &fitted, beliefs: self.beliefs, network: &network, standing: &standing };
+        let case = StretchCase {
+            stretch,
+            fitted: &fitted,
+            beliefs: self.beliefs,
+            network: &network,
+            standing: &standing,
+        };
         let start = Camera { log_focal: network.cameras[camera].log_focal, ..found.camera };
         let posed = case.measured(camera, start, &case.beliefs_free(camera));
         let found = posed.map_or(*found, |posed| case.zoomed(camera, &posed));
@@ -211,7 +216,7 @@ impl Footage<'_> {
 }
 
 /// The move of a camera before the footage or in the midst of it.
-fn moved(whole: &Case, at_end: &Case, camera: usize) -> Option<Move> {
+fn moved(whole: &StretchCase, at_end: &StretchCase, camera: usize) -> Option<Move> {
     let of_all = whole.found(camera);
     let enough = |m: &Move| m.is_clear() && !m.is_within();
     let within = if of_all.as_ref().is_some_and(enough) { None } else { at_end.found_at_end(camera) };

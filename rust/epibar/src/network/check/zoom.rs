@@ -3,7 +3,7 @@
 //! A pose can stand for some of what a zoom does, and a zoom for some of a pose: a camera that went closer shows all larger. So a
 //! zoom is stated only where no pose alone explains the footage nearly as well, as it does over parts of it.
 
-use super::moves::{Case, Move, PARTS, ROUGH, deviates, freed};
+use super::moves::{Move, PARTS, ROUGH, StretchCase, deviates, freed};
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
 use crate::network::thresholds as limits;
@@ -11,7 +11,7 @@ use crate::network::thresholds as limits;
 /// Focal lengths that are tried, as shares of the stored one: beyond what a few per cent at once would find.
 const ZOOMS: [f64; 8] = [0.75, 0.8, 0.86, 0.93, 1.07, 1.15, 1.25, 1.33];
 
-impl Case<'_> {
+impl StretchCase<'_> {
     /// A camera by the new footage; `None` where it shows too little.
     pub fn found(&self, camera: usize) -> Option<Move> {
         self.elsewhere(camera).map(|posed| self.zoomed(camera, &posed))

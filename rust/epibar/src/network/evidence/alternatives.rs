@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::covariance::{Covariance, covariance_with_principal_points};
 use super::outlines::{Shapes, outline_errors};
-use crate::network::given::input::Kind;
+use crate::network::given::input::IntrinsicKind;
 use crate::network::model::invertible::Invertible;
 use crate::network::model::joint::Beliefs;
 use crate::network::model::laplace;
@@ -25,7 +25,7 @@ const STEPS: usize = 40;
 /// A network with one kind of number solved for in cameras of which it was given.
 pub struct Alternative {
     /// The kind.
-    pub kind: Kind,
+    pub kind: IntrinsicKind,
     /// The cameras of which it is solved for.
     pub freed: Vec<usize>,
     /// The network, over the tangents that met before.
@@ -48,7 +48,7 @@ pub fn alternatives(solved: &Solved, likely: &Likely, shapes: Shapes) -> Vec<Alt
     let cost = problem.cost(&solved.network.cameras);
     let against = LazyCell::new(|| laplace::against(&problem, &solved.network.cameras));
     let as_given = AsGiven { cost, against: &|| *against };
-    let tried = Kind::ALL.into_iter().flat_map(|kind| {
+    let tried = IntrinsicKind::ALL.into_iter().flat_map(|kind| {
         let given = given(solved, kind);
         let suspected = if given.len() > 1 { suspected(solved, kind, &given) } else { None };
         let alone = suspected.map(|camera| vec![camera]);
@@ -58,7 +58,7 @@ pub fn alternatives(solved: &Solved, likely: &Likely, shapes: Shapes) -> Vec<Alt
 }
 
 /// Cameras that stand and of which a kind of number is given.
-fn given(solved: &Solved, kind: Kind) -> Vec<usize> {
+fn given(solved: &Solved, kind: IntrinsicKind) -> Vec<usize> {
     let is_given = |&c: &usize| {
         let beliefs = &solved.beliefs[c];
         solved.network.placed[c] && !beliefs.posed && kind.is_given(beliefs)
@@ -67,7 +67,7 @@ fn given(solved: &Solved, kind: Kind) -> Vec<usize> {
 }
 
 /// What is believed where a kind of number is not given of some cameras after all.
-fn without(solved: &Solved, kind: Kind, of: &[usize]) -> Vec<Beliefs> {
+fn without(solved: &Solved, kind: IntrinsicKind, of: &[usize]) -> Vec<Beliefs> {
     let mut beliefs = solved.beliefs.clone();
     for &c in of {
         kind.free(&mut beliefs[c], &solved.network.cameras[c]);
@@ -77,7 +77,7 @@ fn without(solved: &Solved, kind: Kind, of: &[usize]) -> Vec<Beliefs> {
 
 /// The camera of which a kind of number is worth most if it is solved for in it alone, to first order: half of `gᵀ S⁻¹ g` with the
 /// gradient by its numbers and the normal matrix, both with all others solved for (the score test, Rao 1948).
-fn suspected(solved: &Solved, kind: Kind, given: &[usize]) -> Option<usize> {
+fn suspected(solved: &Solved, kind: IntrinsicKind, given: &[usize]) -> Option<usize> {
     let beliefs = without(solved, kind, given);
     let problem = solved.problem(&beliefs);
     let active = problem.active();
@@ -116,7 +116,7 @@ impl Alternative {
     /// `None` where it is freed of none, nothing is gained, or how well it is known is not.
     fn of(
         given: &Solved,
-        kind: Kind,
+        kind: IntrinsicKind,
         freed: Vec<usize>,
         as_given: AsGiven<'_>,
         likely: &Likely,
@@ -133,7 +133,7 @@ impl Alternative {
         if gain.is_nan() || gain <= 0.0 {
             return None;
         }
-        let tells = shapes == Shapes::Masks && kind != Kind::Aspect && freed.len() == 1;
+        let tells = shapes == Shapes::Masks && kind != IntrinsicKind::Aspect && freed.len() == 1;
         let log_evidence = tells.then(|| (as_given.against)() - laplace::against(&problem, &cameras));
         if log_evidence.is_some_and(|nats| !nats.is_finite()) {
             return None;
@@ -155,7 +155,7 @@ impl Alternative {
         let off =
             numbers.iter().map(|at| self.solved.network.cameras[at.0].intrinsic()[at.1] - given(at).mean);
         let mut covariance = self.errors.of(&numbers)?;
-        let alike = if self.kind == Kind::Aspect { limits::ASPECT_ALIKE } else { 0.0 };
+        let alike = if self.kind == IntrinsicKind::Aspect { limits::ASPECT_ALIKE } else { 0.0 };
         for (i, at) in numbers.iter().enumerate() {
             covariance[(i, i)] += given(at).deviation.powi(2) + alike.powi(2);
         }
@@ -165,8 +165,8 @@ impl Alternative {
 
 /// What outlines may be wrong by once a kind is freed. Coarse shapes ask for other principal points by themselves, in all cameras; where
 /// they no longer do once this kind is solved for, or the principal point of one camera, it was this.
-fn shapes_without(solved: &Solved, kind: Kind, freed: &[usize], shapes: Shapes) -> Shapes {
-    let is_of_all = kind == Kind::PrincipalPoint && freed.len() > 1;
+fn shapes_without(solved: &Solved, kind: IntrinsicKind, freed: &[usize], shapes: Shapes) -> Shapes {
+    let is_of_all = kind == IntrinsicKind::PrincipalPoint && freed.len() > 1;
     if shapes != Shapes::Strained || is_of_all || principal::is_strained(solved) {
         return shapes;
     }
@@ -178,7 +178,7 @@ pub(in crate::network) mod tests {
     use super::*;
     use crate::network::given::input::{AS_SOLD, INSET};
     use crate::network::model::camera::Camera;
-    use crate::network::model::joint::{Belief, Problem};
+    use crate::network::model::joint::{Belief, JointProblem};
     use crate::network::solve::settle::Settled;
     use crate::network::solve::settle::tests::seen;
 
@@ -200,7 +200,7 @@ pub(in crate::network) mod tests {
                 posed: false,
             })
             .collect();
-        let problem = Problem {
+        let problem = JointProblem {
             pairs: &settled.pairs,
             beliefs: &beliefs,
             scale: settled.scale,
@@ -216,11 +216,12 @@ pub(in crate::network) mod tests {
     #[test]
     fn who_gains_most_is_suspected_and_outlines_are_not_where_it_explains_them() {
         let false_one = solved(|c, camera| camera.principal[0] += if c == 1 { 60.0 } else { 0.0 });
-        assert_eq!(suspected(&false_one, Kind::PrincipalPoint, &[0, 1, 2, 3]), Some(1));
+        assert_eq!(suspected(&false_one, IntrinsicKind::PrincipalPoint, &[0, 1, 2, 3]), Some(1));
         // Shapes that stand for others ask for other principal points in all cameras, and these do in one.
         let shapes = |of: &Solved| {
             let likely = Likely::only(AS_SOLD);
-            let (kind, as_given) = (Kind::PrincipalPoint, AsGiven { cost: f64::INFINITY, against: &|| 0.0 });
+            let (kind, as_given) =
+                (IntrinsicKind::PrincipalPoint, AsGiven { cost: f64::INFINITY, against: &|| 0.0 });
             let tried = Alternative::of(of, kind, vec![1], as_given, &likely, Shapes::Strained).unwrap();
             shapes_without(&tried.solved, kind, &tried.freed, Shapes::Strained)
         };

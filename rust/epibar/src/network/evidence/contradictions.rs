@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::alternatives::Alternative;
-use crate::network::given::input::Kind;
+use crate::network::given::input::IntrinsicKind;
 use crate::network::model::camera::{Camera, Step};
 use crate::network::thresholds as limits;
 
@@ -16,7 +16,7 @@ pub struct Contradiction {
     /// Which camera.
     pub camera: usize,
     /// What was given.
-    pub kind: Kind,
+    pub kind: IntrinsicKind,
     /// By how much another value fits better, a normal deviate.
     pub deviate: f64,
 }
@@ -55,7 +55,7 @@ fn contradicted(given: &[Camera], alternative: &Alternative) -> Option<Contradic
 }
 
 /// A camera with the numbers of one kind as they were given: what is held stays where it starts.
-fn with_given(camera: &Camera, given: &Camera, kind: Kind) -> Camera {
+fn with_given(camera: &Camera, given: &Camera, kind: IntrinsicKind) -> Camera {
     let mut step = Step::zeros();
     for &k in kind.parameters() {
         step[k] = given.intrinsic()[k] - camera.intrinsic()[k];
@@ -108,7 +108,7 @@ mod tests {
         let false_one = solved(|c, camera| camera.log_focal += if c == 2 { 0.1 } else { 0.0 });
         let found = found_in(&false_one).unwrap().found;
         let [one] = found[..] else { panic!("{found:?}") };
-        assert_eq!((one.camera, one.kind), (2, Kind::Focal));
+        assert_eq!((one.camera, one.kind), (2, IntrinsicKind::Focal));
         // What was given of the others is what they go on with.
         let found = found_in(&false_one).unwrap().cameras;
         for (c, camera) in found.iter().enumerate() {
@@ -133,7 +133,7 @@ mod tests {
         let false_one = solved(aside);
         let found = found_in(&false_one).unwrap().found;
         let [one] = found[..] else { panic!("{found:?}") };
-        assert_eq!((one.camera, one.kind), (1, Kind::PrincipalPoint));
+        assert_eq!((one.camera, one.kind), (1, IntrinsicKind::PrincipalPoint));
     }
 
     #[test]
@@ -144,7 +144,7 @@ mod tests {
         };
         assert_eq!(of(0.008), []);
         let [one] = of(0.03)[..] else { panic!("{:?}", of(0.03)) };
-        assert_eq!((one.camera, one.kind), (1, Kind::Aspect));
+        assert_eq!((one.camera, one.kind), (1, IntrinsicKind::Aspect));
     }
 
     #[test]

@@ -10,8 +10,8 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS};
 use crate::network::model::invertible::Invertible;
-use crate::network::model::joint::{PairMeetings, Problem, weight};
-use crate::network::model::residual::{Meeting, Pair, Row};
+use crate::network::model::joint::{JointProblem, PairMeetings, weight};
+use crate::network::model::residual::{CameraPair, Meeting, Row};
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal::{self, Likely};
 
@@ -29,7 +29,7 @@ fn cell(camera: &Camera, [x, y]: [f64; 2]) -> usize {
 /// Gradients of groups of tangents, a row for each group: `groups` tells of a tangent, its pair, its residual and its
 /// derivatives, in which groups it is and what by its derivatives are multiplied.
 fn gathered<const N: usize>(
-    problem: &Problem,
+    problem: &JointProblem,
     cameras: &[Camera],
     active: &[(usize, usize)],
     count: usize,
@@ -41,7 +41,7 @@ fn gathered<const N: usize>(
     }
     let mut sums = DMatrix::zeros(count, active.len());
     for (number, pair) in problem.pairs.iter().enumerate() {
-        let geometry = Pair::new(&cameras[pair.a], &cameras[pair.b]);
+        let geometry = CameraPair::new(&cameras[pair.a], &cameras[pair.b]);
         for m in &pair.meetings {
             let Some((r, row)) = geometry.row(m) else { continue };
             let weight = m.weight * weight(r, problem.scale, pair.coarseness);
@@ -61,7 +61,7 @@ fn gathered<const N: usize>(
 
 /// What it does that all outlines of one camera, of one direction and in one part of the image, are wrong by so many pixels.
 fn shared_errors(
-    problem: &Problem,
+    problem: &JointProblem,
     cameras: &[Camera],
     active: &[(usize, usize)],
     outline_errors: &[f64],
@@ -81,7 +81,7 @@ fn shared_errors(
 
 /// Gradients of tangents that may share what outlines are wrong by: those of one pair, of tops or of bottoms, in one part of
 /// the image of A.
-fn places(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)]) -> DMatrix<f64> {
+fn places(problem: &JointProblem, cameras: &[Camera], active: &[(usize, usize)]) -> DMatrix<f64> {
     let each = 2 * CELLS * CELLS;
     gathered(problem, cameras, active, problem.pairs.len() * each, |number, m, r, _| {
         let class = usize::from(m.outward_a[1] < 0.0);
@@ -91,7 +91,7 @@ fn places(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)]) -> D
 }
 
 /// Gradients of blocks of the network's time.
-fn blocks(problem: &Problem, cameras: &[Camera], active: &[(usize, usize)]) -> DMatrix<f64> {
+fn blocks(problem: &JointProblem, cameras: &[Camera], active: &[(usize, usize)]) -> DMatrix<f64> {
     let time = |number: usize, m: &Meeting| cameras[problem.pairs[number].a].time_of(m.time_a);
     let times = problem
         .pairs
@@ -196,7 +196,7 @@ impl Covariance {
 
 /// Covariance of the active parameters, with outlines of each camera that may all be wrong alike by so many pixels; `None` where the
 /// normal matrix is not usable.
-pub fn covariance(problem: &Problem, cameras: &[Camera], outline_errors: &[f64]) -> Option<Covariance> {
+pub fn covariance(problem: &JointProblem, cameras: &[Camera], outline_errors: &[f64]) -> Option<Covariance> {
     let active = problem.active();
     let linear = problem.linear(cameras, &active);
     let found = blocks(problem, cameras, &active);

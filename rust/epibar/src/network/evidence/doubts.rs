@@ -10,7 +10,7 @@ use std::iter::once;
 
 use super::alternatives::Alternative;
 use super::covariance::Covariance;
-use crate::network::given::input::Kind;
+use crate::network::given::input::IntrinsicKind;
 use crate::network::model::camera::{Camera, Step};
 use crate::network::thresholds as limits;
 
@@ -18,7 +18,7 @@ use crate::network::thresholds as limits;
 #[derive(Debug, Clone)]
 pub struct Doubt {
     /// What was given.
-    pub kind: Kind,
+    pub kind: IntrinsicKind,
     /// Of which cameras.
     pub cameras: Vec<usize>,
     /// By how much likelier it is now that it is wrong, of 1.
@@ -79,7 +79,7 @@ mod tests {
             let tried = alternatives(&one, &Likely::only(AS_SOLD), shapes);
             let found = doubts(&one.network.cameras, &tried);
             assert!(found.iter().map(|doubt| doubt.share).sum::<f64>() <= 1.0);
-            let of_one = |d: &&Doubt| d.kind == Kind::PrincipalPoint && d.cameras == [1];
+            let of_one = |d: &&Doubt| d.kind == IntrinsicKind::PrincipalPoint && d.cameras == [1];
             found.iter().find(of_one).map_or(0.0, |d| d.share)
         };
         assert_eq!(doubted(0.0, Shapes::Masks), 0.0);
@@ -100,7 +100,8 @@ mod tests {
         let mut step = Step::zeros();
         (step[FOCAL], step[ROTATION]) = (0.1, -3.0);
         let active = vec![(0, FOCAL), (0, ROTATION)];
-        let doubt = Doubt { kind: Kind::Focal, cameras: vec![0], share: 0.25, steps: vec![step], active };
+        let doubt =
+            Doubt { kind: IntrinsicKind::Focal, cameras: vec![0], share: 0.25, steps: vec![step], active };
         let found = with_doubts(errors, &[doubt]).unwrap();
         assert_eq!(found.active, [(0, ROTATION), (0, FOCAL)]);
         let expected = [1.0 + 0.25 * 9.0, -0.25 * 0.3, -0.25 * 0.3, 0.25 * 0.01];

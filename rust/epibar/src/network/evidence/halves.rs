@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::knocks::knocked;
 use crate::network::model::camera::{PARAMETERS, ROTATION};
 use crate::network::model::joint::weight;
-use crate::network::model::residual::Pair;
+use crate::network::model::residual::CameraPair;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
 use crate::network::solve::networks::Solved;
@@ -74,7 +74,7 @@ struct Turn {
 }
 
 /// One meeting as camera `c` has it.
-struct Seen {
+struct TimedRow {
     row: Vector3<f64>,
     residual: f64,
     weight: f64,
@@ -86,29 +86,29 @@ fn turns(settled: &Settled) -> Vec<Turn> {
     (0..settled.cameras.len()).filter_map(|camera| turn(camera, &seen(settled, camera))).collect()
 }
 
-fn seen(settled: &Settled, camera: usize) -> Vec<Seen> {
+fn seen(settled: &Settled, camera: usize) -> Vec<TimedRow> {
     let mut all = Vec::new();
     for p in settled.pairs.iter().filter(|p| p.a == camera || p.b == camera) {
         let from = if p.a == camera { ROTATION } else { PARAMETERS + ROTATION };
-        let pair = Pair::new(&settled.cameras[p.a], &settled.cameras[p.b]);
+        let pair = CameraPair::new(&settled.cameras[p.a], &settled.cameras[p.b]);
         for m in &p.meetings {
             let Some((residual, row)) = pair.row(m) else { continue };
             let row = row.fixed_rows::<3>(from).into_owned();
             let weight = m.weight * weight(residual, settled.scale, p.coarseness);
-            all.push(Seen { row, residual, weight, time: settled.cameras[p.a].time_of(m.time_a) });
+            all.push(TimedRow { row, residual, weight, time: settled.cameras[p.a].time_of(m.time_a) });
         }
     }
     all
 }
 
-fn turn(camera: usize, seen: &[Seen]) -> Option<Turn> {
+fn turn(camera: usize, seen: &[TimedRow]) -> Option<Turn> {
     if seen.len() < limits::LEAST_MEETINGS {
         return None;
     }
     let (start, end) =
         seen.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s.time), h.max(s.time)));
-    let share = |s: &Seen| (s.time - start) / (end - start).max(1e-9);
-    let side = |s: &Seen| if share(s) < 0.5 { -0.5 } else { 0.5 };
+    let share = |s: &TimedRow| (s.time - start) / (end - start).max(1e-9);
+    let side = |s: &TimedRow| if share(s) < 0.5 { -0.5 } else { 0.5 };
     let mut information = Matrix3::zeros();
     let mut gradient = Vector3::zeros();
     for s in seen {

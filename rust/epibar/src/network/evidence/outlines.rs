@@ -4,7 +4,7 @@
 //! that meet scatter by what the outlines of both cameras are wrong by, each as far as its pixels count.
 
 use crate::geometry::median::deviation;
-use crate::network::model::residual::Pair;
+use crate::network::model::residual::CameraPair;
 use crate::network::observations::observed::Observed;
 use crate::network::solve::settle::Settled;
 use crate::network::thresholds as limits;
@@ -14,7 +14,7 @@ use crate::network::thresholds as limits;
 fn scatter_of_cameras(settled: &Settled) -> Vec<f64> {
     let mut residuals = vec![Vec::new(); settled.cameras.len()];
     for p in &settled.pairs {
-        let pair = Pair::new(&settled.cameras[p.a], &settled.cameras[p.b]);
+        let pair = CameraPair::new(&settled.cameras[p.a], &settled.cameras[p.b]);
         for m in &p.meetings {
             if let Some((residual, share)) = pair.shared(m) {
                 residuals[if share > 0.5 { p.a } else { p.b }].push(residual);

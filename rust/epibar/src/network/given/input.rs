@@ -99,7 +99,7 @@ const ASPECT_OF_ANY: f64 = 0.1;
 
 /// What is given of a camera, by the kinds that are given together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Kind {
+pub enum IntrinsicKind {
     /// The focal length.
     Focal,
     /// `f_y / f_x`.
@@ -110,7 +110,7 @@ pub enum Kind {
     Lens,
 }
 
-impl Kind {
+impl IntrinsicKind {
     /// Every kind.
     pub const ALL: [Self; 4] = [Self::Focal, Self::Aspect, Self::PrincipalPoint, Self::Lens];
 

@@ -35,7 +35,7 @@ pub struct PairFound {
 
 /// A geometry of a pair, with the tangents that meet under it.
 #[derive(Debug, Clone)]
-pub struct Hypothesis {
+pub struct PairGeometry {
     /// `x_bᵀ F x_a = 0` in raw pixels.
     pub fundamental: Matrix3<f64>,
     /// What met.
@@ -52,7 +52,7 @@ pub struct PairHypotheses {
     /// Index of camera B.
     pub b: usize,
     /// Most evidence first.
-    pub hypotheses: Vec<Hypothesis>,
+    pub hypotheses: Vec<PairGeometry>,
 }
 
 /// Other geometries of a pair that go along, at most.
@@ -134,7 +134,7 @@ impl PairFound {
                 })
                 .collect();
             if meetings.len() >= limits::LEAST_MEETINGS {
-                hypotheses.push(Hypothesis { fundamental: *f.matrix(), meetings, score: share * self.z });
+                hypotheses.push(PairGeometry { fundamental: *f.matrix(), meetings, score: share * self.z });
             }
         }
         (!hypotheses.is_empty()).then_some(PairHypotheses { a: self.a, b: self.b, hypotheses })

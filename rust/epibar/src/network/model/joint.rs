@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 use rayon::prelude::*;
 
 use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, Step};
-use super::residual::{Meeting, Pair, Row};
+use super::residual::{CameraPair, Meeting, Row};
 
 /// What is known of one number before.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,7 +79,7 @@ pub struct PairMeetings {
 
 /// All that is minimised over the cameras.
 #[derive(Debug, Clone)]
-pub struct Problem<'p> {
+pub struct JointProblem<'p> {
     /// Tangents, pair by pair.
     pub pairs: &'p [PairMeetings],
     /// What is known before, camera by camera.
@@ -107,7 +107,7 @@ type Local = SMatrix<f64, { 2 * PARAMETERS }, { 2 * PARAMETERS }>;
 /// What a residual costs where a lens shows nothing: as much as one of so many scales.
 const LOST: f64 = 10.0;
 
-impl Problem<'_> {
+impl JointProblem<'_> {
     /// Which parameters are solved for, as (camera, parameter); the first camera's clock is the network's.
     pub fn active(&self) -> Vec<(usize, usize)> {
         let mut active = Vec::new();
@@ -141,7 +141,7 @@ impl Problem<'_> {
             .pairs
             .par_iter()
             .map(|pair| {
-                let geometry = Pair::new(&cameras[pair.a], &cameras[pair.b]);
+                let geometry = CameraPair::new(&cameras[pair.a], &cameras[pair.b]);
                 pair.meetings
                     .iter()
                     .map(|m| m.weight * self.loss(geometry.residual(m), pair.coarseness).0)
@@ -193,7 +193,7 @@ impl Problem<'_> {
     }
 
     fn of_pair(&self, pair: &PairMeetings, cameras: &[Camera], column: &[usize]) -> (f64, Local, Row) {
-        let geometry = Pair::new(&cameras[pair.a], &cameras[pair.b]);
+        let geometry = CameraPair::new(&cameras[pair.a], &cameras[pair.b]);
         let used: Vec<usize> =
             (0..2 * PARAMETERS).filter(|&i| places(pair, column)[i] != usize::MAX).collect();
         let (mut cost, mut normal, mut gradient) = (0.0, Local::zeros(), Row::zeros());

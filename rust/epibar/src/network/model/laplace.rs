@@ -5,11 +5,11 @@
 
 use super::camera::{Camera, INTRINSIC};
 use super::invertible::Invertible;
-use super::joint::Problem;
+use super::joint::JointProblem;
 
 /// What speaks against the beliefs of a problem, nats, but for what is the same whatever is believed of a camera by itself; NaN where
 /// the normal matrix is not usable. The cameras are those that fit best.
-pub fn against(problem: &Problem, fit: &[Camera]) -> f64 {
+pub fn against(problem: &JointProblem, fit: &[Camera]) -> f64 {
     let active = problem.active();
     let linear = problem.linear(fit, &active);
     let determinant = Invertible::of(&linear.normal).map_or(f64::NAN, |normal| normal.log_determinant());

@@ -36,7 +36,7 @@ pub type Row = SVector<f64, { 2 * PARAMETERS }>;
 
 /// What two cameras have in common.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair<'c> {
+pub struct CameraPair<'c> {
     a: &'c Camera,
     b: &'c Camera,
     optics_a: Optics,
@@ -74,7 +74,7 @@ fn both(a: Vector2<f64>, b: Vector2<f64>) -> Vector4<f64> {
     Vector4::new(a.x, a.y, b.x, b.y)
 }
 
-impl<'c> Pair<'c> {
+impl<'c> CameraPair<'c> {
     /// Of two cameras at different places.
     pub fn new(a: &'c Camera, b: &'c Camera) -> Self {
         let baseline = a.position - b.position;
@@ -241,7 +241,7 @@ mod tests {
             time_b: 3.4,
             weight: 1.0,
         };
-        let (_, row) = Pair::new(&a, &b).row(&meeting).unwrap();
+        let (_, row) = CameraPair::new(&a, &b).row(&meeting).unwrap();
         for k in 0..2 * PARAMETERS {
             let h = match k % PARAMETERS {
                 2 | 3 | 14 | 15 => 1e-2,
@@ -251,7 +251,7 @@ mod tests {
                 let mut step = Step::zeros();
                 step[k % PARAMETERS] = h;
                 let moved = if k < PARAMETERS { (a.stepped(&step), b) } else { (a, b.stepped(&step)) };
-                Pair::new(&moved.0, &moved.1).residual(&meeting).unwrap()
+                CameraPair::new(&moved.0, &moved.1).residual(&meeting).unwrap()
             };
             let difference = (at(h) - at(-h)) / (2.0 * h);
             assert!(
@@ -279,6 +279,6 @@ mod tests {
             time_b: 0.0,
             weight: 1.0,
         };
-        assert!(Pair::new(&a, &b).residual(&meeting).unwrap().abs() < 1e-9);
+        assert!(CameraPair::new(&a, &b).residual(&meeting).unwrap().abs() < 1e-9);
     }
 }

@@ -9,7 +9,7 @@ use crate::network::model::camera::Camera;
 
 /// What two cameras are compared with.
 #[derive(Clone, Copy)]
-pub struct Seen<'a> {
+pub struct CameraView<'a> {
     /// Silhouettes.
     pub observed: &'a Observed,
     /// The camera.
@@ -47,7 +47,7 @@ const WIDEST: f64 = 2.5;
 pub type Ends = Vec<[End; 2]>;
 
 /// Ends of the wanted silhouettes about an axis through the camera; `rays` are those of [`Observed::rays`].
-pub fn ends(seen: &Seen, axis: &Vector3<f64>, wanted: &[bool]) -> Ends {
+pub fn ends(seen: &CameraView, axis: &Vector3<f64>, wanted: &[bool]) -> Ends {
     let (u, v) = basis(axis);
     wanted
         .par_iter()
@@ -102,7 +102,7 @@ fn extremes(rays: &[Vector3<f64>], u: &Vector3<f64>, v: &Vector3<f64>) -> Option
     (between && left_of(at_low, at_high) >= 0.0).then_some([low, high])
 }
 
-fn end_at(seen: &Seen, point: usize, u: &Vector3<f64>, v: &Vector3<f64>, sense: f64) -> End {
+fn end_at(seen: &CameraView, point: usize, u: &Vector3<f64>, v: &Vector3<f64>, sense: f64) -> End {
     let Some(look) = seen.camera.optics().look(seen.observed.point(point as u32)) else { return NO_END };
     let ray = &seen.rays[point];
     let (p, q) = (ray.dot(u), ray.dot(v));

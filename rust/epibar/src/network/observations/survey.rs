@@ -3,10 +3,10 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::ends::Seen;
+use super::ends::CameraView;
 use super::evenly::evenly;
 use super::observed::Observed;
-use super::tangents::{Score, Tangents};
+use super::tangents::{PairTangents, Score};
 use super::walkers::{PairFigures, figures};
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
@@ -92,7 +92,7 @@ impl<'a> Survey<'a> {
         rays: &'s [Rays],
         a: usize,
         b: usize,
-    ) -> Tangents<'s> {
+    ) -> PairTangents<'s> {
         self.tangents_of(cameras, &rays[a], &rays[b], a, b)
     }
 
@@ -104,9 +104,10 @@ impl<'a> Survey<'a> {
         rays_b: &'s Rays,
         a: usize,
         b: usize,
-    ) -> Tangents<'s> {
-        let seen = |i: usize, rays: &'s Rays| Seen { observed: &self.observed[i], camera: &cameras[i], rays };
-        Tangents::new(seen(a, rays_a), seen(b, rays_b), &self.frames[a])
+    ) -> PairTangents<'s> {
+        let seen =
+            |i: usize, rays: &'s Rays| CameraView { observed: &self.observed[i], camera: &cameras[i], rays };
+        PairTangents::new(seen(a, rays_a), seen(b, rays_b), &self.frames[a])
     }
 
     /// What meets in some pairs within a radius, pixels of a 640×480 image, times the coarseness of each; those without `least`

@@ -12,12 +12,12 @@
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-use super::ends::{End, Ends, Seen, ends, wrapped};
+use super::ends::{CameraView, End, Ends, ends, wrapped};
 use super::observed::{Between, Moment, Observed};
 use crate::network::model::residual::Meeting;
 
 /// Frames of A with the moments of B at which they were seen.
-fn common_moments(a: &Seen, b: &Seen, frames: &[u32]) -> Vec<(u32, Moment)> {
+fn common_moments(a: &CameraView, b: &CameraView, frames: &[u32]) -> Vec<(u32, Moment)> {
     let moment = |frame: u32| {
         let time = a.camera.time_of(a.observed.times[frame as usize]);
         b.observed.moment(b.camera.clock_at(time))
@@ -26,9 +26,9 @@ fn common_moments(a: &Seen, b: &Seen, frames: &[u32]) -> Vec<(u32, Moment)> {
 }
 
 /// Ends of both cameras of a pair, and the moments that they have in common.
-pub struct Tangents<'a> {
-    a: Seen<'a>,
-    b: Seen<'a>,
+pub struct PairTangents<'a> {
+    a: CameraView<'a>,
+    b: CameraView<'a>,
     ends_a: Ends,
     ends_b: Ends,
     moments: Vec<(u32, Moment)>,
@@ -53,7 +53,7 @@ pub struct MatchedEnds {
     pub surprise: f64,
 }
 
-/// Of a lower end among those that met, in the order of [`Tangents::meet`], the upper end of the same silhouettes, where that met
+/// Of a lower end among those that met, in the order of [`PairTangents::meet`], the upper end of the same silhouettes, where that met
 /// too.
 pub fn other_end(met: &[MatchedEnds], lower: usize) -> Option<&MatchedEnds> {
     let low = met.get(lower).filter(|m| m.side == 0)?;
@@ -72,10 +72,10 @@ pub struct Score {
     pub excess: f64,
 }
 
-impl<'a> Tangents<'a> {
+impl<'a> PairTangents<'a> {
     /// Compares `a` with `b` at given frames of `a`; those of which B saw nothing are left out. Rays must be there of
     /// the silhouettes of these frames, and of those about the same moments in B.
-    pub fn new(a: Seen<'a>, b: Seen<'a>, frames: &[u32]) -> Self {
+    pub fn new(a: CameraView<'a>, b: CameraView<'a>, frames: &[u32]) -> Self {
         let axis = b.camera.position - a.camera.position;
         let moments = common_moments(&a, &b, frames);
         let wanted_a = a.observed.wanted(moments.iter().map(|m| m.0));
@@ -207,7 +207,7 @@ impl<'a> Tangents<'a> {
     }
 
     /// What scores them at a radius, pixels.
-    pub fn scorer(&self, radius: f64) -> Scorer<'_> {
+    pub fn scorer(&self, radius: f64) -> ShiftScorer<'_> {
         let mut unmet = vec![Score::default(); self.moments.len()];
         for (score, (frame, _)) in unmet.iter_mut().zip(&self.moments) {
             for a in self.a.observed.of_frame(*frame) {
@@ -224,7 +224,7 @@ impl<'a> Tangents<'a> {
                 }
             }
         }
-        Scorer { tangents: self, radius, unmet }
+        ShiftScorer { tangents: self, radius, unmet }
     }
 
     /// Where the object lies from both tangents of a meeting, along the images' `y` axes: 1 below, −1 above.
@@ -312,14 +312,14 @@ impl<'a> Tangents<'a> {
 const EXPECTED: f64 = 2.0 / 3.0;
 
 /// What two cameras have in common at one radius, by as many shifts of their clocks as one likes.
-pub struct Scorer<'t> {
-    tangents: &'t Tangents<'t>,
+pub struct ShiftScorer<'t> {
+    tangents: &'t PairTangents<'t>,
     radius: f64,
     /// Moment by moment what it costs that no end meets any: what each would get by chance, whatever the shift.
     unmet: Vec<Score>,
 }
 
-impl Scorer<'_> {
+impl ShiftScorer<'_> {
     /// What the two cameras have in common with B's moments moved on by `shift`.
     pub fn score(&self, shift: usize) -> Score {
         self.by_moment(shift).into_iter().fold(Score::default(), |sum, s| sum.plus(&s))

@@ -8,7 +8,7 @@
 
 use nalgebra::Vector3;
 
-use super::tangents::{MatchedEnds, Tangents, other_end};
+use super::tangents::{MatchedEnds, PairTangents, other_end};
 use crate::network::model::camera::Camera;
 
 /// A silhouette of two cameras with its top and its bottom, raw pixels in A and in B.
@@ -41,7 +41,7 @@ const NARROW: f64 = 0.05;
 const UPRIGHT_SEEN: f64 = 0.3;
 
 /// The silhouettes of which both ends meet those of one silhouette of the other camera, top to top.
-pub fn figures(tangents: &Tangents, met: &[MatchedEnds]) -> Vec<Figure> {
+pub fn figures(tangents: &PairTangents, met: &[MatchedEnds]) -> Vec<Figure> {
     let mut found = Vec::new();
     for (k, low) in met.iter().enumerate() {
         let Some(high) = other_end(met, k) else { continue };

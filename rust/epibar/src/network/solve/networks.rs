@@ -5,7 +5,7 @@ use super::settle::{Settled, settle};
 use super::start::{Started, Starter};
 use crate::network::given::pair::PairHypotheses;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Beliefs, Problem};
+use crate::network::model::joint::{Beliefs, JointProblem};
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::{Survey, shared};
 use crate::network::thresholds as limits;
@@ -38,8 +38,8 @@ pub struct Solved {
 
 impl Solved {
     /// The joint problem over what met, with what is believed.
-    pub fn problem<'p>(&'p self, beliefs: &'p [Beliefs]) -> Problem<'p> {
-        Problem {
+    pub fn problem<'p>(&'p self, beliefs: &'p [Beliefs]) -> JointProblem<'p> {
+        JointProblem {
             pairs: &self.settled.pairs,
             beliefs,
             scale: self.settled.scale,

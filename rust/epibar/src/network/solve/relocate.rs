@@ -14,7 +14,7 @@ use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
 use crate::network::model::pose::{placed_beside, relative_pose};
-use crate::network::model::residual::Pair;
+use crate::network::model::residual::CameraPair;
 use crate::network::observations::survey::{Rays, Survey};
 use crate::network::thresholds as limits;
 
@@ -123,7 +123,7 @@ pub fn agreement(network: &Placed, pairs: &[PairHypotheses], camera: usize, surv
         if !network.placed[other] {
             continue;
         }
-        let geometry = Pair::new(&network.cameras[p.a], &network.cameras[p.b]);
+        let geometry = CameraPair::new(&network.cameras[p.a], &network.cameras[p.b]);
         let within = limits::AGREE * survey.scale(p.a, p.b);
         let meetings = &p.hypotheses[0].meetings;
         let near = geometry.agreeing(meetings, within);

@@ -6,8 +6,8 @@
 
 use crate::geometry::median::deviation;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Beliefs, PairMeetings, Problem, standing, weight};
-use crate::network::model::residual::Pair;
+use crate::network::model::joint::{Beliefs, JointProblem, PairMeetings, standing, weight};
+use crate::network::model::residual::CameraPair;
 use crate::network::observations::survey::Survey;
 use crate::network::thresholds as limits;
 
@@ -114,7 +114,7 @@ pub fn settle(
             *coarseness = there.next_if(|p| (p.a, p.b) == *pair).map_or(1.0, |p| p.coarseness);
         }
         prior_weight = weight_of_prior(&at, &found, scale);
-        let problem = Problem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
+        let problem = JointProblem { pairs: &found, beliefs, scale, prior_weight, moving: moving.to_vec() };
         let solved = problem.solve(&at, STEPS).0;
         let solved = if whole { standing(&solved, moving) } else { solved };
         let moved = shift(&at, &solved, &found);
@@ -134,7 +134,7 @@ pub fn settle(
 
 /// By how many times what met in a pair scatters more than `scale`.
 fn coarseness_of(cameras: &[Camera], p: &PairMeetings, scale: f64) -> f64 {
-    let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+    let pair = CameraPair::new(&cameras[p.a], &cameras[p.b]);
     let own = deviation(p.meetings.iter().filter_map(|m| pair.residual(m)));
     own.map_or(1.0, |own| (own / scale).clamp(1.0, COARSEST))
 }
@@ -144,7 +144,7 @@ fn coarseness_of(cameras: &[Camera], p: &PairMeetings, scale: f64) -> f64 {
 fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f64 {
     let (mut influence, mut sum, mut surprise, mut count) = (0.0, 0.0, 0.0, 0.0);
     for p in pairs {
-        let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+        let pair = CameraPair::new(&cameras[p.a], &cameras[p.b]);
         for m in &p.meetings {
             let Some(r) = pair.residual(m) else { continue };
             let w = weight(r, scale, p.coarseness);
@@ -160,7 +160,7 @@ fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f6
 /// Robust standard deviation of all residuals, pixels; NaN of none.
 fn scatter(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
     let residuals = pairs.iter().flat_map(|p| {
-        let pair = Pair::new(&cameras[p.a], &cameras[p.b]);
+        let pair = CameraPair::new(&cameras[p.a], &cameras[p.b]);
         p.meetings.iter().filter_map(move |m| pair.residual(m))
     });
     deviation(residuals).unwrap_or(f64::NAN)
@@ -176,7 +176,7 @@ fn prolonged(
 ) -> Option<Vec<Camera>> {
     let (mut first, mut second, mut both) = (0.0, 0.0, 0.0);
     for p in pairs {
-        let [r, s, t] = [before, at, after].map(|of| Pair::new(&of[p.a], &of[p.b]));
+        let [r, s, t] = [before, at, after].map(|of| CameraPair::new(&of[p.a], &of[p.b]));
         let step = p.meetings.len().div_ceil(200).max(1);
         for m in p.meetings.iter().step_by(step) {
             if let (Some(r), Some(s), Some(t)) = (r.residual(m), s.residual(m), t.residual(m)) {
@@ -198,7 +198,8 @@ fn prolonged(
 fn shift(before: &[Camera], after: &[Camera], pairs: &[PairMeetings]) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for p in pairs {
-        let (one, other) = (Pair::new(&before[p.a], &before[p.b]), Pair::new(&after[p.a], &after[p.b]));
+        let (one, other) =
+            (CameraPair::new(&before[p.a], &before[p.b]), CameraPair::new(&after[p.a], &after[p.b]));
         let step = p.meetings.len().div_ceil(200).max(1);
         for m in p.meetings.iter().step_by(step) {
             if let (Some(r), Some(s)) = (one.residual(m), other.residual(m)) {
@@ -305,7 +306,8 @@ pub(in crate::network) mod tests {
 
     #[test]
     fn a_coarse_pair_pulls_less() {
-        let problem = Problem { pairs: &[], beliefs: &[], scale: 0.5, prior_weight: 1.0, moving: vec![] };
+        let problem =
+            JointProblem { pairs: &[], beliefs: &[], scale: 0.5, prior_weight: 1.0, moving: vec![] };
         let of = |residual, coarseness| problem.loss(Some(residual), coarseness);
         for (residual, coarseness) in [(0.2, 1.0), (0.2, 1.7), (2.0, 3.0), (-1.0, 1.2)] {
             let slope = (of(residual + 1e-6, coarseness).0 - of(residual - 1e-6, coarseness).0) / 2e-6;

@@ -10,9 +10,9 @@ use rayon::prelude::*;
 
 use crate::network::given::pair::PairHypotheses;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Beliefs, PairMeetings, Problem, standing};
+use crate::network::model::joint::{Beliefs, JointProblem, PairMeetings, standing};
 use crate::network::model::pose::{placed_beside, relative_pose};
-use crate::network::model::residual::{Meeting, Pair};
+use crate::network::model::residual::{CameraPair, Meeting};
 use crate::network::observations::evenly::evenly;
 use crate::network::thresholds as limits;
 
@@ -93,7 +93,7 @@ impl<'p> Starter<'p> {
         let pairs = self.meetings(placed);
         let mut at = cameras.to_vec();
         for scale in SCALES {
-            let problem = Problem {
+            let problem = JointProblem {
                 pairs: &pairs,
                 beliefs: self.beliefs,
                 scale,
@@ -108,7 +108,7 @@ impl<'p> Starter<'p> {
     fn support(&self, cameras: &[Camera], placed: &[bool]) -> f64 {
         let of_pair = |(p, m): (&PairHypotheses, &Vec<Meeting>)| {
             if placed[p.a] && placed[p.b] {
-                Pair::new(&cameras[p.a], &cameras[p.b]).agreement(m, limits::START_AGREES)
+                CameraPair::new(&cameras[p.a], &cameras[p.b]).agreement(m, limits::START_AGREES)
             } else {
                 0.0
             }
@@ -145,7 +145,7 @@ impl<'p> Starter<'p> {
             }
             let pair = |n: &'_ Started| (n.cameras[p.a], n.cameras[p.b]);
             let ((a, b), (c, d)) = (pair(network), pair(seed));
-            let (one, other) = (Pair::new(&a, &b), Pair::new(&c, &d));
+            let (one, other) = (CameraPair::new(&a, &b), CameraPair::new(&c, &d));
             let near = |m: &&Meeting| match (one.residual(m), other.residual(m)) {
                 (Some(r), Some(s)) => (r - s).abs() < limits::START_AGREES,
                 _ => false,
@@ -252,14 +252,15 @@ impl<'p> Starter<'p> {
     /// Share of the tangents of a pair that agree with cameras.
     fn share(&self, pair: usize, cameras: &[Camera]) -> f64 {
         let (side, meetings) = (&self.pairs[pair], &self.thinned[pair]);
-        let agreeing = Pair::new(&cameras[side.a], &cameras[side.b]).agreeing(meetings, limits::START_AGREES);
+        let agreeing =
+            CameraPair::new(&cameras[side.a], &cameras[side.b]).agreeing(meetings, limits::START_AGREES);
         agreeing as f64 / meetings.len().max(1) as f64
     }
 
     /// What the tangents of a pair cost, generously, for the guess of a focal length may be far off.
     fn rough_cost(&self, pair: usize, at: &[Camera]) -> f64 {
         let side = &self.pairs[pair];
-        let geometry = Pair::new(&at[side.a], &at[side.b]);
+        let geometry = CameraPair::new(&at[side.a], &at[side.b]);
         let cost = |m: &Meeting| geometry.residual(m).map_or(BEHIND, |r| (r / ROUGH).powi(2).ln_1p());
         self.thinned[pair].iter().map(cost).sum()
     }
@@ -341,7 +342,7 @@ impl<'p> Starter<'p> {
                     .iter()
                     .map(|&(other, pair)| {
                         let (p, q) = (other.min(camera), other.max(camera));
-                        Pair::new(&at[p], &at[q]).agreement(&self.thinned[pair], limits::START_AGREES)
+                        CameraPair::new(&at[p], &at[q]).agreement(&self.thinned[pair], limits::START_AGREES)
                     })
                     .sum();
                 (support, at)

@@ -37,7 +37,7 @@ const DENSE: f64 = 0.4;
 
 /// A walker at some moments.
 #[derive(Debug, Clone, Default)]
-pub struct Track {
+pub struct WalkerTrack {
     /// Which moment, and what is seen then.
     pub points: Vec<(usize, Group)>,
 }
@@ -54,7 +54,7 @@ pub struct Crowd<'a> {
 
 impl Crowd<'_> {
     /// The tracks of the walkers at each moment.
-    pub fn tracks(&self, walkers: Vec<Vec<Group>>) -> Vec<Track> {
+    pub fn tracks(&self, walkers: Vec<Vec<Group>>) -> Vec<WalkerTrack> {
         let mut tracks = Vec::new();
         for (moment, walkers) in walkers.into_iter().enumerate() {
             self.go_on(moment, walkers, &mut tracks);
@@ -62,7 +62,7 @@ impl Crowd<'_> {
         self.sound(tracks)
     }
 
-    fn go_on(&self, moment: usize, walkers: Vec<Group>, tracks: &mut Vec<Track>) {
+    fn go_on(&self, moment: usize, walkers: Vec<Group>, tracks: &mut Vec<WalkerTrack>) {
         let going: Vec<usize> = (0..tracks.len()).filter(|&t| self.since(&tracks[t], moment) < GAP).collect();
         let mut fits: Vec<(f64, usize, usize)> = Vec::new();
         for &t in &going {
@@ -88,17 +88,17 @@ impl Crowd<'_> {
         for (walker, onto) in walkers.into_iter().zip(onto) {
             match onto {
                 Some(t) => tracks[t].points.push((moment, walker)),
-                None => tracks.push(Track { points: vec![(moment, walker)] }),
+                None => tracks.push(WalkerTrack { points: vec![(moment, walker)] }),
             }
         }
     }
 
-    fn since(&self, track: &Track, moment: usize) -> f64 {
+    fn since(&self, track: &WalkerTrack, moment: usize) -> f64 {
         track.points.last().map_or(f64::INFINITY, |(last, _)| self.times[moment] - self.times[*last])
     }
 
     /// How badly a walker goes on a track, in reaches; `None` where it cannot.
-    fn fit(&self, track: &Track, moment: usize, walker: &Group) -> Option<f64> {
+    fn fit(&self, track: &WalkerTrack, moment: usize, walker: &Group) -> Option<f64> {
         let (last, before) = track.points.last()?;
         let seconds = self.times[moment] - self.times[*last];
         let expected = before.top + self.speed(track) * seconds;
@@ -122,7 +122,7 @@ impl Crowd<'_> {
     }
 
     /// Speed at the end of a track, lengths a second.
-    fn speed(&self, track: &Track) -> Vector3<f64> {
+    fn speed(&self, track: &WalkerTrack) -> Vector3<f64> {
         let end = track.points.last().map_or(0.0, |(m, _)| self.times[*m]);
         let lately: Vec<(f64, Vector3<f64>)> = track
             .points
@@ -144,14 +144,14 @@ impl Crowd<'_> {
 
     /// What is left of tracks without what does not fit into them, and without those that are too short to be believed; in the order of
     /// their beginnings.
-    fn sound(&self, tracks: Vec<Track>) -> Vec<Track> {
-        let mut found: Vec<Track> =
+    fn sound(&self, tracks: Vec<WalkerTrack>) -> Vec<WalkerTrack> {
+        let mut found: Vec<WalkerTrack> =
             tracks.into_iter().map(|t| self.without_odd(t)).filter(|t| self.is_sound(t)).collect();
         found.sort_by_key(|t| t.points[0].0);
         found
     }
 
-    fn without_odd(&self, track: Track) -> Track {
+    fn without_odd(&self, track: WalkerTrack) -> WalkerTrack {
         let mut heights: Vec<f64> = track.points.iter().map(|(_, g)| g.top.z - g.foot.z).collect();
         heights.sort_by(f64::total_cmp);
         let tall = heights[heights.len() / 2];
@@ -177,10 +177,10 @@ impl Crowd<'_> {
         };
         let keep: Vec<bool> = (0..track.points.len()).map(fits).collect();
         let points = track.points.into_iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| p);
-        Track { points: points.collect() }
+        WalkerTrack { points: points.collect() }
     }
 
-    fn is_sound(&self, track: &Track) -> bool {
+    fn is_sound(&self, track: &WalkerTrack) -> bool {
         let (Some((first, _)), Some((last, _))) = (track.points.first(), track.points.last()) else {
             return false;
         };
@@ -193,7 +193,7 @@ impl Crowd<'_> {
 }
 
 /// Height of a track, the median of what was seen lately.
-fn tall(track: &Track) -> f64 {
+fn tall(track: &WalkerTrack) -> f64 {
     let lately = &track.points[track.points.len().saturating_sub(15)..];
     let mut heights: Vec<f64> = lately.iter().map(|(_, g)| g.top.z - g.foot.z).collect();
     heights.sort_by(f64::total_cmp);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::triangulate::{Ray, covariance};
 use crate::network::model::camera::Camera;
-use crate::network::observations::ends::{Ends, Seen, ends, wrapped};
+use crate::network::observations::ends::{CameraView, Ends, ends, wrapped};
 use crate::network::observations::observed::{Between, Observed};
 use crate::network::observations::walkers::triangulated;
 use crate::recording::visible::on_border;
@@ -100,7 +100,7 @@ impl<'a> Eye<'a> {
     }
 
     fn ends(&self, axis: &Vector3<f64>) -> Ends {
-        let seen = Seen { observed: self.observed, camera: self.camera, rays: &self.rays };
+        let seen = CameraView { observed: self.observed, camera: self.camera, rays: &self.rays };
         ends(&seen, axis, &self.wanted)
     }
 

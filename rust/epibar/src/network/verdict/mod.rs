@@ -9,14 +9,14 @@ pub mod prose;
 use self::decide::CameraFindings;
 use crate::geometry::median::median;
 use crate::image::ImageSize;
-use crate::network::case::{Case, Finished, Out};
+use crate::network::case::{Finished, NetworkCase, Out};
 use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
 use crate::network::evidence::support::{Deviates, Support};
-use crate::network::given::input::Kind;
+use crate::network::given::input::IntrinsicKind;
 use crate::network::given::pair::PairFound;
 use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
-use crate::network::model::residual::Pair;
+use crate::network::model::residual::CameraPair;
 use crate::network::result::{CameraStatus, Network, NetworkCamera, NetworkPair, PairStatus, fundamental};
 use crate::network::solve::world::{self, World};
 use crate::network::thresholds as limits;
@@ -27,7 +27,7 @@ pub(super) fn rig(cameras: &[Camera], pairs: &[(usize, usize)]) -> f64 {
     distances.fold(0.0, f64::max)
 }
 
-impl Case<'_> {
+impl NetworkCase<'_> {
     /// What is said of a network.
     pub(super) fn network(&self, finished: &Finished, out: &[Out], rivalled: bool) -> Network {
         let network = &finished.solved.network;
@@ -88,9 +88,10 @@ impl Case<'_> {
         if !said.is_empty() {
             return Some(said.join("; "));
         }
-        let given = |kind: Kind| kind.is_given(&self.beliefs[camera]) && !self.is_of_default(camera, kind);
-        let of_several = |kind: Kind| all().filter(|c| c.kind == kind).count() > 1 && given(kind);
-        Kind::ALL.into_iter().find(|kind| of_several(*kind)).map(prose::given_like_others)
+        let given =
+            |kind: IntrinsicKind| kind.is_given(&self.beliefs[camera]) && !self.is_of_default(camera, kind);
+        let of_several = |kind: IntrinsicKind| all().filter(|c| c.kind == kind).count() > 1 && given(kind);
+        IntrinsicKind::ALL.into_iter().find(|kind| of_several(*kind)).map(prose::given_like_others)
     }
 
     /// What there is to know of a camera that is accepted.
@@ -100,7 +101,7 @@ impl Case<'_> {
         if finished.contradicted.iter().any(|c| c.camera == camera && self.is_of_default(camera, c.kind)) {
             text += &prose::pixels_not_square(fits);
         }
-        if finished.strained && Kind::PrincipalPoint.is_given(&finished.solved.beliefs[camera]) {
+        if finished.strained && IntrinsicKind::PrincipalPoint.is_given(&finished.solved.beliefs[camera]) {
             text += prose::PRINCIPAL_POINT_TAKEN_FOR_RIGHT;
         }
         text += &prose::doubted(&finished.doubts, camera, fits);
@@ -171,7 +172,7 @@ impl Case<'_> {
     /// Whether what a pair found by itself disagrees with the network.
     fn contradicts(&self, a: usize, b: usize, one: &Camera, other: &Camera) -> bool {
         let Some(pair) = self.hypotheses.iter().find(|h| (h.a, h.b) == (a, b)) else { return false };
-        let geometry = Pair::new(one, other);
+        let geometry = CameraPair::new(one, other);
         let meetings = &pair.hypotheses[0].meetings;
         let within = limits::AGREE * ImageSize::pixel_scale([one.size, other.size]);
         (geometry.agreeing(meetings, within) as f64) < limits::CONTRADICTS * meetings.len() as f64

@@ -3,7 +3,7 @@
 use crate::network::evidence::contradictions::Contradiction;
 use crate::network::evidence::doubts::Doubt;
 use crate::network::evidence::stated_errors::Expected;
-use crate::network::given::input::{CameraInput, Kind};
+use crate::network::given::input::{CameraInput, IntrinsicKind};
 use crate::network::given::pair::PairFound;
 use crate::network::model::camera::{Camera, INTRINSIC};
 use crate::network::model::joint::Beliefs;
@@ -101,30 +101,30 @@ pub(in crate::network) fn doubted(doubts: &[Doubt], camera: usize, held: &Camera
 }
 
 /// The numbers of one kind.
-fn value(kind: Kind, numbers: [f64; INTRINSIC]) -> String {
+fn value(kind: IntrinsicKind, numbers: [f64; INTRINSIC]) -> String {
     let [log_focal, log_aspect, cx, cy, k1, k2, k3] = numbers;
     match kind {
-        Kind::Focal => format!("{:.1} px", log_focal.exp()),
-        Kind::Aspect => format!("{:.4}", log_aspect.exp()),
-        Kind::PrincipalPoint => format!("({cx:.1}, {cy:.1})"),
-        Kind::Lens => format!("k1 {k1:.3}, k2 {k2:.3}, k3 {k3:.3}"),
+        IntrinsicKind::Focal => format!("{:.1} px", log_focal.exp()),
+        IntrinsicKind::Aspect => format!("{:.4}", log_aspect.exp()),
+        IntrinsicKind::PrincipalPoint => format!("({cx:.1}, {cy:.1})"),
+        IntrinsicKind::Lens => format!("k1 {k1:.3}, k2 {k2:.3}, k3 {k3:.3}"),
     }
 }
 
 /// Of a camera of which the same was given as of several others that are contradicted.
-pub(in crate::network) fn given_like_others(kind: Kind) -> String {
+pub(in crate::network) fn given_like_others(kind: IntrinsicKind) -> String {
     let what = name(kind);
     format!(
         "the {what} that is given contradicts what moves in other cameras, so that of this one is not relied on. Correct what is given, or leave it out"
     )
 }
 
-fn name(kind: Kind) -> &'static str {
+fn name(kind: IntrinsicKind) -> &'static str {
     match kind {
-        Kind::Focal => "focal length",
-        Kind::Aspect => "fy / fx (1 where nothing is said)",
-        Kind::PrincipalPoint => "principal point",
-        Kind::Lens => "distortion",
+        IntrinsicKind::Focal => "focal length",
+        IntrinsicKind::Aspect => "fy / fx (1 where nothing is said)",
+        IntrinsicKind::PrincipalPoint => "principal point",
+        IntrinsicKind::Lens => "distortion",
     }
 }
 
