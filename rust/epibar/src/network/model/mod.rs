@@ -2,13 +2,14 @@
 //!
 //! * `optics`: where the pixels of a camera look.
 //! * `camera`: a camera, as the numbers that are solved for.
-//! * `residual`: how far two tangents are from meeting.
+//! * `residual`, `changes`: how far two tangents are from meeting, and how that changes with both cameras.
 //! * `joint`: the joint problem over cameras only.
 //! * `invertible`: its normal matrix, inverted though nothing says where the whole stands.
 //! * `laplace`: what speaks against beliefs about cameras.
 //! * `pose`: where one camera stands beside another, by the geometry of their pair.
 
 pub mod camera;
+mod changes;
 pub mod invertible;
 pub mod joint;
 pub mod laplace;

@@ -5,10 +5,11 @@
 //! the gradient of `e` to the four coordinates of the pixels, lens included: so no lens can make residuals small by making
 //! the image small, and no length of the baseline enters. The derivatives are exact, those of `g` among them.
 
-use nalgebra::{Matrix3, SVector, Vector2, Vector3, Vector4};
+use nalgebra::{Matrix3, SVector, Vector2, Vector3};
 
 use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION};
-use super::optics::{Look, Optics, Sight};
+use super::changes::{Change, Changes, Parts};
+use super::optics::Optics;
 
 /// A tangent of A that meets one of B.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,29 +52,6 @@ struct Pixels {
     time: f64,
 }
 
-struct Parts {
-    ray_a: Vector3<f64>,
-    ray_b: Vector3<f64>,
-    /// `Qᵀ x_b` and `Q x_a`.
-    normal_a: Vector3<f64>,
-    normal_b: Vector3<f64>,
-    gradient: Vector4<f64>,
-    norm: f64,
-    residual: f64,
-}
-
-fn head(v: &Vector3<f64>) -> Vector2<f64> {
-    Vector2::new(v.x, v.y)
-}
-
-fn flat(v: &Vector2<f64>) -> Vector3<f64> {
-    Vector3::new(v.x, v.y, 0.0)
-}
-
-fn both(a: Vector2<f64>, b: Vector2<f64>) -> Vector4<f64> {
-    Vector4::new(a.x, a.y, b.x, b.y)
-}
-
 impl<'c> CameraPair<'c> {
     /// Of two cameras at different places.
     pub fn new(a: &'c Camera, b: &'c Camera) -> Self {
@@ -95,17 +73,7 @@ impl<'c> CameraPair<'c> {
 
     fn parts(&self, meeting: &Meeting) -> Option<Parts> {
         let pixels = self.pixels(meeting);
-        Some(self.parts_of(&self.optics_a.look(pixels.a)?, &self.optics_b.look(pixels.b)?))
-    }
-
-    fn parts_of(&self, look_a: &Look, look_b: &Look) -> Parts {
-        let (ray_a, ray_b) = (look_a.direction.push(1.0), look_b.direction.push(1.0));
-        let (normal_b, normal_a) = (self.q * ray_a, self.q.tr_mul(&ray_b));
-        let gradient =
-            both(look_a.jacobian.tr_mul(&head(&normal_a)), look_b.jacobian.tr_mul(&head(&normal_b)));
-        let norm = gradient.norm().max(1e-150);
-        let residual = ray_b.dot(&normal_b) / norm;
-        Parts { ray_a, ray_b, normal_a, normal_b, gradient, norm, residual }
+        Some(Parts::new(&self.q, &self.optics_a.look(pixels.a)?, &self.optics_b.look(pixels.b)?))
     }
 
     /// Pixels; `None` where a lens shows nothing.
@@ -139,87 +107,37 @@ impl<'c> CameraPair<'c> {
     pub fn row(&self, meeting: &Meeting) -> Option<(f64, Row)> {
         let pixels = self.pixels(meeting);
         let (sight_a, sight_b) = (self.optics_a.sight(pixels.a)?, self.optics_b.sight(pixels.b)?);
-        let p = self.parts_of(&sight_a.look, &sight_b.look);
-        let (q, jacobian_a, jacobian_b) = (&self.q, sight_a.look.jacobian, sight_b.look.jacobian);
+        let parts = Parts::new(&self.q, &sight_a.look, &sight_b.look);
+        let changes = Changes::new([self.a, self.b], &self.q, &parts, [&sight_a, &sight_b]);
         let mut row = Row::zeros();
-        let mut put = |k: usize, de: f64, dg: Vector4<f64>| {
-            row[k] = (de - p.residual * p.gradient.dot(&dg) / p.norm) / p.norm;
+        let mut put = |k: usize, change: Change| {
+            row[k] =
+                (change.e - parts.residual * parts.gradient.dot(&change.gradient) / parts.norm) / parts.norm;
         };
         for k in 0..INTRINSIC {
-            let (dx, dj) = (sight_a.along[k], sight_a.jacobian_along[k]);
-            let of_b = jacobian_b.tr_mul(&head(&(q * flat(&dx))));
-            put(k, head(&p.normal_a).dot(&dx), both(dj.tr_mul(&head(&p.normal_a)), of_b));
-            let (dx, dj) = (sight_b.along[k], sight_b.jacobian_along[k]);
-            let of_a = jacobian_a.tr_mul(&head(&q.tr_mul(&flat(&dx))));
-            put(PARAMETERS + k, head(&p.normal_b).dot(&dx), both(of_a, dj.tr_mul(&head(&p.normal_b))));
+            put(k, changes.of_lens_a(k));
+            put(PARAMETERS + k, changes.of_lens_b(k));
         }
-        let world_a = self.a.rotation.inverse() * p.ray_a;
-        let world_b = self.b.rotation.inverse() * p.ray_b;
-        let across = world_a.cross(&world_b);
-        // The baseline is taken with unit length: a change of its length says nothing.
-        let baseline = self.a.position - self.b.position;
-        let length = baseline.norm().max(1e-12);
-        let unit = baseline / length;
         for k in 0..3 {
-            let turn = Vector3::ith(k, 1.0);
-            let (moved_a, moved_b) = (p.ray_a.cross(&turn), p.ray_b.cross(&turn));
-            put(
-                ROTATION + k,
-                p.normal_a.dot(&moved_a),
-                both(
-                    jacobian_a.tr_mul(&head(&turn.cross(&p.normal_a))),
-                    jacobian_b.tr_mul(&head(&(q * moved_a))),
-                ),
-            );
-            put(
-                PARAMETERS + ROTATION + k,
-                p.normal_b.dot(&moved_b),
-                both(
-                    jacobian_a.tr_mul(&head(&q.tr_mul(&moved_b))),
-                    jacobian_b.tr_mul(&head(&turn.cross(&p.normal_b))),
-                ),
-            );
-            let step = (turn - unit * unit.dot(&turn)) / length;
-            let de = step.dot(&across);
-            let dg = both(
-                jacobian_a.tr_mul(&head(&(self.a.rotation * world_b.cross(&step)))),
-                jacobian_b.tr_mul(&head(&(self.b.rotation * step.cross(&world_a)))),
-            );
-            put(POSITION + k, de, dg);
-            put(PARAMETERS + POSITION + k, -de, -dg);
+            let axis = Vector3::ith(k, 1.0);
+            put(ROTATION + k, changes.of_turn_a(&axis));
+            put(PARAMETERS + ROTATION + k, changes.of_turn_b(&axis));
+            let of_position = changes.of_position_a(&axis);
+            put(POSITION + k, of_position);
+            put(PARAMETERS + POSITION + k, of_position.times(-1.0));
         }
-        // A pixel further right is a principal point further left.
-        let bent = |sight: &Sight, step: &Vector2<f64>| {
-            -(sight.jacobian_along[2] * step.x + sight.jacobian_along[3] * step.y)
-        };
-        let moved_a = |step: Vector2<f64>| {
-            let dx = jacobian_a * step;
-            let of_b = jacobian_b.tr_mul(&head(&(q * flat(&dx))));
-            (head(&p.normal_a).dot(&dx), both(bent(&sight_a, &step).tr_mul(&head(&p.normal_a)), of_b))
-        };
-        let moved_b = |step: Vector2<f64>| {
-            let dx = jacobian_b * step;
-            let of_a = jacobian_a.tr_mul(&head(&q.tr_mul(&flat(&dx))));
-            (head(&p.normal_b).dot(&dx), both(of_a, bent(&sight_b, &step).tr_mul(&head(&p.normal_b))))
-        };
-        let (de, dg) = moved_a(Vector2::from(meeting.outward_a));
-        put(INSET, de, dg);
-        let (de, dg) = moved_b(Vector2::from(meeting.outward_b));
-        put(PARAMETERS + INSET, de, dg);
+        put(INSET, changes.of_pixel_a(&Vector2::from(meeting.outward_a)));
+        put(PARAMETERS + INSET, changes.of_pixel_b(&Vector2::from(meeting.outward_b)));
         let velocity = Vector2::from(meeting.velocity_b);
         if velocity != Vector2::zeros() {
-            let (de, dg) = moved_b(velocity);
+            let of_second = changes.of_pixel_b(&velocity);
             let (rate_a, rate_b) = (1.0 + 1e-6 * self.a.drift, 1.0 + 1e-6 * self.b.drift);
-            for (k, along) in [
-                (CLOCK, -rate_b / rate_a),
-                (CLOCK + 1, -1e-6 * rate_b / rate_a * pixels.time),
-                (PARAMETERS + CLOCK, 1.0),
-                (PARAMETERS + CLOCK + 1, 1e-6 * pixels.time),
-            ] {
-                put(k, de * along, dg * along);
-            }
+            put(CLOCK, of_second.times(-rate_b / rate_a));
+            put(CLOCK + 1, of_second.times(-1e-6 * rate_b / rate_a * pixels.time));
+            put(PARAMETERS + CLOCK, of_second);
+            put(PARAMETERS + CLOCK + 1, of_second.times(1e-6 * pixels.time));
         }
-        Some((p.residual, row))
+        Some((parts.residual, row))
     }
 }
 
