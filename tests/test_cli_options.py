@@ -18,7 +18,7 @@ import epibar
 from epibar import synthetic
 from epibar.calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS
 from epibar.cli import main
-from epibar.cli.exit_codes import DONE, PARTLY, UNUSABLE, exit_code
+from epibar.cli.exit_codes import DONE, INTERRUPTED, MOVED, PARTLY, UNUSABLE, exit_code
 from epibar.cli.parser import COMMANDS, build_parser
 from epibar.evaluation import image_correspondences
 from epibar.recording import DEFAULT_LINES
@@ -111,6 +111,9 @@ def test_every_command_says_when_it_fails(command, capsys):
     assert main([command, "--help"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "Exit codes: 0 done" in text
+    told = {int(code) for code in re.findall(r"(?:^|; )(\d+) ", text.partition("Exit codes: ")[2])}
+    may_end_with = {"calibrate": {PARTLY}, "inspect": {PARTLY}, "check": {PARTLY, MOVED}}
+    assert told == {DONE, UNUSABLE, INTERRUPTED} | may_end_with.get(command, set())
 
 
 @pytest.mark.parametrize("command", [module.NAME for module in COMMANDS])

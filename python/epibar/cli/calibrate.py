@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from .exit_codes import exit_code
+from .exit_codes import exit_code, explanation
 from .options import (
     CommandParser,
     add_length_options,
@@ -33,10 +33,16 @@ DESCRIPTION = (
     "the frontier points as CSV. Recordings and pairs are kept in DIR: the same command again, or with one "
     "more camera, does only what is missing."
 )
+EXIT_CODES = explanation(
+    "done (a refused pair is a result too: read its verdict)",
+    partly="a camera or a pair could not be done, the others are written",
+    more="The same command again goes on where it was interrupted.",
+)
 
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
+    command.epilog = EXIT_CODES
     command.add_videos("one per camera: a video, a folder of images, or a saved recording")
     command.add_argument(
         "-o", "--out", required=True, metavar="DIR", help="folder for the results; made if it is missing"

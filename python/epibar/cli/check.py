@@ -6,7 +6,7 @@ from argparse import Namespace
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
-from .exit_codes import CHECK_EXPLANATION, DONE, MOVED, PARTLY
+from .exit_codes import DONE, MOVED, PARTLY, explanation
 from .options import CommandParser, add_output_options, offset, seconds
 from .recording_options import add_recording_options, record_options
 
@@ -33,11 +33,18 @@ DESCRIPTION = (
     "without its suffix. Nothing in DIR is changed, unless --update asks for it: then cameras that moved are "
     "put where they stand now, and cameras that the network does not have are added to it."
 )
+EXIT_CODES = explanation(
+    "done, and no camera has moved",
+    partly="a video could not be read, and no other camera has moved",
+    moved="a camera has moved, cannot be judged, or is none of the network's",
+    more="With --update a camera that was updated counts as one that has not moved, and one that was added "
+    "as one of the network's. A scheduled job should tell of anything but 0.",
+)
 
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
-    command.epilog = CHECK_EXPLANATION
+    command.epilog = EXIT_CODES
     command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
     command.add_videos(
         "one per camera, named as when it was calibrated, or by a new name: a video, a folder of images, or "

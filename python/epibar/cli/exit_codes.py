@@ -2,7 +2,6 @@
 
 __all__ = [
     "BUG",
-    "CHECK_EXPLANATION",
     "DONE",
     "EXPLANATION",
     "INTERRUPTED",
@@ -10,6 +9,7 @@ __all__ = [
     "PARTLY",
     "UNUSABLE",
     "exit_code",
+    "explanation",
 ]
 
 DONE = 0
@@ -26,17 +26,22 @@ MOVED = 4
 Not 1, with which Python ends on a bug: no news of a camera."""
 INTERRUPTED = 130
 
-EXPLANATION = (
-    "Exit codes: 0 done (a refused pair is a result too: read its verdict); 2 unusable input, nothing was "
-    "done; 3 a camera or a pair could not be done, the others are written; 130 interrupted."
-)
 
-CHECK_EXPLANATION = (
-    "Exit codes: 0 done, and no camera has moved; 4 a camera has moved, cannot be judged, or is none of the "
-    "network's; 2 unusable input, nothing was checked; 3 a video could not be read, and no other camera has "
-    "moved; 130 interrupted. With --update a camera that was updated counts as one that has not moved, and "
-    "one that was added as one of the network's. A scheduled job should tell of anything but 0."
-)
+def explanation(done: str = "done", partly: str = "", moved: str = "", more: str = "") -> str:
+    """Say what the exit codes of a command mean; those of which nothing is said are none of it."""
+    meanings = [
+        (DONE, done),
+        (UNUSABLE, "unusable input, nothing was done"),
+        (PARTLY, partly),
+        (MOVED, moved),
+        (INTERRUPTED, "interrupted"),
+    ]
+    told = "; ".join(f"{code} {meaning}" for code, meaning in meanings if meaning)
+    return f"Exit codes: {told}.{more and ' '}{more}"
+
+
+EXPLANATION = explanation()
+"""Of a command that does one thing."""
 
 
 def exit_code(done: int, failed: int) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import Any
 
-from .exit_codes import exit_code
+from .exit_codes import exit_code, explanation
 from .options import CommandParser, add_output_options
 from .recording_options import add_recording_options, record_options
 
@@ -17,10 +17,12 @@ DESCRIPTION = (
     "Print for each camera how much moved and where, how many lines are left after each filter, whether the "
     "camera stood still and the light stayed on, and what is wrong and what to do."
 )
+EXIT_CODES = explanation(partly="a video could not be read, what is said is of the others")
 
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
+    command.epilog = EXIT_CODES
     command.add_videos("a video, a folder of images, or a saved recording")
     add_recording_options(command, several=True)
     add_output_options(command, json="print it for programs")

@@ -17,6 +17,7 @@ from . import (
     scale,
     sync,
 )
+from .exit_codes import explanation
 from .options import CommandParser
 
 __all__ = ["build_parser"]
@@ -30,6 +31,10 @@ def build_parser() -> argparse.ArgumentParser:
     parser = CommandParser(
         prog="epibar",
         description="Epipolar geometry of stationary cameras from what moves in front of them.",
+        epilog=explanation(
+            partly="one of several inputs could not be done, the others are",
+            moved="'check' alone: a camera has moved",
+        ),
     )
     parser.add_argument("--version", action=_Version)
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
