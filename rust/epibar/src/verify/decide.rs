@@ -9,7 +9,8 @@ use super::rivals::Rival;
 use super::thresholds::{
     CLEAN_RADIUS, DEEP_POSSIBLE, DEPTH, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND,
     MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z,
-    MIRROR_SHARE, PLACE, REPEATS, ROOM_AREA, ROOM_HEIGHT, SAME, SHALLOW_POSSIBLE, reaches, within,
+    MIRROR_SHARE, PLACE, REPEATS, ROOM_AREA, ROOM_HEIGHT, SAME, SHALLOW_POSSIBLE, SOME_AREA,
+    SOME_AREA_POSSIBLE, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -126,9 +127,11 @@ fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
     let strictly = is_flat(f) && !fills_a_room(f);
-    let known = within(f.beyond_motion, if strictly { FLAT_BEYOND } else { MAX_BEYOND * f.scale });
+    let known = within(f.beyond_motion, f.scale * if strictly { FLAT_BEYOND } else { MAX_BEYOND });
     let most = if fills_a_room(f) {
         f64::INFINITY
+    } else if is_flat(f) && reaches(f.evidence.spread_of_bottoms, SOME_AREA) {
+        SOME_AREA_POSSIBLE * f.scale
     } else if is_flat(f) {
         FLAT_POSSIBLE * f.scale
     } else if is_shallow(f) {
@@ -253,14 +256,6 @@ mod tests {
         assert_eq!(kind(&findings(&GOOD, &walk[..40])), Kind::Undetermined);
         assert_eq!(kind(&Findings { beyond_motion: 2.1, ..findings(&GOOD, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
-        // Flat motion needs clean outlines, and must be known better beyond itself.
-        let flat = Evidence { plane_residual: 0.5, ..GOOD };
-        assert_eq!(kind(&Findings { best_radius: 3.0, ..findings(&flat, &walk) }), Kind::Undetermined);
-        assert_eq!(kind(&Findings { beyond_motion: 0.4, ..findings(&flat, &walk) }), Kind::Undetermined);
-        assert_eq!(kind(&Findings { possible_beyond: 2.1, ..findings(&flat, &walk) }), Kind::Undetermined);
-        let turned = Evidence { may_turn: 3.6, ..flat };
-        assert_eq!(kind(&findings(&turned, &walk)), Kind::Undetermined);
-        assert_eq!(kind(&findings(&Evidence { plane_residual: 4.0, ..turned }, &walk)), Kind::Accepted);
         let shallow = Evidence { plane_residual: 1.5, ..GOOD };
         for (evidence, possible_beyond, expected) in [
             (&shallow, 3.9, Kind::Accepted),
@@ -315,6 +310,35 @@ mod tests {
         assert_eq!(kind(&strict(&Evidence { tested_distance: 0.4, ..GOOD })), Kind::Inaccurate);
         assert_eq!(kind(&strict(&Evidence { tested_distance: 0.6, ..GOOD })), Kind::Ambiguous);
         assert_eq!(kind(&Findings { expected_error: f64::NAN, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
+    }
+
+    #[test]
+    fn flat_motion_needs_clean_outlines_and_must_be_known_better_beyond_itself() {
+        let walk: Vec<_> = (0..90).map(|k| matched(k, [f64::from(k) * 9.0, 7.0], [9.0, 9.0])).collect();
+        let kind = |findings: &Findings| decide(findings).kind;
+        let flat = Evidence { plane_residual: 0.5, ..GOOD };
+        assert_eq!(kind(&Findings { best_radius: 3.0, ..findings(&flat, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { beyond_motion: 0.4, ..findings(&flat, &walk) }), Kind::Undetermined);
+        assert_eq!(kind(&Findings { possible_beyond: 2.1, ..findings(&flat, &walk) }), Kind::Undetermined);
+        let of_size = |scale, beyond_motion| {
+            let clean = Findings { best_radius: 1.5 * scale, possible_beyond: 0.5, ..findings(&flat, &walk) };
+            kind(&Findings { beyond_motion, scale, ..clean })
+        };
+        assert_eq!([of_size(1.5, 0.49), of_size(1.5, 0.51)], [Kind::Accepted, Kind::Undetermined]);
+        assert_eq!([of_size(0.5, 0.16), of_size(0.5, 0.18)], [Kind::Accepted, Kind::Undetermined]);
+        let some_area = Evidence { spread_of_bottoms: 0.26, ..flat };
+        for (evidence, possible_beyond, expected) in [
+            (&some_area, 2.9, Kind::Accepted),
+            (&some_area, 3.1, Kind::Undetermined),
+            (&Evidence { spread_of_bottoms: 0.24, ..flat }, 2.9, Kind::Undetermined),
+            (&Evidence { spread_of_bottoms: f64::NAN, ..flat }, 2.9, Kind::Undetermined),
+            (&Evidence { may_turn: 3.6, ..some_area }, 2.9, Kind::Undetermined),
+        ] {
+            assert_eq!(kind(&Findings { possible_beyond, ..findings(evidence, &walk) }), expected);
+        }
+        let turned = Evidence { may_turn: 3.6, ..flat };
+        assert_eq!(kind(&findings(&turned, &walk)), Kind::Undetermined);
+        assert_eq!(kind(&findings(&Evidence { plane_residual: 4.0, ..turned }, &walk)), Kind::Accepted);
     }
 
     /// A geometry of what `rival` says, without any other fault.

@@ -72,7 +72,7 @@ pub const DEPTH: f64 = 2.0;
 /// and more is asked of that: outlines must be clean, as what they are off alike in all frames may be all that leaves the plane
 /// (ellipses at 0.41 gave 3.9 px where 2.7 are stated), and `F` must be known to [`FLAT_BEYOND`].
 pub const FLAT: f64 = 0.9;
-/// Half of an image may be known no worse than this where the motion is flat, pixels, by the covariance alone, which says too little
+/// Half of an image may be known no worse than this where the motion is flat, pixels of a 640×480 image, by the covariance alone, which says too little
 /// where all keep to one path: 0.4 where `F` was 4.3 px off over the room, 0.3 to 0.77 in ten of the other seventeen; 0.03 to 0.28 where it
 /// was right.
 pub const FLAT_BEYOND: f64 = 0.333;
@@ -80,6 +80,12 @@ pub const FLAT_BEYOND: f64 = 0.333;
 /// had 2.1 to 3.0, four of which were off by 2 to 3.9 px over the room, and eight 0.6 to 1.9, none of them by as much as 1 px; of right ones of families
 /// with an answer three of nine had more.
 pub const FLAT_POSSIBLE: f64 = 2.0;
+/// Where four fifths of the bottoms lie farther than this from any line, in widths of a silhouette, what moves has some area, though it does not fill a
+/// room. Of 46 pairs on one path, with strays or without, 36 had less.
+pub const SOME_AREA: f64 = 0.25;
+/// Then flat motion may be known by so much: of those on a path that turn by no more than [`FLAT_TURN`] the first that is off over the room, by 6.1 px, had
+/// 4.3; right ones with an answer had 2.1 to 2.7, and one 3.8.
+pub const SOME_AREA_POSSIBLE: f64 = 3.0;
 /// Nor by more than this where the motion is not flat and has less than [`DEPTH`]: a pair on one path that was accepted 8.2 px off over
 /// the room had 5.4, another one 5.2, and one that was 6.5 px off 4.2; of 45 right ones with an answer one had more, 6.3, and all others at most 4.4.
 pub const SHALLOW_POSSIBLE: f64 = 4.0;
