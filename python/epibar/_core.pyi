@@ -161,7 +161,7 @@ def calibrate(
     b: Recording,
     method: str,
     seed: int,
-    time_offset: float | None,
+    time_offset: float | str,
     sharpen_offset: bool,
     search_seconds: float,
     upright: bool,

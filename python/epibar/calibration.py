@@ -211,7 +211,7 @@ def calibrate(
     rec_b: Recording,
     method: Literal["frontier", "lines"] = "frontier",
     seed: int = 0,
-    time_offset: float | Literal["search"] = 0.0,
+    time_offset: float | Literal["search", "auto"] = 0.0,
     upright: bool = True,
     *,
     essential: bool = True,
@@ -233,10 +233,12 @@ def calibrate(
         where epipolar planes touch the silhouettes, and is more accurate.
     seed : int
         Of every random draw. The result depends on it and the recordings, not on the number of threads.
-    time_offset : float or "search"
+    time_offset : float, "search" or "auto"
         Where frame 0 of A falls in B, in frames of B after B's frame 0; it need not be a whole number. At
         equal frame rates frame i of A is frame ``i + time_offset`` of B; other rates meet through the times.
-        ``"search"`` finds it, to a fraction of a frame.
+        ``"search"`` finds it, to a fraction of a frame. ``"auto"`` tries no offset first: what is accepted so
+        has passed the test of shifted clocks, so that another offset would have been noticed. Where it is
+        refused an offset is searched for, and where neither is accepted it is the one for which more speaks.
     upright : bool
         Both cameras are the right way up, rolled by less than a quarter turn. Upright walkers look nearly the
         same upside down, and a mirrored geometry may have as much evidence as the true one. With False, up
@@ -253,7 +255,7 @@ def calibrate(
     max_expected_error : float
         Accept only below this, pixels.
     search_seconds : float
-        How far either way ``time_offset="search"`` looks. A wider search asks for more evidence.
+        How far either way the search for an offset looks. A wider search asks for more evidence.
     sharpen_offset : bool
         A given ``time_offset`` is right to a frame or two only, and is measured with the geometry.
     progress : callable, optional
@@ -338,12 +340,14 @@ def _matrices(rec_a: Recording, rec_b: Recording) -> tuple[Array, Array] | None:
     return as_camera_matrix(rec_a.matrix), as_camera_matrix(rec_b.matrix)
 
 
-def _checked_offset(time_offset: Any, rec_a: Recording, rec_b: Recording) -> float | None:
-    """Return the offset in frames of B, None to search for it."""
-    if isinstance(time_offset, str) and time_offset == "search":
-        return None
+def _checked_offset(time_offset: Any, rec_a: Recording, rec_b: Recording) -> float | str:
+    """Return the offset in frames of B, or how it is found."""
+    if isinstance(time_offset, str) and time_offset in ("search", "auto"):
+        return time_offset
     if not is_number(time_offset):
-        raise EpibarError(f"time_offset = {time_offset!r}: expected a finite number of frames, or 'search'")
+        raise EpibarError(
+            f"time_offset = {time_offset!r}: expected a finite number of frames, 'search' or 'auto'"
+        )
     before = (rec_a.times[-1] - rec_a.times[0]) / frame_interval(rec_b)
     if time_offset >= rec_b.frames or -time_offset > before + 1:
         raise EpibarError(

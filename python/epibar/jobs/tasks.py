@@ -7,11 +7,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
 
 from ..calibration import Calibration, calibrate
 from ..from_video import record
-from ..network.pair_search import calibrate_unsynchronised
 from ..recording import Recording
 from .inputs import CameraInput, PairOptions, RecordOptions
 from .saved_recordings import load_saved
@@ -69,19 +67,17 @@ def calibrate_pair(
         An option does not fit the recordings.
     """
     started = time.perf_counter()
-    others: dict[str, Any] = {
-        "method": options.method,
-        "seed": options.seed,
-        "upright": options.upright,
-        "essential": options.essential,
-        "search_seconds": options.search_seconds,
-        "max_expected_error": options.max_expected_error,
-        "progress": progress,
-    }
-    if options.time_offset == "auto":
-        calibration = calibrate_unsynchronised(a, b, **others)
-    else:
-        calibration = calibrate(
-            a, b, time_offset=options.time_offset, sharpen_offset=options.sharpen_offset, **others
-        )
+    calibration = calibrate(
+        a,
+        b,
+        method=options.method,
+        seed=options.seed,
+        time_offset=options.time_offset,
+        upright=options.upright,
+        essential=options.essential,
+        search_seconds=options.search_seconds,
+        sharpen_offset=options.sharpen_offset,
+        max_expected_error=options.max_expected_error,
+        progress=progress,
+    )
     return calibration, time.perf_counter() - started

@@ -7,12 +7,12 @@ from dataclasses import replace
 from typing import Any
 
 from ..arguments import MAX_SEED, as_positive, as_whole_number
-from ..calibration import SEARCH_SECONDS
+from ..calibration import SEARCH_SECONDS, calibrate
 from ..errors import EpibarError
 from .joining import join_pairs
 from .knowledge import KnownCamera, has_focal, knowledge_of
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
-from .pair_search import calibrate_unsynchronised, offsets_of_pair, search_pairs
+from .pair_search import offsets_of_pair, search_pairs
 from .recordings import Recordings, named_recordings
 from .result import Network
 from .scaling import check_lengths
@@ -91,9 +91,11 @@ def calibrate_network(
         # No search can help: the core says what is missing.
         return join_pairs(cameras, {}, offsets or ClockOffsets((0.0, 0.0)), known=known)
     if offsets is None and len(films) == 2:
-        pair = calibrate_unsynchronised(
-            *films,
+        pair = calibrate(
+            films[0],
+            films[1],
             seed=seed,
+            time_offset="auto",
             search_seconds=search_seconds,
             upright=upright,
             progress=of_pairs(progress, 0, 1),

@@ -19,39 +19,13 @@ from .offsets import ClockOffsets, as_offsets
 from .recordings import Recordings, named_recordings
 from .stages import Progress, of_pairs
 
-__all__ = ["calibrate_unsynchronised", "offsets_of_pair", "pair_to_core", "search_pairs"]
+__all__ = ["offsets_of_pair", "pair_to_core", "search_pairs"]
 
 RIVALS = _core.RIVALS
 """Other geometries of a pair that go along, at most."""
 
 RIVAL_SHARE = _core.RIVAL_SHARE
 """Share of the winner's score that such a one has at least."""
-
-
-def calibrate_unsynchronised(rec_a: Recording, rec_b: Recording, **options: Any) -> Calibration:
-    """Calibrate a pair that may or may not have been started together.
-
-    No offset is tried first. What is accepted so has passed the test of shifted clocks, so that another
-    offset would have been noticed; only where it is refused an offset is searched for.
-
-    Parameters
-    ----------
-    rec_a, rec_b : Recording
-    options
-        As those of :func:`epibar.calibrate`, but for the offset.
-
-    Returns
-    -------
-    Calibration
-        The first that is accepted; where neither is, the one for which more speaks.
-    """
-    together = calibrate(rec_a, rec_b, time_offset=0.0, **options)
-    if together.accepted:
-        return together
-    searched = calibrate(rec_a, rec_b, time_offset="search", **options)
-    if searched.accepted or searched.evidence.get("z", 0.0) > together.evidence.get("z", 0.0):
-        return searched
-    return together
 
 
 def offsets_of_pair(rec_b: Recording, calibration: Calibration) -> ClockOffsets:

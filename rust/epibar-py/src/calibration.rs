@@ -18,6 +18,13 @@ pub struct Calibration {
     inner: epibar::Calibration,
 }
 
+/// An offset, or how it is found.
+#[derive(FromPyObject)]
+pub enum FramesOrWord {
+    Frames(f64),
+    Word(String),
+}
+
 /// Runs the whole job with the GIL released; Python's signals are looked at between batches.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "the Python layer names them")]
@@ -27,7 +34,7 @@ pub fn calibrate(
     b: &Recording,
     method: &str,
     seed: u64,
-    time_offset: Option<f64>,
+    time_offset: FramesOrWord,
     sharpen_offset: bool,
     search_seconds: f64,
     upright: bool,
@@ -46,15 +53,24 @@ pub fn calibrate(
             )));
         }
     };
+    let time_offset = match time_offset {
+        FramesOrWord::Frames(offset) if sharpen_offset => TimeOffset::About(offset),
+        FramesOrWord::Frames(offset) => TimeOffset::Known(offset),
+        FramesOrWord::Word(word) => match word.as_str() {
+            "search" => TimeOffset::Search { seconds: search_seconds },
+            "auto" => TimeOffset::Auto { seconds: search_seconds },
+            other => {
+                return Err(PyValueError::new_err(format!(
+                    "time_offset = {other:?}: expected a number of frames, \"search\" or \"auto\""
+                )));
+            }
+        },
+    };
     let cameras = camera_matrices(cameras)?;
     let mut options = CalibrateOptions::new()
         .method(method)
         .seed(seed)
-        .time_offset(match time_offset {
-            None => TimeOffset::Search { seconds: search_seconds },
-            Some(offset) if sharpen_offset => TimeOffset::About(offset),
-            Some(offset) => TimeOffset::Known(offset),
-        })
+        .time_offset(time_offset)
         .upright(upright)
         .candidates(candidates)
         .draws(draws)

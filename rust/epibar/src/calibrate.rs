@@ -5,7 +5,7 @@
 //! done once more.
 
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
-use crate::clock::{Aligned, Clocks, Timing};
+use crate::clock::{Aligned, Clocks, Start, Timing};
 use crate::error::Result;
 use crate::frontier::{Views, busy_frames};
 use crate::hypotheses::{Draws, LineModel};
@@ -44,7 +44,22 @@ pub fn calibrate_watched(
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
     options.check()?;
-    let mut clocks = Clocks::new(a, b, options.time_offset, options.upright, watch)?;
+    let (start, next) = options.time_offset.starts();
+    let found = calibrate_from(a, b, start, options, watch)?;
+    let Some(next) = next.filter(|_| !found.accepted()) else { return Ok(found) };
+    let other = calibrate_from(a, b, next, options, watch)?;
+    Ok(if other.accepted() || other.evidence.z > found.evidence.z { other } else { found })
+}
+
+/// From what is known of the offset, which is learned with the geometry.
+fn calibrate_from(
+    a: &Recording,
+    b: &Recording,
+    start: Start,
+    options: &CalibrateOptions,
+    watch: &mut dyn Watch,
+) -> Result<Calibration> {
+    let mut clocks = Clocks::new(a, b, start, options.upright, watch)?;
     loop {
         let found = calibrate_at(&clocks.aligned(), options, watch)?;
         let credible = found.fundamental.filter(|_| found.evidence.z >= MIN_Z_FOR_CLOCK);

@@ -143,6 +143,7 @@ fn options() -> impl Strategy<Value = CalibrateOptions> {
         1 => number().prop_map(TimeOffset::Known),
         1 => number().prop_map(TimeOffset::About),
         2 => prop_oneof![0.01..30.0, number()].prop_map(|seconds| TimeOffset::Search { seconds }),
+        1 => prop_oneof![0.01..30.0, number()].prop_map(|seconds| TimeOffset::Auto { seconds }),
     ];
     let matrix = (1e-3..1e6, 1e-3..1e6, number(), number())
         .prop_map(|(fx, fy, cx, cy)| Matrix3::new(fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0));

@@ -18,15 +18,46 @@ pub enum TimeOffset {
         /// Largest offset considered, seconds.
         seconds: f64,
     },
+    /// It is not known whether the cameras were started together. No offset is tried first: what is accepted so has passed the test of shifted
+    /// clocks, so that another offset would have been noticed. Only where it is refused one is searched for; where neither is accepted, it is the one for
+    /// which more speaks.
+    Auto {
+        /// Largest offset considered, seconds.
+        seconds: f64,
+    },
+}
+
+/// What is known of an offset, from where one geometry after another finds it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// As [`TimeOffset::Known`].
+    Known(f64),
+    /// As [`TimeOffset::About`].
+    About(f64),
+    /// As [`TimeOffset::Search`].
+    Search {
+        /// Largest offset considered, seconds.
+        seconds: f64,
+    },
 }
 
 impl TimeOffset {
+    /// From where to start, and from where next if what is found is refused.
+    pub(crate) fn starts(self) -> (Start, Option<Start>) {
+        match self {
+            Self::Known(offset) => (Start::Known(offset), None),
+            Self::About(offset) => (Start::About(offset), None),
+            Self::Search { seconds } => (Start::Search { seconds }, None),
+            Self::Auto { seconds } => (Start::Known(0.0), Some(Start::Search { seconds })),
+        }
+    }
+
     pub(crate) fn check(self) -> Result<()> {
         let (value, ok, expected) = match self {
             Self::Known(offset) | Self::About(offset) => {
                 (offset, offset.is_finite(), "a finite number of frames")
             }
-            Self::Search { seconds } => {
+            Self::Search { seconds } | Self::Auto { seconds } => {
                 (seconds, seconds.is_finite() && seconds > 0.0, "a positive number of seconds to search")
             }
         };

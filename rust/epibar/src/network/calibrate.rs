@@ -208,31 +208,23 @@ fn with_matrices(pair: CalibrateOptions, [a, b]: [&CameraInput; 2]) -> Calibrate
     }
 }
 
-/// Two cameras that may or may not have been started together.
-///
-/// No other pair can vouch for an offset that barcodes find. So no offset is tried first: what is accepted so has passed the test of shifted
-/// clocks, so that another offset would have been noticed. Only where it is refused an offset is searched for; where neither is
-/// accepted, it is the one for which more speaks.
+/// Two cameras that may or may not have been started together: no other pair can vouch for an offset that barcodes find.
 fn unsynchronised(
     cameras: [&CameraInput; 2],
     options: &CalibrateOptions,
     seconds: f64,
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
-    let search = TimeOffset::Search { seconds };
     let [a, b] = cameras.map(|camera| camera.recording);
-    let options = with_matrices(options.clone(), cameras);
-    let mut calibrated = |time, share: f64| {
-        let mut inner = |_: Stage, _: f64| report(watch, Stage::Pairs, share).is_ok();
-        calibrate_watched(a, b, &options.clone().time_offset(time), &mut inner)
+    let options = with_matrices(options.clone(), cameras).time_offset(TimeOffset::Auto { seconds });
+    let mut share = 0.0;
+    let mut inner = |stage: Stage, _: f64| {
+        if stage == Stage::TimeOffset {
+            share = 0.5;
+        }
+        report(watch, Stage::Pairs, share).is_ok()
     };
-    let together = calibrated(TimeOffset::Known(0.0), 0.0)?;
-    if together.accepted() {
-        return Ok(together);
-    }
-    let searched = calibrated(search, 0.5)?;
-    let better = searched.accepted() || searched.evidence.z > together.evidence.z;
-    Ok(if better { searched } else { together })
+    calibrate_watched(a, b, &options, &mut inner)
 }
 
 /// Clocks of the two cameras of a pair, whose offset was tried or searched for.

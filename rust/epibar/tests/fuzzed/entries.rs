@@ -112,7 +112,8 @@ fn options(u: &mut Unstructured) -> Result<CalibrateOptions> {
     let offset = match u.int_in_range(0..=7)? {
         0 => TimeOffset::Known(number(u)?),
         1 => TimeOffset::About(number(u)?),
-        2 | 3 => TimeOffset::Search { seconds: number(u)? },
+        2 => TimeOffset::Search { seconds: number(u)? },
+        3 => TimeOffset::Auto { seconds: number(u)? },
         _ => TimeOffset::Known(0.0),
     };
     let mut options = CalibrateOptions::new()
