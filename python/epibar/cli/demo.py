@@ -79,6 +79,7 @@ def add_options(command: CommandParser) -> None:
         help="whether lenses bend lines (default: %(default)s)",
     )
     add_output_options(command)
+    command.epilog = calibrate.EXIT_CODES
 
 
 def run(args: Namespace) -> int:

@@ -37,7 +37,7 @@ def explanation(done: str = "done", partly: str = "", moved: str = "", more: str
         (INTERRUPTED, "interrupted"),
     ]
     told = "; ".join(f"{code} {meaning}" for code, meaning in meanings if meaning)
-    return f"Exit codes: {told}.{more and ' '}{more}"
+    return f"Exit codes: {told}. {more}".rstrip()
 
 
 EXPLANATION = explanation()

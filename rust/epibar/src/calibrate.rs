@@ -5,7 +5,7 @@
 //! done once more.
 
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
-use crate::clock::{Aligned, Clocks, Start, Timing};
+use crate::clock::{Aligned, Clocks, TimeOffset, Timing};
 use crate::error::Result;
 use crate::frontier::{Views, busy_frames};
 use crate::hypotheses::{Draws, LineModel};
@@ -44,8 +44,8 @@ pub fn calibrate_watched(
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
     options.check()?;
-    let (start, next) = options.time_offset.starts();
-    let found = calibrate_from(a, b, start, options, watch)?;
+    let found = calibrate_from(a, b, options.time_offset, options, watch)?;
+    let next = options.time_offset.where_refused();
     let Some(next) = next.filter(|_| !found.accepted()) else { return Ok(found) };
     let other = calibrate_from(a, b, next, options, watch)?;
     Ok(if other.accepted() || other.evidence.z > found.evidence.z { other } else { found })
@@ -55,11 +55,11 @@ pub fn calibrate_watched(
 fn calibrate_from(
     a: &Recording,
     b: &Recording,
-    start: Start,
+    offset: TimeOffset,
     options: &CalibrateOptions,
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
-    let mut clocks = Clocks::new(a, b, start, options.upright, watch)?;
+    let mut clocks = Clocks::new(a, b, offset, options.upright, watch)?;
     loop {
         let found = calibrate_at(&clocks.aligned(), options, watch)?;
         let credible = found.fundamental.filter(|_| found.evidence.z >= MIN_Z_FOR_CLOCK);

@@ -2,7 +2,7 @@
 //!
 //! No part of the public interface: anything in here may change with every version.
 
-pub use crate::clock::{Clock, Clocks, Start, common_frames, find_offset};
+pub use crate::clock::{Clock, Clocks, common_frames, find_offset};
 #[cfg(feature = "files")]
 pub use crate::files::saved;
 pub use crate::foreground::{Cleaning, Mixture, MixtureOptions, clean, close, majority, steady_background};

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use common::cameras::error;
 use common::flying::Scene;
-use epibar::internals::{Clock, Clocks, FramePair, Start, common_frames, find_offset};
+use epibar::internals::{Clock, Clocks, FramePair, common_frames, find_offset};
 use epibar::{
     CalibrateOptions, Calibration, Kind, Recording, RecordingParts, Stage, TimeOffset, Unwatched, calibrate,
     calibrate_watched,
@@ -202,13 +202,13 @@ fn where_cameras_may_have_been_started_together_that_is_tried_first() {
 #[test]
 fn an_offset_that_every_part_finds_is_no_best_of_many() {
     let (scene, [a, b]) = shared();
-    let search = |seconds| Start::Search { seconds };
-    let trials = |a: &Recording, b: &Recording, start| {
-        let clocks = Clocks::new(a, b, start, true, &mut Unwatched).unwrap();
+    let search = |seconds| TimeOffset::Search { seconds };
+    let trials = |a: &Recording, b: &Recording, given| {
+        let clocks = Clocks::new(a, b, given, true, &mut Unwatched).unwrap();
         clocks.trials_by_parts(&mut Unwatched).unwrap()
     };
     assert_eq!(trials(&late(), b, search(5.0)), 7);
-    assert_eq!(trials(&late(), b, Start::Known(9.0)), 1);
+    assert_eq!(trials(&late(), b, TimeOffset::Known(9.0)), 1);
     for seed in [2, 3] {
         let other = Scene::new(5, FRAMES, seed).record(1, LINES);
         assert_eq!(trials(a, &other, search(5.0)), 251);
@@ -217,7 +217,7 @@ fn an_offset_that_every_part_finds_is_no_best_of_many() {
     let (a, b) = (scene.record_frames(0, LINES, 9..122), scene.record_frames(1, LINES, 0..113));
     let z = run(&a, &b, TimeOffset::Known(9.0)).evidence.z;
     assert!(z * z - 2.0 * 201_f64.ln() < 25.0, "{z} says nothing here");
-    let found = run(&a, &b, TimeOffset::Search { seconds: 4.0 });
+    let found = run(&a, &b, search(4.0));
     assert!(found.verdict.accepted() && found.timing.trials == 201, "{:?}", found.verdict);
 }
 

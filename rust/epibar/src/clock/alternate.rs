@@ -4,7 +4,7 @@ use super::aligned::Aligned;
 use super::clock::Clock;
 use super::offset::{FoundOffset, find_offset, find_offset_among};
 use super::offset_and_drift::{Measured, sharpen};
-use super::timing::{Start, Timing};
+use super::timing::{TimeOffset, Timing};
 use crate::error::Result;
 use crate::frontier::up::{Up, up_in};
 use crate::frontier::{busy_frames, symmetric_score};
@@ -36,7 +36,7 @@ pub struct Clocks<'a> {
     b: &'a Recording,
     links: Links,
     up: [Up; 2],
-    start: Start,
+    given: TimeOffset,
     clock: Clock,
     found: Option<FoundOffset>,
     next: Next,
@@ -63,19 +63,20 @@ impl<'a> Clocks<'a> {
     pub fn new(
         a: &'a Recording,
         b: &'a Recording,
-        start: Start,
+        offset: TimeOffset,
         upright: bool,
         watch: &mut dyn Watch,
     ) -> Result<Self> {
-        let (clock, found, next) = match start {
-            Start::Known(offset) => (Clock::at(offset), None, Next::Drift),
-            Start::About(offset) => (Clock::at(offset), None, Next::First),
-            Start::Search { seconds } => {
+        let (clock, found, next) = match offset {
+            TimeOffset::Known(offset) => (Clock::at(offset), None, Next::Drift),
+            TimeOffset::Auto { .. } => (Clock::at(0.0), None, Next::Drift),
+            TimeOffset::About(offset) => (Clock::at(offset), None, Next::First),
+            TimeOffset::Search { seconds } => {
                 let found = find_offset(a, b, seconds, watch)?;
                 (Clock::at(found.map_or(0.0, |s| s.offset)), found, Next::First)
             }
         };
-        Ok(Self { a, b, links: Links::new(b), up: up_in([a, b], upright), start, clock, found, next })
+        Ok(Self { a, b, links: Links::new(b), up: up_in([a, b], upright), given: offset, clock, found, next })
     }
 
     /// Both recordings on the time line for which a geometry is wanted.
@@ -139,7 +140,7 @@ impl<'a> Clocks<'a> {
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn trials_by_parts(&self, watch: &mut dyn Watch) -> Result<usize> {
-        let (Start::Search { seconds }, Some(found)) = (self.start, self.found) else { return Ok(1) };
+        let (TimeOffset::Search { seconds }, Some(found)) = (self.given, self.found) else { return Ok(1) };
         let common = self.aligned_at(Clock::at(found.offset)).frame_pairs();
         let (length, agree) =
             (common.len() as f64 / PARTS as f64, (PARTS_AGREE / self.b.frame_interval()).ceil());

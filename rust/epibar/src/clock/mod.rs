@@ -20,4 +20,4 @@ pub use aligned::Aligned;
 pub use alternate::Clocks;
 pub use clock::{Clock, common_frames};
 pub use offset::{find_offset, score_at_offset};
-pub use timing::{RunnerUp, Start, TimeOffset, Timing};
+pub use timing::{RunnerUp, TimeOffset, Timing};

@@ -27,28 +27,12 @@ pub enum TimeOffset {
     },
 }
 
-/// What is known of an offset, from where one geometry after another finds it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Start {
-    /// As [`TimeOffset::Known`].
-    Known(f64),
-    /// As [`TimeOffset::About`].
-    About(f64),
-    /// As [`TimeOffset::Search`].
-    Search {
-        /// Largest offset considered, seconds.
-        seconds: f64,
-    },
-}
-
 impl TimeOffset {
-    /// From where to start, and from where next if what is found is refused.
-    pub(crate) fn starts(self) -> (Start, Option<Start>) {
+    /// What is tried next where what is found so is refused.
+    pub(crate) fn where_refused(self) -> Option<Self> {
         match self {
-            Self::Known(offset) => (Start::Known(offset), None),
-            Self::About(offset) => (Start::About(offset), None),
-            Self::Search { seconds } => (Start::Search { seconds }, None),
-            Self::Auto { seconds } => (Start::Known(0.0), Some(Start::Search { seconds })),
+            Self::Auto { seconds } => Some(Self::Search { seconds }),
+            Self::Known(_) | Self::About(_) | Self::Search { .. } => None,
         }
     }
 

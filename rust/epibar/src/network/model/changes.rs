@@ -98,20 +98,28 @@ impl<'c> Changes<'c> {
         both(a.tr_mul(&head(of_a)), b.tr_mul(&head(of_b)))
     }
 
+    /// To what moves the ray of A in the plane one before it, and bends the Jacobian.
+    fn of_ray_a(&self, moved: &Vector2<f64>, bent: &Matrix2<f64>) -> Change {
+        let normal = head(&self.parts.normal_a);
+        let of_b = self.sights[1].look.jacobian.tr_mul(&head(&(self.q * flat(moved))));
+        Change { e: normal.dot(moved), gradient: both(bent.tr_mul(&normal), of_b) }
+    }
+
+    /// To what moves the ray of B in the plane one before it, and bends the Jacobian.
+    fn of_ray_b(&self, moved: &Vector2<f64>, bent: &Matrix2<f64>) -> Change {
+        let normal = head(&self.parts.normal_b);
+        let of_a = self.sights[0].look.jacobian.tr_mul(&head(&self.q.tr_mul(&flat(moved))));
+        Change { e: normal.dot(moved), gradient: both(of_a, bent.tr_mul(&normal)) }
+    }
+
     /// To the `k`-th intrinsic parameter of A.
     pub fn of_lens_a(&self, k: usize) -> Change {
-        let ([a, b], normal) = (self.sights, head(&self.parts.normal_a));
-        let (dx, dj) = (a.along[k], a.jacobian_along[k]);
-        let of_b = b.look.jacobian.tr_mul(&head(&(self.q * flat(&dx))));
-        Change { e: normal.dot(&dx), gradient: both(dj.tr_mul(&normal), of_b) }
+        self.of_ray_a(&self.sights[0].along[k], &self.sights[0].jacobian_along[k])
     }
 
     /// To the `k`-th intrinsic parameter of B.
     pub fn of_lens_b(&self, k: usize) -> Change {
-        let ([a, b], normal) = (self.sights, head(&self.parts.normal_b));
-        let (dx, dj) = (b.along[k], b.jacobian_along[k]);
-        let of_a = a.look.jacobian.tr_mul(&head(&self.q.tr_mul(&flat(&dx))));
-        Change { e: normal.dot(&dx), gradient: both(of_a, dj.tr_mul(&normal)) }
+        self.of_ray_b(&self.sights[1].along[k], &self.sights[1].jacobian_along[k])
     }
 
     /// To a turn of A about an axis of its own.
@@ -143,18 +151,12 @@ impl<'c> Changes<'c> {
 
     /// To a step of A's pixel, in pixels.
     pub fn of_pixel_a(&self, step: &Vector2<f64>) -> Change {
-        let ([a, b], normal) = (self.sights, head(&self.parts.normal_a));
-        let dx = a.look.jacobian * step;
-        let of_b = b.look.jacobian.tr_mul(&head(&(self.q * flat(&dx))));
-        Change { e: normal.dot(&dx), gradient: both(bent(a, step).tr_mul(&normal), of_b) }
+        self.of_ray_a(&(self.sights[0].look.jacobian * step), &bent(self.sights[0], step))
     }
 
     /// To a step of B's pixel, in pixels.
     pub fn of_pixel_b(&self, step: &Vector2<f64>) -> Change {
-        let ([a, b], normal) = (self.sights, head(&self.parts.normal_b));
-        let dx = b.look.jacobian * step;
-        let of_a = a.look.jacobian.tr_mul(&head(&self.q.tr_mul(&flat(&dx))));
-        Change { e: normal.dot(&dx), gradient: both(of_a, bent(b, step).tr_mul(&normal)) }
+        self.of_ray_b(&(self.sights[1].look.jacobian * step), &bent(self.sights[1], step))
     }
 }
 
