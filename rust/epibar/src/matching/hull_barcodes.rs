@@ -182,8 +182,37 @@ pub(super) fn hull_barcodes(silhouettes: &Silhouettes, frames: &[u32], lines: &[
     barcodes_of(&Hulls::new(silhouettes, frames), frames.len(), lines, directions)
 }
 
-/// The barcodes of lines over hulls of so many frames, with a table for each of some directions.
-pub(super) fn barcodes_of(hulls: &Hulls, frames: usize, lines: &[Line], directions: usize) -> Barcodes {
+/// Hulls with a table for each of some directions, for lines that come a few at a time.
+pub(super) struct TabulatedHulls {
+    hulls: Hulls,
+    frames: usize,
+    reach: Vec<Reach>,
+}
+
+impl TabulatedHulls {
+    /// Hulls of so many frames.
+    pub(super) fn new(hulls: Hulls, frames: usize, directions: usize) -> Self {
+        let reach = (0..directions).into_par_iter().map(|d| Reach::new(&hulls, d, directions)).collect();
+        Self { hulls, frames, reach }
+    }
+
+    /// The barcodes of lines, on the thread that asks.
+    pub(super) fn barcodes(&self, lines: &[Line]) -> Barcodes {
+        let mut barcodes = Barcodes::zeros(lines.len(), self.frames);
+        if self.frames == 0 {
+            return barcodes;
+        }
+        let arch = Arch::new();
+        for (line, row) in lines.iter().zip(barcodes.bits.chunks_exact_mut(barcodes.words_per)) {
+            let reach = &self.reach[direction(line, self.reach.len())];
+            arch.dispatch(BarcodePass { hulls: &self.hulls, reach, line, row });
+        }
+        barcodes
+    }
+}
+
+/// The barcodes of lines over hulls of so many frames, with a table for each of some directions, which is let go of before the next.
+fn barcodes_of(hulls: &Hulls, frames: usize, lines: &[Line], directions: usize) -> Barcodes {
     let mut barcodes = Barcodes::zeros(lines.len(), frames);
     if frames == 0 {
         return barcodes;

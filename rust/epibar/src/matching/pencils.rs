@@ -7,19 +7,18 @@
 use rand::RngExt;
 
 use super::correlation::correlation;
-use super::hull_barcodes::{Hulls, barcodes_of};
+use super::hull_barcodes::{Hulls, TabulatedHulls};
 use crate::geometry::Fundamental;
 use crate::image::{Homogeneous, ImageSize, Line};
 use crate::random::Stream;
 use crate::recording::{Barcodes, FramePair, Recording};
 
-/// Directions of lines that share a table of how far hulls reach.
-const DIRECTIONS: usize = 16;
+/// Directions of lines that share a table of how far hulls reach. Thousands of pencils share them all.
+const DIRECTIONS: usize = 32;
 
 /// Silhouettes of two cameras at some common frames, and places where something moved.
 pub struct Pencils {
-    hulls: [Hulls; 2],
-    frames: usize,
+    hulls: [TabulatedHulls; 2],
     places: [Vec<Homogeneous>; 2],
     sizes: [ImageSize; 2],
 }
@@ -42,7 +41,8 @@ impl Pencils {
             };
             (0..drawn).map(|_| place()).collect()
         });
-        Self { hulls, frames: frames.len(), places, sizes: recordings.map(|r| r.size) }
+        let hulls = hulls.map(|hulls| TabulatedHulls::new(hulls, frames.len(), DIRECTIONS));
+        Self { hulls, places, sizes: recordings.map(|r| r.size) }
     }
 
     /// Mean correlation of the barcodes of the epipolar lines through all places, in both directions; that of a line which
@@ -61,7 +61,7 @@ impl Pencils {
                 }
             }
         }
-        let [a, b] = [0, 1].map(|k| barcodes_of(&self.hulls[k], self.frames, &lines[k], DIRECTIONS));
+        let [a, b] = [0, 1].map(|k| self.hulls[k].barcodes(&lines[k]));
         let sum: f64 = (0..lines[0].len()).map(|row| correlation_of(&a, &b, row)).sum();
         sum / (self.places[0].len() + self.places[1].len()).max(1) as f64
     }
