@@ -2,6 +2,7 @@
 
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from shutil import copytree
 
 import numpy as np
 import pytest
@@ -19,6 +20,26 @@ from epibar.sources.pictures import Pictures
 @pytest.fixture(scope="module")
 def masks(tmp_path_factory):
     return write_masks(tmp_path_factory.mktemp("masks"))[:3]
+
+
+@pytest.fixture(scope="module")
+def finished(masks, tmp_path_factory):
+    """The folder of a run in which nobody lied."""
+    folder = tmp_path_factory.mktemp("finished")
+    epibar.calibrate_all(masks, folder, **FAST)
+    return folder
+
+
+@pytest.fixture
+def without(finished, tmp_path):
+    """A folder in which all is kept but one recording or pair."""
+
+    def made(missing):
+        copytree(finished, tmp_path, dirs_exist_ok=True)
+        (tmp_path / missing).unlink()
+        return tmp_path
+
+    return made
 
 
 class Lying(Executor):
@@ -69,13 +90,14 @@ def pictured(recording):
         lambda c, s: (points(c, residual=c.frontier_points.residual[:-1]), s),
     ],
 )
-def test_a_lie_about_a_pair(lie, masks, tmp_path):
-    found = epibar.calibrate_all(masks, tmp_path, executor=Lying("cam1-cam3", lie), **FAST)
+def test_a_lie_about_a_pair(lie, masks, without):
+    out = without("pairs/cam1_cam3.npz")
+    found = epibar.calibrate_all(masks, out, executor=Lying("cam1-cam3", lie), **FAST)
     assert list(found.calibrations) == [("cam1", "cam2"), ("cam2", "cam3")]
     assert [(error["a"], error["b"]) for error in found.errors] == [("cam1", "cam3")]
-    assert not (tmp_path / "pairs" / "cam1_cam3.npz").exists()
+    assert not (out / "pairs" / "cam1_cam3.npz").exists()
     assert isinstance(found.calibrations["cam1", "cam2"], Calibration)
-    assert b"cam1_cam3" not in content(tmp_path)
+    assert b"cam1_cam3" not in content(out)
 
 
 @pytest.mark.parametrize(
@@ -87,11 +109,12 @@ def test_a_lie_about_a_pair(lie, masks, tmp_path):
         lambda r, s: (epibar.Recording.from_masks(np.ones((3, 9, 9), bool), lines=7, name="cam2"), s),
     ],
 )
-def test_a_lie_about_a_camera(lie, masks, tmp_path):
-    found = epibar.calibrate_all(masks, tmp_path, executor=Lying("cam2", lie), **FAST)
+def test_a_lie_about_a_camera(lie, masks, without):
+    out = without("recordings/cam2.npz")
+    found = epibar.calibrate_all(masks, out, executor=Lying("cam2", lie), **FAST)
     assert list(found.calibrations) == [("cam1", "cam3")]
     assert [error["camera"] for error in found.errors] == ["cam2"]
-    assert not (tmp_path / "recordings" / "cam2.npz").exists()
+    assert not (out / "recordings" / "cam2.npz").exists()
 
 
 @pytest.mark.parametrize(
