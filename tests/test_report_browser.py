@@ -188,16 +188,7 @@ def test_frontier_points_can_be_hidden(opened, report):
 
 
 def drawn_charts(page):
-    """Scroll through the page, so that every chart is drawn."""
-    page.evaluate(
-        """async () => {
-            for (let y = 0; y < document.body.scrollHeight; y += 300) {
-                scrollTo(0, y);
-                await new Promise(requestAnimationFrame);
-                await new Promise(requestAnimationFrame);
-            }
-        }"""
-    )
+    """Scroll to one chart after the other, until it is drawn; each wait has an end."""
     plots = page.locator(".plot")
     for index in range(plots.count()):
         plots.nth(index).scroll_into_view_if_needed()
