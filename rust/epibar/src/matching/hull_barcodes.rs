@@ -286,6 +286,9 @@ mod tests {
             }
             let share = by_vertices as f64 / met as f64;
             assert!(met > 40_000 && by_vertices > 400 && share < most_by_vertices, "{met} {share}");
+            let kept = TabulatedHulls::new(std::mem::take(&mut hulls), frames, directions);
+            assert_eq!(kept.barcodes(&lines).bits, found.bits);
+            hulls = kept.hulls;
         }
     }
 }
