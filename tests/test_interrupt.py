@@ -164,8 +164,10 @@ class Impatient(Watch):
 def test_what_tasks_have_finished_is_kept_though_nobody_took_it(at, masks, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         epibar.calibrate_all(masks, tmp_path / "out", executor=AtOnce(), watch=Impatient(at), **FAST)
-    for pair in json.loads(content(tmp_path / "out"))["pairs"] if at == "pair" else ():
-        assert (tmp_path / "out" / pair["picture"]).exists()
+    if at == "pair":
+        listed = json.loads(content(tmp_path / "out"))["pairs"]
+        assert [pair["a"] + pair["b"] for pair in listed] == ["cam1cam2", "cam1cam3", "cam2cam3"]
+        assert all((tmp_path / "out" / pair["picture"]).exists() for pair in listed)
     again = AtOnce()
     epibar.calibrate_all(masks, tmp_path / "out", executor=again, **FAST)
     computed = {"recording": ["cam1-cam2", "cam1-cam3", "cam2-cam3"], "pair": []}[at]

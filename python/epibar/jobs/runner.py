@@ -131,23 +131,24 @@ class Runner:
             raise self._bug
 
     def _keep_finished(self) -> None:
-        """Keep what tasks have returned and nobody took yet; recordings first, which took longest."""
-        recordings_first = sorted(self._running.items(), key=lambda item: STAGES.index(item[1].stage))
-        for future, task in recordings_first:
-            started = not future.cancel()
-            if started and future.done() and (task.stage == NETWORK or not task.kept):
+        """Keep what tasks have returned and nobody took yet, then list it; recordings first, which took longest."""
+        in_order = sorted(self._running.items(), key=lambda item: STAGES.index(item[1].stage))
+        finished = [(future, task) for future, task in in_order if not future.cancel() and future.done()]
+        for listed in (False, True):
+            for future, task in finished:
                 with suppress(Exception):  # what ended the run is told
                     found = self._kept_return(task, future)
-                    if task.stage == NETWORK:
+                    if listed and isinstance(task.of, tuple):
+                        self.results.add(task.of, self._stem(task.of), *found)
+                    elif listed and task.stage == NETWORK:
                         self.results.network = found
                         self.results.write_network(self._network_key, tables=False)
 
     def _reuse(self) -> None:
         """Take what an earlier run kept; queue the other cameras."""
         cameras = self._job.cameras
-        recordings = {}
-        if not self._job.fresh:
-            recordings = {c: self._store.recording(c.name, self._keys[c]) for c in cameras}
+        reused = () if self._job.fresh else cameras
+        recordings = {camera: self._store.recording(camera.name, self._keys[camera]) for camera in reused}
         self._tell_damaged()
         self._queue.extend(camera for camera in cameras if recordings.get(camera) is None)
         self.tally.plan(self._queue)
@@ -194,20 +195,20 @@ class Runner:
 
     def _options(self, pair: Pair) -> PairOptions:
         """Options of one pair, with its offset where the clocks of all cameras were found."""
-        recorded = self._recorded_cameras
-        if not all(camera in recorded for camera in pair):
+        films = self._films
+        if not all(camera in films for camera in pair):
             return self._job.pair
-        films = [self.results.recordings[camera] for camera in recorded]
-        return pair_options(self._job.pair, self._offsets, films, *map(recorded.index, pair))
+        return pair_options(self._job.pair, self._offsets, [*films.values()], *map([*films].index, pair))
 
     @property
-    def _recorded_cameras(self) -> list[CameraInput]:
-        return [camera for camera in self._job.cameras if camera in self.results.recordings]
+    def _films(self) -> dict[CameraInput, Recording]:
+        """What was recorded so far, in the order of the cameras."""
+        recordings = self.results.recordings
+        return {camera: recordings[camera] for camera in self._job.cameras if camera in recordings}
 
     def _next_stage(self) -> bool:
         """Start what waits for all that ran, and say whether there was something."""
-        cameras = self._recorded_cameras
-        films = [self.results.recordings[camera] for camera in cameras]
+        cameras, films = [*self._films], [*self._films.values()]
         no_network = why_no_network(self._job, self.results.recordings)
         if not self._clocks_asked:
             self._clocks_asked = True
@@ -231,8 +232,7 @@ class Runner:
         return bool(self._running)
 
     def _clocks_key(self) -> str | None:
-        keys = [self._keys[camera] for camera in self._recorded_cameras]
-        return clocks_key(keys, self._job.pair.search_seconds)
+        return clocks_key([self._keys[camera] for camera in self._films], self._job.pair.search_seconds)
 
     def _clocks_found(self, offsets: ClockOffsets) -> None:
         """Take the offsets of all clocks, and start the pairs that waited for them."""
@@ -240,8 +240,7 @@ class Runner:
         self._offsets = offsets
         if not waited:
             return
-        recorded = {camera: self.results.recordings[camera] for camera in self._recorded_cameras}
-        self._pairs, note = chosen_pairs(self._job, recorded, offsets)
+        self._pairs, note = chosen_pairs(self._job, self._films, offsets)
         if note is not None:
             self._watch.note(note)
         self._reuse_pairs()
@@ -286,8 +285,7 @@ class Runner:
     def _hand_over(self) -> None:
         """Submit cameras, as many as may be recorded at once."""
         busy = sum(isinstance(task.of, CameraInput) for task in self._running.values())
-        for _ in range(min(self._at_once - busy, len(self._queue))):
-            camera = self._queue.popleft()
+        for camera in [self._queue.popleft() for _ in range(min(self._at_once - busy, len(self._queue)))]:
             self._submit(Task(camera), record_camera, camera.located(), self._job.record)
 
     def _submit(self, task: Task, function: Callable[..., Any], *arguments: Any) -> None:
@@ -316,8 +314,10 @@ class Runner:
             self._failed(task.of, f"{type(error).__name__}: {without_secrets(str(error))}")
 
     def _kept_return(self, task: Task, future: Future[Any]) -> Any:
-        """Check what a task returned, and keep it for the next run."""
+        """Check what a task returned, and keep it for the next run, once."""
         of = task.of
+        if task.kept is not None:
+            return task.kept
         found = checked(future.result(), of, self._job, self.results.recordings)
         if isinstance(of, CameraInput):
             if not of.is_saved(self._job.record):
@@ -328,7 +328,7 @@ class Runner:
             self._keep(self._store.keep_pair, self._stem(of), self._pair_key(of), *found)
         elif of == CLOCKS:
             self._keep(self._store.keep_clocks, self._clocks_key(), found)
-        task.kept = True
+        task.kept = found
         return found
 
     def _go_on(self, of: CameraInput | Pair | str, found: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from ..errors import EpibarError
 from .inputs import CameraInput, Pair
@@ -37,15 +38,15 @@ class Task:
         That is done of its time, as far as what the task tells says.
     frames : int
         Of a camera that is being recorded, those that were taken.
-    kept : bool
-        What it returned is kept for the next run.
+    kept : object, optional
+        What it returned, once that is kept for the next run.
     """
 
     of: CameraInput | Pair | str
     rounds: int = 1
     share: float = 0.0
     frames: int = 0
-    kept: bool = False
+    kept: Any = None
     _search: PairShare = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
