@@ -64,7 +64,7 @@ demo: build
 
 test: build
 	cargo test --workspace --locked
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n logical --dist loadfile
 
 # Most of these need another OpenCV or more than their readers do, so they come without what they depend on. Blender has
 # a NumPy of its own, and wheels for some Pythons only.
@@ -110,7 +110,7 @@ hostile: build
 	ulimit -v 12000000; PROPTEST_CASES=$(FUZZ) cargo test --package epibar --locked --test hostile_files --test hostile_recordings
 
 $(VENV)/.deny: $(VENV)/.created
-	cargo install --quiet --locked --root $(VENV) 'cargo-deny@^0.20'
+	cargo install --quiet --locked --debug --root $(VENV) 'cargo-deny@^0.20'
 	touch $@
 
 # Both ask for lists of known holes on the network, which is not there everywhere: no part of the check, which asks for licences and sources.

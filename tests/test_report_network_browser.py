@@ -28,7 +28,12 @@ def drawn(page):
 
 def settled(page):
     """Wait for what the last event asked to be drawn."""
-    page.evaluate("() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    page.evaluate(
+        """() => new Promise((done, fail) => {
+            setTimeout(fail, 30000, new Error("nothing was drawn in 30 seconds"));
+            requestAnimationFrame(() => requestAnimationFrame(done));
+        })"""
+    )
 
 
 def places(page):

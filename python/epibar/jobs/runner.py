@@ -131,7 +131,7 @@ class Runner:
             raise self._bug
 
     def _keep_finished(self) -> None:
-        """Keep what tasks have returned and nobody took yet, then list it; recordings first, which took longest."""
+        """Keep what has returned and nobody took yet, then list it; recordings first, which took longest."""
         in_order = sorted(self._running.items(), key=lambda item: STAGES.index(item[1].stage))
         finished = [(future, task) for future, task in in_order if not future.cancel() and future.done()]
         for listed in (False, True):
