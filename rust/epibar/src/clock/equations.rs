@@ -15,8 +15,9 @@ const MIN_BLOCKS: f64 = 30.0;
 /// Equations that one thread adds up.
 const SUMMED: usize = 512;
 
-type Nine = SMatrix<f64, 9, 9>;
-pub(super) type Row = SVector<f64, 9>;
+type ClockMatrix = SMatrix<f64, 9, 9>;
+/// A number for each parameter: the seven of `F`, offset and rate.
+pub(super) type ClockVector = SVector<f64, 9>;
 
 /// Standard errors of a clock.
 #[derive(Debug, Clone, Copy)]
@@ -60,7 +61,7 @@ impl Span {
         }
     }
 
-    pub(super) fn error(&self, covariance: &Nine) -> ClockError {
+    pub(super) fn error(&self, covariance: &ClockMatrix) -> ClockError {
         let place = self.place(self.start);
         let offset =
             covariance[(7, 7)] + 2.0 * place * covariance[(7, 8)] + place * place * covariance[(8, 8)];
@@ -71,7 +72,7 @@ impl Span {
 /// One matched tangent.
 pub(super) struct Equation {
     pub(super) residual: f64,
-    pub(super) row: Row,
+    pub(super) row: ClockVector,
     pub(super) weight: f64,
     pub(super) block: i64,
 }
@@ -88,8 +89,8 @@ pub(super) struct Rows {
 
 /// Their solution.
 pub(super) struct Fit {
-    pub(super) step: Row,
-    pub(super) covariance: Nine,
+    pub(super) step: ClockVector,
+    pub(super) covariance: ClockMatrix,
 }
 
 impl Rows {
@@ -97,11 +98,11 @@ impl Rows {
     pub(super) fn fit(&self, with_rate: bool) -> Option<Fit> {
         const ROUNDS: usize = 8;
         let scale = loss_scale(self.radius);
-        let mut step = Row::zeros();
-        let mut inverse = Nine::zeros();
+        let mut step = ClockVector::zeros();
+        let mut inverse = ClockMatrix::zeros();
         for _ in 0..ROUNDS {
             let some = |equations: &[Equation]| {
-                let (mut normal, mut gradient) = (Nine::zeros(), Row::zeros());
+                let (mut normal, mut gradient) = (ClockMatrix::zeros(), ClockVector::zeros());
                 for e in equations {
                     let weight = e.weight * cauchy(e.residual + e.row.dot(&step), scale).1;
                     normal.ger(weight, &e.row, &e.row, 1.0);
@@ -110,8 +111,9 @@ impl Rows {
                 (normal, gradient)
             };
             // Added up in their order, whatever thread they come from.
-            let parts: Vec<(Nine, Row)> = self.equations.par_chunks(SUMMED).map(some).collect();
-            let (mut normal, mut gradient) = (Nine::zeros(), Row::zeros());
+            let parts: Vec<(ClockMatrix, ClockVector)> =
+                self.equations.par_chunks(SUMMED).map(some).collect();
+            let (mut normal, mut gradient) = (ClockMatrix::zeros(), ClockVector::zeros());
             for part in &parts {
                 normal += part.0;
                 gradient += part.1;
@@ -125,10 +127,10 @@ impl Rows {
             inverse = normal.try_inverse()?;
             step = -(inverse * gradient);
         }
-        let mut meat = Nine::zeros();
+        let mut meat = ClockMatrix::zeros();
         let mut count = 0.0;
         for block in self.equations.chunk_by(|p, q| p.block == q.block) {
-            let mut gradient = Row::zeros();
+            let mut gradient = ClockVector::zeros();
             for e in block {
                 let residual = e.residual + e.row.dot(&step);
                 gradient.axpy(e.weight * cauchy(residual, scale).1 * residual, &e.row, 1.0);

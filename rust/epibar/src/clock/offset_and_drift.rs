@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::aligned::Aligned;
 use super::between::{self, Hull};
 use super::clock::Clock;
-use super::equations::{ClockError, Equation, Row, Rows, Span};
+use super::equations::{ClockError, ClockVector, Equation, Rows, Span};
 use crate::frontier::{TangentMatch, Up, Views, busy_frames, compare};
 use crate::geometry::Fundamental;
 use crate::geometry::seven_parameters::{SevenParameters, Step};
@@ -137,7 +137,7 @@ impl Fitter<'_> {
         for ((p, motion), (residual, seven)) in points.iter().zip(motions).zip(residuals) {
             let Some(motion) = motion else { continue };
             let frame = views.frame_pairs[p.frame.index()].a;
-            let mut row = Row::zeros();
+            let mut row = ClockVector::zeros();
             row.fixed_rows_mut::<7>(0).copy_from(&seven);
             row[7] = motion;
             row[8] = motion * rows.span.place(self.a.times[frame as usize]);

@@ -41,7 +41,7 @@ pub struct Mixture {
 }
 
 /// One row of a model.
-struct Row<'m> {
+struct ModelRow<'m> {
     planes: [&'m mut [Mode]; MODES],
     used: &'m mut [u8],
     /// Of each channel of each pixel: the rounded mean of the heaviest mode, and the least difference that is too large.
@@ -129,14 +129,14 @@ impl Mixture {
         Ok(mask)
     }
 
-    fn rows(&mut self) -> Vec<Row<'_>> {
+    fn rows(&mut self) -> Vec<ModelRow<'_>> {
         let width = self.size.width;
         let mut planes = self.planes.each_mut().map(|plane| plane.chunks_exact_mut(width));
         let screens = self.level.chunks_exact_mut(3 * width).zip(self.too_far.chunks_exact_mut(3 * width));
         let rows = self.used.chunks_exact_mut(width).zip(screens);
         rows.map(|(used, (level, too_far))| {
             let planes = planes.each_mut().map(|plane| plane.next().unwrap_or_default());
-            Row { planes, used, level, too_far }
+            ModelRow { planes, used, level, too_far }
         })
         .collect()
     }
@@ -147,7 +147,7 @@ fn turns(rate: f32) -> usize {
     ((MOST_RATE / rate).round() as usize).clamp(1, MOST_TURNS)
 }
 
-impl Row<'_> {
+impl ModelRow<'_> {
     fn learn(&mut self, colours: &[u8], mask: &mut [u8], rate: f32, options: MixtureOptions) {
         let pixels = colours.as_chunks::<3>().0.iter().zip(mask);
         let screens = self.level.as_chunks_mut::<3>().0.iter_mut().zip(self.too_far.as_chunks_mut::<3>().0);

@@ -17,7 +17,7 @@ pub struct Lens {
 /// How the distance from the axis is stretched on the way back, `s = r / ρ` for a distorted distance `ρ`, with
 /// derivatives to `q = ρ²` and to the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stretch {
+pub struct RadialStretch {
     /// `s`.
     pub s: f64,
     /// `∂s/∂q`.
@@ -204,11 +204,11 @@ impl Lens {
     }
 
     /// How far a place, given by the square of its distance from the axis, is stretched on the way back.
-    pub fn stretch(&self, q: f64) -> Option<Stretch> {
+    pub fn stretch(&self, q: f64) -> Option<RadialStretch> {
         let [k1, k2, _] = self.k;
         if q < AXIS {
             let second = 3.0 * k1 * k1 - k2;
-            return Some(Stretch {
+            return Some(RadialStretch {
                 s: 1.0 - k1 * q + second * q * q,
                 s_q: -k1 + 2.0 * second * q,
                 s_qq: 2.0 * second,
@@ -219,7 +219,7 @@ impl Lens {
         let Back { rho, r, curvature, first, s, s1 } = self.back(q)?;
         let second = -curvature * first * first * first;
         let s2 = (second - 2.0 * s1) / rho;
-        let mut found = Stretch {
+        let mut found = RadialStretch {
             s,
             s_q: s1 / (2.0 * rho),
             s_qq: (s2 - s1 / rho) / (4.0 * q),

@@ -46,7 +46,7 @@ const TOLERANCES: [f64; 2] = [12.0, 5.0];
 const ITERATIONS: usize = 8;
 
 /// A whole silhouette, and where on the floor it stands.
-struct Figure {
+struct PlacedSilhouette {
     place: [f64; 2],
     ends: Extremes,
 }
@@ -54,7 +54,7 @@ struct Figure {
 /// A camera and its map.
 struct Map {
     view: SingleView,
-    frames: Vec<Vec<Figure>>,
+    frames: Vec<Vec<PlacedSilhouette>>,
 }
 
 /// A place in the map of A and one in that of B.
@@ -159,7 +159,7 @@ impl<'a> TopView<'a> {
             overlay = Overlay::of(overlay.maps, &pairs)?;
         }
         let f = self.of_cameras(&overlay)?;
-        let ends = |[a, b]: [&Figure; 2]| [0, 1].map(|k| (a.ends[k], b.ends[k]));
+        let ends = |[a, b]: [&PlacedSilhouette; 2]| [0, 1].map(|k| (a.ends[k], b.ends[k]));
         let matches: Vec<_> = self.near(&overlay).flat_map(ends).collect();
         if matches.len() < 2 * LEAST_MATCHES {
             return Some(f);
@@ -177,7 +177,7 @@ impl<'a> TopView<'a> {
     }
 
     /// Figures of A and of B that stand at one place.
-    fn near(&self, overlay: &Overlay) -> impl Iterator<Item = [&Figure; 2]> {
+    fn near(&self, overlay: &Overlay) -> impl Iterator<Item = [&PlacedSilhouette; 2]> {
         let [a, b] = self.maps_of(overlay);
         let overlay = *overlay;
         self.compared.iter().flat_map(move |&t| {
@@ -206,7 +206,7 @@ impl Map {
     fn new(view: SingleView, of: &View) -> Self {
         let standing = |frame| {
             let figures = of.hulls_of(frame).filter_map(|hull| extremes(of, hull));
-            figures.filter_map(|ends| Some(Figure { place: view.place(&ends)?, ends })).collect()
+            figures.filter_map(|ends| Some(PlacedSilhouette { place: view.place(&ends)?, ends })).collect()
         };
         let step = of.frames().div_ceil(MAPPED).max(1);
         let mapped = |frame: usize| if frame.is_multiple_of(step) { standing(frame) } else { Vec::new() };
@@ -223,7 +223,7 @@ fn compared(views: &Views, busy: &[usize]) -> Vec<usize> {
 }
 
 /// The squared distance of the nearest figure, and which that is.
-fn nearest(figures: &[Figure], at: [f64; 2]) -> Option<(f64, &Figure)> {
+fn nearest(figures: &[PlacedSilhouette], at: [f64; 2]) -> Option<(f64, &PlacedSilhouette)> {
     let distances = figures.iter().map(|f| ((f.place[0] - at[0]).powi(2) + (f.place[1] - at[1]).powi(2), f));
     distances.min_by(|p, q| p.0.total_cmp(&q.0))
 }
@@ -262,7 +262,7 @@ impl TopView<'_> {
     fn agreement(&self, overlay: &Overlay, step: usize) -> f64 {
         let [a, b] = self.maps_of(overlay);
         let (w, h) = (self.views.b.size.width() as f64, self.views.b.size.height() as f64);
-        let worth = |t: usize, figure: &Figure| {
+        let worth = |t: usize, figure: &PlacedSilhouette| {
             let at = overlay.sends(figure.place);
             let near = nearest(&b.frames[t], at).map_or(0.0, |n| 1.0 - n.0 / (NEAR * NEAR));
             if near > 0.0 {

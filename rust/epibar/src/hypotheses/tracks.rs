@@ -50,19 +50,20 @@ pub fn extremes(view: &View, hull: &[[f64; 2]]) -> Option<Extremes> {
 /// frame `t` in time.
 pub fn tracks(view: &View, continues: impl Fn(usize) -> bool, shortest: usize) -> Vec<Track> {
     let within = |p: f64, q: f64, ratio: f64| p.max(q) <= ratio * p.min(q);
-    let alike = |p: &Followed, q: &Followed, overlap: f64| {
+    let alike = |p: &TrackedOutline, q: &TrackedOutline, overlap: f64| {
         overlap >= OVERLAP
             && within(p.height, q.height, HEIGHT_RATIO)
             && within(p.outline.area(), q.outline.area(), AREA_RATIO)
     };
     let mut found: Vec<Track> = Vec::new();
     // The silhouettes of the previous frame, and the track that each ends.
-    let (mut before, mut ended): (Vec<Followed>, Vec<usize>) = (Vec::new(), Vec::new());
+    let (mut before, mut ended): (Vec<TrackedOutline>, Vec<usize>) = (Vec::new(), Vec::new());
     for frame in 0..view.frames() {
         if frame > 0 && !continues(frame - 1) {
             before.clear();
         }
-        let now: Vec<Followed> = view.hulls_of(frame).map(|hull| Followed::new(hull, view.up)).collect();
+        let now: Vec<TrackedOutline> =
+            view.hulls_of(frame).map(|hull| TrackedOutline::new(hull, view.up)).collect();
         let links = predecessors(&before, &now, |p, q| p.outline.overlap(&q.outline), alike);
         let tracks = links.into_iter().map(|link| {
             link.map_or_else(
@@ -83,14 +84,14 @@ pub fn tracks(view: &View, continues: impl Fn(usize) -> bool, shortest: usize) -
     found
 }
 
-/// What a silhouette is followed by.
-struct Followed {
+/// What of a silhouette tells its next one.
+struct TrackedOutline {
     outline: Outline,
     /// From top to bottom, pixels.
     height: f64,
 }
 
-impl Followed {
+impl TrackedOutline {
     fn new(hull: &[[f64; 2]], up: [f64; 2]) -> Self {
         let [bottom, top] = extent(hull, up);
         Self { outline: Outline::of(hull.iter().copied()), height: top - bottom + 1.0 }

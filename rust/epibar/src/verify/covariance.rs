@@ -25,7 +25,7 @@ pub fn covariance(
 ) -> Option<Information> {
     let mut normal = Information::zeros();
     let mut blocks: BTreeMap<u32, Step> = BTreeMap::new();
-    for Weighed { p, weight, residual, row } in weighed(at, points, scale) {
+    for WeightedPoint { p, weight, residual, row } in weighed(at, points, scale) {
         normal.ger(weight, &row, &row, 1.0);
         let block = p.frame.0 / block.max(1) as u32;
         blocks.entry(block).or_insert_with(Step::zeros).axpy(weight * residual, &row, 1.0);
@@ -69,7 +69,7 @@ pub fn covariance_alike(
 ) -> Option<Information> {
     let mut normal = Information::zeros();
     let mut moved = [[Step::zeros(); 5]; 2];
-    for Weighed { p, weight, row, .. } in weighed(at, points, scale) {
+    for WeightedPoint { p, weight, row, .. } in weighed(at, points, scale) {
         normal.ger(weight, &row, &row, 1.0);
         let [size_a, size_b] = at.sizes();
         let ([xa, ya], [xb, yb]) = (in_deviations(p.a, size_a), in_deviations(p.b, size_b));
@@ -91,7 +91,7 @@ fn in_deviations(place: [f64; 2], size: ImageSize) -> [f64; 2] {
 }
 
 /// A point as it counts in the fit.
-struct Weighed<'p> {
+struct WeightedPoint<'p> {
     p: &'p TangentMatch,
     /// Surprise, and the loss of its residual.
     weight: f64,
@@ -105,10 +105,10 @@ fn weighed<'p>(
     at: &SevenParameters,
     points: &'p [TangentMatch],
     scale: f64,
-) -> impl Iterator<Item = Weighed<'p>> + use<'p> {
+) -> impl Iterator<Item = WeightedPoint<'p>> + use<'p> {
     points.iter().zip(residual_rows(at, points)).map(move |(p, (residual, row))| {
         let weight = p.surprise * cauchy(residual, scale).1;
-        Weighed { p, weight, residual, row }
+        WeightedPoint { p, weight, residual, row }
     })
 }
 

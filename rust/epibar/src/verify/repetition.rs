@@ -51,7 +51,7 @@ pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     let Some(lag) = (left..alike.len()).find(|&lag| alike[lag] >= FIRST * most) else { return most };
     // Up to the top of it.
     let lag = (lag..alike.len() - 1).find(|&lag| alike[lag + 1] <= alike[lag]).unwrap_or(lag);
-    let mut sums = Followed::default();
+    let mut sums = Replacements::default();
     for (recording, frames) in recordings.into_iter().zip(&frames) {
         sums.follow(recording, frames, lag);
     }
@@ -69,13 +69,13 @@ fn persists(alike: &[f64], lag: usize) -> bool {
 
 /// Silhouettes that were followed.
 #[derive(Debug, Default)]
-struct Followed {
+struct Replacements {
     all: usize,
     /// That went on, and in whose place is another.
     replaced: usize,
 }
 
-impl Followed {
+impl Replacements {
     fn follow(&mut self, recording: &Recording, frames: &[u32], lag: usize) {
         let follower = Follower::new(recording, lag);
         let starts = frames.len() - lag;
@@ -183,17 +183,17 @@ mod tests {
         let there_and_back = |t: usize| if t % 120 < 60 { t % 120 } else { 120 - t % 120 };
         let missed = |t: usize| if t % 9 == 4 { vec![] } else { vec![[20 + there_and_back(t), 30]] };
         let recording = recorded(240, missed);
-        let mut followed = Followed::default();
+        let mut followed = Replacements::default();
         followed.follow(&recording, &(0..240).collect::<Vec<u32>>(), 120);
         assert!(followed.all > 50 && followed.replaced == 0, "{followed:?}");
         // Two that meet, and one that is left, may have changed places.
         let meet = |t: usize| if t < 120 { vec![[t / 2, 30], [120 - t / 2, 30]] } else { vec![[t / 2, 30]] };
-        let mut followed = Followed::default();
+        let mut followed = Replacements::default();
         followed.follow(&recorded(240, meet), &(0..240).collect::<Vec<u32>>(), 180);
         assert_eq!(followed.all, 0);
         // A pattern that moves on by a place soon is not bridged: what is there then may be another.
         let column = recorded(240, |t| if t % 9 == 4 { vec![] } else { vec![[(2 * t) % 100 + 20, 30]] });
-        let mut followed = Followed::default();
+        let mut followed = Replacements::default();
         followed.follow(&column, &(0..240).collect::<Vec<u32>>(), 10);
         assert_eq!(followed.all, 0);
     }

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use rayon::prelude::*;
 
 use super::best::BestFew;
-use super::popcount::{GROUP, Group, Lanes, RowStats, words_of};
+use super::popcount::{GROUP, Lanes, RowGroup, RowStats, words_of};
 use crate::recording::Barcodes;
 
 /// Bytes of B that are compared with all rows of a task before the next ones: they stay in the first-level cache.
@@ -19,7 +19,7 @@ pub(in crate::matching) struct Columns {
     order: Vec<u32>,
     /// At which place of the order a row of B stands.
     places: Vec<u32>,
-    groups: Vec<Group>,
+    groups: Vec<RowGroup>,
     /// Of each block of groups the best rows of A for each of its columns.
     best: Vec<Mutex<BestFew>>,
     groups_per_block: usize,
@@ -46,7 +46,7 @@ impl Columns {
             places[j as usize] = at as u32;
         }
         let groups_per_block = (BLOCK_BYTES / (4 * GROUP * words_of(b.frames).max(1))).max(1);
-        let groups = order.par_chunks(GROUP).map(|rows| Group::new(b, rows, &stats)).collect();
+        let groups = order.par_chunks(GROUP).map(|rows| RowGroup::new(b, rows, &stats)).collect();
         let best = order
             .chunks(groups_per_block * GROUP)
             .map(|rows| Mutex::new(BestFew::new(rows.len(), mutual)))
@@ -54,7 +54,7 @@ impl Columns {
         Self { order, places, groups, best, groups_per_block }
     }
 
-    pub(super) fn groups(&self) -> &[Group] {
+    pub(super) fn groups(&self) -> &[RowGroup] {
         &self.groups
     }
 

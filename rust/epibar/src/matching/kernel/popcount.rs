@@ -60,7 +60,7 @@ impl RowStats {
 }
 
 /// A row of A, as the words that count.
-pub(super) struct Row {
+pub(super) struct SparseRow {
     pub(super) stats: RowStats,
     /// Index and bits of each word that is not empty.
     words: Vec<(u32, u32)>,
@@ -68,7 +68,7 @@ pub(super) struct Row {
     complement: bool,
 }
 
-impl Row {
+impl SparseRow {
     pub(super) fn new(row: &[u64], frames: usize, stats: RowStats) -> Self {
         let count = words_of(frames);
         let plain = |i: usize| word(row, i);
@@ -97,7 +97,7 @@ impl Row {
 pub(super) struct Lanes<T>(pub(super) [T; GROUP]);
 
 /// [`GROUP`] rows of B side by side: word 0 of all of them, then word 1, and so on.
-pub(super) struct Group {
+pub(super) struct RowGroup {
     bits: Vec<Lanes<u32>>,
     ones: Lanes<f32>,
     scales: Lanes<f32>,
@@ -108,7 +108,7 @@ pub(super) struct Group {
     most_scale: f32,
 }
 
-impl Group {
+impl RowGroup {
     /// Of at most [`GROUP`] rows, none of them constant; places beyond have a scale of nought, and so no score.
     pub(super) fn new(b: &Barcodes, rows: &[u32], stats: &[RowStats]) -> Self {
         let mut group = Self {
@@ -176,8 +176,8 @@ impl Level {
     pub(super) fn scores(
         self,
         frames: f32,
-        row: &Row,
-        group: &Group,
+        row: &SparseRow,
+        group: &RowGroup,
         thresholds: Thresholds,
         scores: &mut Lanes<f32>,
     ) -> u64 {
@@ -195,7 +195,13 @@ impl Level {
 
 /// Compiled once as it is and once for AVX2.
 #[inline(always)]
-fn compare(frames: f32, row: &Row, group: &Group, thresholds: Thresholds, scores: &mut Lanes<f32>) -> u64 {
+fn compare(
+    frames: f32,
+    row: &SparseRow,
+    group: &RowGroup,
+    thresholds: Thresholds,
+    scores: &mut Lanes<f32>,
+) -> u64 {
     let counts = count(row, group);
     for (k, score) in scores.0.iter_mut().enumerate() {
         // A count fits into 31 bits, and those convert faster.
@@ -213,7 +219,7 @@ fn compare(frames: f32, row: &Row, group: &Group, thresholds: Thresholds, scores
 
 /// Common bits of the row's words with each of the group, counted in bytes, which are added up before they overflow.
 #[inline(always)]
-fn count(row: &Row, group: &Group) -> [u32; GROUP] {
+fn count(row: &SparseRow, group: &RowGroup) -> [u32; GROUP] {
     let mut counts = [0u32; GROUP];
     for words in row.words.chunks(BYTES_HOLD) {
         let mut bytes = [[0u8; 4]; GROUP];
@@ -240,7 +246,7 @@ mod x86 {
         _mm512_set1_epi32, _mm512_set1_ps, _mm512_setzero_si512, _mm512_store_ps, _mm512_sub_ps,
     };
 
-    use super::{GROUP, Group, Lanes, Level, Row, Thresholds, compare};
+    use super::{GROUP, Lanes, Level, RowGroup, SparseRow, Thresholds, compare};
 
     /// 32-bit lanes of a register.
     const WIDE: usize = 16;
@@ -255,8 +261,8 @@ mod x86 {
     #[target_feature(enable = "avx2,popcnt")]
     pub(super) fn avx2(
         frames: f32,
-        row: &Row,
-        group: &Group,
+        row: &SparseRow,
+        group: &RowGroup,
         thresholds: Thresholds,
         scores: &mut Lanes<f32>,
     ) -> u64 {
@@ -269,8 +275,8 @@ mod x86 {
     #[target_feature(enable = "avx512f,avx512vpopcntdq")]
     pub(super) fn avx512(
         frames: f32,
-        row: &Row,
-        group: &Group,
+        row: &SparseRow,
+        group: &RowGroup,
         thresholds: Thresholds,
         scores: &mut Lanes<f32>,
     ) -> u64 {
@@ -341,10 +347,10 @@ mod tests {
             let of = |barcodes: &Barcodes, i| RowStats::new(frames, barcodes.ones(i));
             let stats: Vec<_> = (0..70).map(|j| of(&b, j)).collect();
             let rows: Vec<u32> = (0..70).filter(|&j| stats[j as usize].scale > 0.0).take(61).collect();
-            let group = Group::new(&b, &rows, &stats);
+            let group = RowGroup::new(&b, &rows, &stats);
             let bit = |words: &[u64], i: usize| words[i / 64] >> (i % 64) & 1 == 1;
             for i in (0..12).filter(|&i| of(&a, i).scale > 0.0) {
-                let row = Row::new(a.row(i), frames, of(&a, i));
+                let row = SparseRow::new(a.row(i), frames, of(&a, i));
                 *if row.complement { &mut flipped } else { &mut plain } += 1;
                 let limits = Lanes([0.3; GROUP]);
                 let mut first: Option<[u32; GROUP]> = None;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::best::BestFew;
 use super::columns::{Asked, Columns, by_ones, stats};
-use super::popcount::{GROUP, Lanes, Level, Row, RowStats, Thresholds};
+use super::popcount::{GROUP, Lanes, Level, RowStats, SparseRow, Thresholds};
 use crate::bits_of_bytes::ones_of;
 use crate::matching::correlation::Match;
 use crate::recording::Barcodes;
@@ -49,8 +49,8 @@ pub(in crate::matching) fn in_turns<'a>(
 impl Rows<'_> {
     /// Compares the rows with all columns.
     pub(in crate::matching) fn meet(&mut self, level: Level) {
-        let rows: Vec<Row> = (self.indices.iter().zip(&self.stats))
-            .map(|(&i, stats)| Row::new(self.barcodes.row(i as usize), self.barcodes.frames, *stats))
+        let rows: Vec<SparseRow> = (self.indices.iter().zip(&self.stats))
+            .map(|(&i, stats)| SparseRow::new(self.barcodes.row(i as usize), self.barcodes.frames, *stats))
             .collect();
         let mut asked = Asked::default();
         for (block, groups) in self.columns.likest_first(&self.stats[self.stats.len() / 2]) {
@@ -65,7 +65,13 @@ impl Rows<'_> {
         }
     }
 
-    fn compare(&mut self, level: Level, (r, row): (usize, &Row), groups: Range<usize>, asked: &mut Asked) {
+    fn compare(
+        &mut self,
+        level: Level,
+        (r, row): (usize, &SparseRow),
+        groups: Range<usize>,
+        asked: &mut Asked,
+    ) {
         let frames = self.barcodes.frames as f32;
         let mut threshold = self.best.threshold(r);
         let mut scores = Lanes([0.0; GROUP]);

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS};
 use crate::network::model::invertible::Invertible;
 use crate::network::model::joint::{JointProblem, PairMeetings, weight};
-use crate::network::model::residual::{CameraPair, Meeting, Row};
+use crate::network::model::residual::{CameraPair, Meeting, PairGradient};
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal::{self, Likely};
 
@@ -33,7 +33,7 @@ fn gathered<const N: usize>(
     cameras: &[Camera],
     active: &[(usize, usize)],
     count: usize,
-    groups: impl Fn(usize, &Meeting, f64, &Row) -> [(usize, f64); N],
+    groups: impl Fn(usize, &Meeting, f64, &PairGradient) -> [(usize, f64); N],
 ) -> DMatrix<f64> {
     let mut column = vec![usize::MAX; cameras.len() * PARAMETERS];
     for (i, (camera, k)) in active.iter().enumerate() {

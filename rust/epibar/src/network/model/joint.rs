@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 use rayon::prelude::*;
 
 use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, Step};
-use super::residual::{CameraPair, Meeting, Row};
+use super::residual::{CameraPair, Meeting, PairGradient};
 
 /// What is known of one number before.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -166,7 +166,7 @@ impl JointProblem<'_> {
         for (i, (camera, k)) in active.iter().enumerate() {
             column[camera * PARAMETERS + k] = i;
         }
-        let of_pairs: Vec<(f64, Local, Row)> =
+        let of_pairs: Vec<(f64, Local, PairGradient)> =
             self.pairs.par_iter().map(|pair| self.of_pair(pair, cameras, &column)).collect();
         let n = active.len();
         let mut sum = Linear { cost: 0.0, normal: DMatrix::zeros(n, n), gradient: DVector::zeros(n) };
@@ -192,11 +192,16 @@ impl JointProblem<'_> {
         sum
     }
 
-    fn of_pair(&self, pair: &PairMeetings, cameras: &[Camera], column: &[usize]) -> (f64, Local, Row) {
+    fn of_pair(
+        &self,
+        pair: &PairMeetings,
+        cameras: &[Camera],
+        column: &[usize],
+    ) -> (f64, Local, PairGradient) {
         let geometry = CameraPair::new(&cameras[pair.a], &cameras[pair.b]);
         let used: Vec<usize> =
             (0..2 * PARAMETERS).filter(|&i| places(pair, column)[i] != usize::MAX).collect();
-        let (mut cost, mut normal, mut gradient) = (0.0, Local::zeros(), Row::zeros());
+        let (mut cost, mut normal, mut gradient) = (0.0, Local::zeros(), PairGradient::zeros());
         // Of those that are used, one after the other.
         let mut sums = [[0.0; 2 * PARAMETERS]; 2 * PARAMETERS];
         let (mut own, mut weighed) = ([0.0; 2 * PARAMETERS], [0.0; 2 * PARAMETERS]);

@@ -33,7 +33,7 @@ pub struct Meeting {
 }
 
 /// Derivatives of a residual to the parameters of A and then those of B.
-pub type Row = SVector<f64, { 2 * PARAMETERS }>;
+pub type PairGradient = SVector<f64, { 2 * PARAMETERS }>;
 
 /// What two cameras have in common.
 #[derive(Debug, Clone, Copy)]
@@ -104,12 +104,12 @@ impl<'c> CameraPair<'c> {
     }
 
     /// The residual with its derivatives.
-    pub fn row(&self, meeting: &Meeting) -> Option<(f64, Row)> {
+    pub fn row(&self, meeting: &Meeting) -> Option<(f64, PairGradient)> {
         let pixels = self.pixels(meeting);
         let (sight_a, sight_b) = (self.optics_a.sight(pixels.a)?, self.optics_b.sight(pixels.b)?);
         let parts = Parts::new(&self.q, &sight_a.look, &sight_b.look);
         let changes = Changes::new([self.a, self.b], &self.q, &parts, [&sight_a, &sight_b]);
-        let mut row = Row::zeros();
+        let mut row = PairGradient::zeros();
         let mut put = |k: usize, change: Change| {
             row[k] =
                 (change.e - parts.residual * parts.gradient.dot(&change.gradient) / parts.norm) / parts.norm;
