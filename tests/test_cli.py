@@ -356,7 +356,12 @@ def test_interrupt_exits_with_130_promptly(masks, tmp_path):
         # A shell that runs the tests in the background may have told them to ignore it.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
-    time.sleep(3)
+    end = time.monotonic() + 120
+    while not (tmp_path / "out").exists():
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    time.sleep(2)
     assert process.poll() is None, "finished before it could be interrupted: give it more to do"
     process.send_signal(signal.SIGINT)
     started = time.perf_counter()
