@@ -33,13 +33,14 @@ pub const MIN_CANDIDATES: usize = 3;
 
 /// Tangents meet within so many deviations of what meets at [`GENEROUS_RADIUS`]: nearly all of those that are right.
 pub const RADIUS_DEVIATIONS: f64 = 3.0;
-/// Within this they meet at first, and no farther apart, pixels of a 640×480 image: four times the radius of clean outlines.
+/// Tangents meet within this at first, and no farther apart, pixels of a 640×480 image: four times the radius of clean outlines.
 pub const GENEROUS_RADIUS: f64 = 6.0;
-/// They meet within at least this, whatever the deviation, pixels of a 640×480 image: outlines are of whole pixels in both.
+/// Tangents meet within at least this, whatever their deviation, pixels of a 640×480 image: outlines are of whole pixels in both.
 pub const LEAST_RADIUS: f64 = 1.0;
-/// Within this where too few meet to tell a deviation, pixels of a 640×480 image.
+/// Tangents meet within this where too few do to tell a deviation, pixels of a 640×480 image.
 pub const UNKNOWN_RADIUS: f64 = 3.0;
-/// Against chance within at least this, pixels of a 640×480 image: what was fitted to other frames is off by more than a pixel on those kept aside.
+/// Tangents are held against chance within at least this, pixels of a 640×480 image: what was fitted to other frames is off by more than a pixel on
+/// those kept aside.
 pub const LEAST_TESTED_RADIUS: f64 = 2.0;
 
 /// Evidence below this normal deviate on frames kept aside is none. Unrelated pairs were never seen to reach 3, true ones of
@@ -76,42 +77,45 @@ pub const FLAT: f64 = 0.9;
 /// where all keep to one path: 0.4 where `F` was 4.3 px off over the room, 0.3 to 0.77 in ten of the other seventeen; 0.03 to 0.28 where it
 /// was right.
 pub const FLAT_BEYOND: f64 = 0.333;
-/// Nor by more than this when what outlines are off alike counts as well, pixels of a 640×480 image: of accepted pairs on one path, with strays or without, six
-/// had 2.1 to 3.0, four of which were off by 2 to 3.9 px over the room, and eight 0.6 to 1.9, none of them by as much as 1 px; of right ones of families
-/// with an answer three of nine had more.
+/// Half of an image may be known no worse than this where the motion is flat and what outlines are off alike counts as well, pixels of a 640×480
+/// image: of accepted pairs on one path, with strays or without, six had 2.1 to 3.0, four of which were off by 2 to 3.9 px over the room, and eight
+/// 0.6 to 1.9, none of them by as much as 1 px; of right ones of families with an answer three of nine had more.
 pub const FLAT_POSSIBLE: f64 = 2.0;
 /// Where four fifths of the bottoms lie farther than this from any line, in widths of a silhouette, what moves has some area, though it does not fill a
 /// room. Of 46 pairs on one path, with strays or without, 36 had less.
 pub const SOME_AREA: f64 = 0.25;
-/// Then flat motion may be known by so much: of those on a path that turn by no more than [`FLAT_TURN`] the first that is off over the room, by 6.1 px, had
-/// 4.3; right ones with an answer had 2.1 to 2.7, and one 3.8.
+/// Half of an image may be known no worse than this where flat motion has [`SOME_AREA`], in the sense of [`FLAT_POSSIBLE`]: of those on a path that
+/// turn by no more than [`FLAT_TURN`] the first that is off over the room, by 6.1 px, had 4.3; right ones with an answer had 2.1 to 2.7, and one 3.8.
 pub const SOME_AREA_POSSIBLE: f64 = 3.0;
-/// Nor by more than this where the motion is not flat and has less than [`DEPTH`]: a pair on one path that was accepted 8.2 px off over
-/// the room had 5.4, another one 5.2, and one that was 6.5 px off 4.2; of 45 right ones with an answer one had more, 6.3, and all others at most 4.4.
+/// Half of an image may be known no worse than this where the motion is not [`FLAT`] and has less than [`DEPTH`], in the sense of [`FLAT_POSSIBLE`]:
+/// a pair on one path that was accepted 8.2 px off over the room had 5.4, another one 5.2, and one that was 6.5 px off 4.2; of 45 right ones with an
+/// answer one had more, 6.3, and all others at most 4.4.
 pub const SHALLOW_POSSIBLE: f64 = 4.0;
-/// Nor by more than this at any depth: a crowd on one plane had 51, and walkers on a path 28 and 12, off by 38, 5.1 and 8.3 px over the room; right ones with
-/// an answer had at most 5.6, and 7.6 once.
+/// Half of an image may be known no worse than this at any depth, in the sense of [`FLAT_POSSIBLE`]: a crowd on one plane had 51, and walkers on a
+/// path 28 and 12, off by 38, 5.1 and 8.3 px over the room; right ones with an answer had at most 5.6, and 7.6 once.
 pub const DEEP_POSSIBLE: f64 = 6.0;
 /// A geometry that has turned about the plane and kept this share of the evidence may be the truth as well, however certain the
 /// difference is: what outlines have in common is the same in all frames. On a plane and without a baseline turned ones kept 0.988 to
 /// 1.03 of it; where there is an answer those as far away at most 0.92, and 0.99 once.
 pub const TURNED_SHARE: f64 = 0.95;
-/// Where the motion has [`DEPTH`] it must have kept this share. What matches by chance leaves any plane as well: in a crowd on one plane, three quarters
-/// of which met by chance, turned ones kept 1.06 to 1.27; walkers on a path 0.96 to 1.00 as far as 8 px away, and right ones at most 0.988.
+/// A geometry that has turned about the plane counts where the motion has [`DEPTH`] only if it kept this share of the evidence. What matches by
+/// chance leaves any plane as well: in a crowd on one plane, three quarters of which met by chance, turned ones kept 1.06 to 1.27; walkers on a path
+/// 0.96 to 1.00 as far as 8 px away, and right ones at most 0.988.
 pub const DEEP_TURNED_SHARE: f64 = 0.99;
-/// It may have turned no farther than this, pixels of a 640×480 image, over the images. One plane, the bare floor and no baseline gave 10 to
+/// A geometry may have turned about the plane no farther than this, pixels of a 640×480 image, over the images. One plane, the bare floor and no baseline gave 10 to
 /// 28; paths with and without strays where `F` was 4.9 and 23 px off over the room 6.03 and 6.9. Of right ones three stood between this and 8, at
 /// 6.3 to 7.2, all others at 5.6 and less.
 pub const MAX_TURN: f64 = 6.0;
-/// Nor farther than this where the motion is flat: of pairs on one path that were accepted five had turned by 1.9 to 5.7, four of them by 4.8 and more, and were off by 2 to
-/// 3.9 px over the room; right ones, with an answer or on a path, by at most 3.1 but for one at 4.1.
+/// A geometry may have turned about the plane no farther than this where the motion is flat, pixels of a 640×480 image: of pairs on one path that
+/// were accepted five had turned by 1.9 to 5.7, four of them by 4.8 and more, and were off by 2 to 3.9 px over the room; right ones, with an answer
+/// or on a path, by at most 3.1 but for one at 4.1.
 pub const FLAT_TURN: f64 = 3.5;
 /// What moves fills a room where four fifths of the bottoms lie farther than this from any line, in widths of a silhouette, in both images. One
 /// path gave at most 0.47, with strays 0.64 where `F` was 8.7 px off over the room; pairs of families with an answer that were more than 3 px off over the
 /// volume or the room 0.24, right ones that turn about a plane 0.66 to 3.6.
 pub const ROOM_AREA: f64 = 0.75;
-/// And the tops that do not meet by chance farther than this from the plane of the bottoms: one plane and the bare floor gave at most 0.33, right
-/// ones that turn about a plane 0.49 to 4.
+/// What moves fills a room where it has [`ROOM_AREA`] and the tops that do not meet by chance lie farther than this from the plane of the bottoms, in
+/// widths of a silhouette: one plane and the bare floor gave at most 0.33, right ones that turn about a plane 0.49 to 4.
 pub const ROOM_HEIGHT: f64 = 0.42;
 /// Matched points at fewer different places say nothing: lamps that blink where they stand meet at the right moments under any
 /// of many geometries. Such lamps were seen at 5 to 10 places, two walkers in 400 frames at 950.
@@ -141,21 +145,21 @@ pub const REPEATS: f64 = 0.4;
 /// there. Where a camera was turned so far that either part was 2 px off or more, 0 to 0.43 was left; right ones that had less in a
 /// part than elsewhere had 0.98 to 1.02 of the other's (`pets_cameras` and made-up ones). Fresh ones that were 8 px off had up to 0.45.
 pub const HOLDS: f64 = 0.5;
-/// Nothing is said of that where the evidence on the better side of a moment is less than this many tangents.
+/// Whether a geometry holds throughout is not asked where the evidence on the better side of a moment is less than this many tangents.
 pub const HOLDS_CLEAR: f64 = 60.0;
-/// Nor where on one side less than this share is seen of what is seen on the other.
+/// Whether a geometry holds throughout is not asked where on one side of a moment less than this share is seen of what is seen on the other.
 pub const HOLDS_SHOWS: f64 = 0.2;
-/// Nor where one side has at least this share of the evidence of the other, by what could meet.
+/// A geometry holds throughout where one side of a moment has at least this share of the evidence of the other, by what could meet.
 pub const HOLDS_LESS: f64 = 0.65;
-/// Nor where the two sides are nearer than so many standard errors by the parts they are made of. A scene of four seconds had 0.23
-/// in its last by chance, at 2.3; cameras that were moved stood at 2.4 to 36.
+/// A geometry holds throughout where the evidence on both sides of a moment is nearer than so many standard errors by the parts they are made of. A
+/// scene of four seconds had 0.23 in its last by chance, at 2.3; cameras that were moved stood at 2.4 to 36.
 pub const HOLDS_DIFFERS: f64 = 2.4;
 /// Another geometry explains a part where it has this share of the evidence that the better side has, by what could meet: 0.47 to 2.2 of it
 /// where a camera was turned, 0.22 where nothing was and hardly anything met, so that what was found is chance.
 pub const HOLDS_OTHER: f64 = 0.4;
-/// Where no other explains a part, it may be that the camera was turned too far. Then less than this share is left.
+/// Where no other geometry explains a part, the camera may have been turned too far: less than this share of the evidence is left then.
 pub const HOLDS_NOTHING: f64 = 0.1;
-/// That is said only where both cameras see at least this share of what they see on the other side, by time: otherwise people have gone
+/// A camera is said to have been turned too far only where both see at least this share of what they see on the other side, by time: otherwise people have gone
 /// where one of them alone looks.
 pub const HOLDS_AS_MUCH: f64 = 0.65;
 
@@ -163,8 +167,8 @@ pub const HOLDS_AS_MUCH: f64 = 0.65;
 /// ones had 0.96 to 1.03 (four real recordings, 25 made-up families), and 0.82 once; of cameras that were moved by 4 to 15 px
 /// at half time the worse half had 0.5 to 0.86.
 pub const HALF_SHARE: f64 = 0.93;
-/// And where it gains by so many standard errors, over blocks of the half: right ones 2.3 at most, and 1.4 where they had 0.82; those
-/// of moved cameras 4.4 and more.
+/// Half of a recording asks for a geometry of its own only where that gains by so many standard errors, over blocks of the half: right ones 2.3 at
+/// most, and 1.4 where they had 0.82; those of moved cameras 4.4 and more.
 pub const HALF_DIFFERS: f64 = 3.3;
 
 /// Shifts of the clocks that say what is chance.
@@ -203,7 +207,7 @@ pub const LEAST_EXPLAINED: f64 = 0.02;
 /// A rival near the winner with this share of its evidence may be the truth, however certain the difference is: what is off
 /// alike in all frames decides between neighbours.
 pub const NEIGHBOUR_SHARE: f64 = 0.93;
-/// So near is a neighbour, pixels of a 640×480 image.
+/// A rival nearer than this is a neighbour, pixels of a 640×480 image.
 pub const NEIGHBOUR: f64 = 6.0;
 /// The covariance knows the noise of the outlines but not what all of them share.
 pub const FIT_FACTOR: f64 = 4.0;
