@@ -31,7 +31,7 @@ const NEAR: f64 = 0.5;
 const BY_CHANCE: f64 = 0.15;
 /// Two figures that give a map are at least so far apart, heights of a figure.
 const APART: f64 = 0.7;
-/// And maps differ in scale by no more than this factor.
+/// Maps differ in scale by no more than this factor.
 const SCALE: f64 = 1.5;
 /// Samples that may be refused for one hypothesis.
 const TRIES: usize = 30;

@@ -47,14 +47,14 @@ pub const PRINCIPAL_STRAINED: f64 = 0.04;
 /// Normal deviate from which on another number contradicts the one that is given. Of true ones of four made-up and three real networks
 /// another explained more in ellipses alone, by 3.0 at most; 5 % off of the one camera focal lengths had 2.7 to 18.
 pub const CONTRADICTED_DEVIATES: f64 = 4.0;
-/// And the logarithm of the Bayes factor of an alternative in one camera, of masks, from which on it does: of true numbers of eight made-up
-/// and two real networks 9.1 in one and at most 1.4 in the others, of principal points 3 % of the width aside 17 to 640 in eight of
-/// eleven, 3.9 in one, and nothing in two.
+/// Logarithm of the Bayes factor of another number in one camera, of masks, from which on that contradicts the one that is given: of true
+/// numbers of eight made-up and two real networks 9.1 in one and at most 1.4 in the others, of principal points 3 % of the width aside 17
+/// to 640 in eight of eleven, 3.9 in one, and nothing in two.
 pub const CONTRADICTED_NATS: f64 = 12.0;
 /// How likely it is before anything is seen that a kind of number that is given of a camera is wrong: of another zoom, of other pixels, of
 /// an image that was cropped. A choice.
 pub const GIVEN_WRONG: f64 = 0.05;
-/// How likely it is to be wrong from which on the reason says so.
+/// How likely a number that is given must be wrong for the reason to say so.
 pub const DOUBT_SAID: f64 = 0.25;
 /// Standard deviation of the fy / fx that fits, beside what is stated: outlines of one camera that are all a little too tall look like it.
 /// True ones of ten made-up networks were within 2.5 of what is stated but for one, 0.9 % off where 0.2 % is; 2 to 3 % are looked for.
@@ -83,17 +83,17 @@ pub const CONFIRMED_PAIRS: usize = 2;
 
 // --- errors and rivals ---
 
-/// Expected errors, nine times in ten below, that are still of use: of the focal length, relative.
+/// The largest expected error, nine times in ten below, with which a focal length is still of use, relative.
 pub const MAX_FOCAL: f64 = 0.08;
-/// Of the rotation, radians: 2°.
+/// The largest expected error with which a rotation is still of use, radians: 2°.
 pub const MAX_ROTATION: f64 = 2.0 * std::f64::consts::PI / 180.0;
-/// Of the position, as a share of the largest distance between two cameras.
+/// The largest expected error with which a position is still of use, as a share of the largest distance between two cameras.
 pub const MAX_POSITION: f64 = 0.05;
 /// A network whose cameras are turned by more than this against one another is another geometry, radians: 3°.
 pub const RIVAL_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
-/// It is a rival with less than this share less evidence.
+/// Another geometry is a rival with less than this share less evidence.
 pub const RIVAL_SHARE: f64 = 0.1;
-/// And where it is not worse by so many standard deviations over parts of the recording.
+/// Another geometry is a rival only where it is not worse by so many standard deviations over parts of the recording.
 pub const RIVAL_DEVIATES: f64 = 3.0;
 /// A tangent that a pair found agrees with the network below this residual, pixels of a 640×480 image.
 pub const AGREE: f64 = 4.0;
@@ -117,11 +117,11 @@ pub const OUTLINE_SHARE: [f64; 2] = [0.5, 0.9];
 /// What is common to shapes without a gap between them and their hulls, as a multiple of what they scatter by more than pixels do: ellipses
 /// in the boxes of a detector are wrong by what they stand for, and people in one part of the room all alike.
 pub const OUTLINE_COARSE: f64 = 2.5;
-/// What is common to them as a multiple of the scatter, where outlines are wrong in the same way everywhere.
+/// What is common to shapes without such a gap as a multiple of the scatter, where outlines are wrong in the same way everywhere.
 pub const OUTLINE_STRAINED: f64 = 4.0;
-/// The share of it that is another one after a move, when a camera sees the same outlines elsewhere in its image. Of 23 moves of
-/// development the error of 20 is below what is stated; with all of it what is stated is some ten times the error, and without any the
-/// error was below in 4 of 6.
+/// The share of what is common to outlines that is another one after a move, when a camera sees the same outlines elsewhere in its image.
+/// Of 23 moves of development the error of 20 is below what is stated; with all of it what is stated is some ten times the error, and
+/// without any the error was below in 4 of 6.
 pub const OUTLINE_MOVED: f64 = 0.25;
 /// Standard deviation of clocks' offsets where barcodes found that all started together, seconds.
 pub const CLOCK_TOGETHER: f64 = 0.02;
@@ -136,7 +136,7 @@ pub const DRIFT: f64 = 30.0;
 pub const MOVED: f64 = 2.0;
 /// A move after this share of the footage is one that was filmed: from the fourth of 48 parts on.
 pub const MOVED_LATER: f64 = 0.05;
-/// And where what it sees agrees better with that, by so many standard deviations over parts of the footage.
+/// A camera has moved only where what it sees agrees better with that, by so many standard deviations over parts of the footage.
 pub const MOVED_DEVIATES: f64 = 4.0;
 /// Standard deviations that a move asks for which only the end of the footage shows, as that is asked for besides.
 pub const MOVED_WITHIN_DEVIATES: f64 = 6.0;
@@ -145,14 +145,15 @@ pub const FADES: f64 = 0.6;
 /// One camera is named, and not another, where by so many standard deviations over parts of the footage more speaks for it. On
 /// development seeds those that did not move were ruled out by 6 or more, but for moves of about a pixel, by 2.
 pub const RULED_OUT: f64 = 5.0;
-/// And by at least this share of what its move explains: of two that explain nearly the same, either may have moved. Those that did
-/// not move explained 20 % less or worse.
+/// One camera is named, and not another, only where by at least this share of what its move explains more speaks for it: of two that
+/// explain nearly the same, either may have moved. Those that did not move explained 20 % less or worse.
 pub const RULED_OUT_SHARE: f64 = 0.15;
-/// Or where the other would have spoiled pairs that stand by this share of it: 5 to 17 %.
+/// One camera is named as well where a move of the other would have spoiled pairs that stand, by this share of what it explains: 5 to 17 %.
 pub const SPOILED_SHARE: f64 = 0.05;
 /// A focal length changed where it explains more than a pose does, by so many standard deviations over parts of the footage.
 pub const ZOOMED_DEVIATES: f64 = 4.0;
-/// And, where a pose has changed too, by at least this share of all that is explained: seven numbers always explain more than six.
+/// A focal length changed, where a pose has too, only if it explains at least this share of all that is explained: seven numbers always
+/// explain more than six.
 pub const ZOOMED_SHARE: f64 = 0.1;
 /// A place leaves something over where a pair by itself agrees better with another one by this share of its evidence: of true places
 /// below 0.02.
@@ -164,15 +165,16 @@ pub use crate::verify::thresholds::{HOLDS_CLEAR as KNOCKED_CLEAR, HOLDS_SHOWS as
 /// A camera that stands still has at least this share of its evidence, by what could meet, on either side of any moment; and at least
 /// that share of what pairs keep that it has no part in.
 pub const KNOCKED: [f64; 2] = [0.35, 0.45];
-/// With less than these it may have been knocked by a little: 0.58 and 0.59 was seen of one that stood (of 23), 0.36 to 0.50 of those that
+/// With less than these a camera may have been knocked by a little: 0.58 and 0.59 was seen of one that stood (of 23), 0.36 to 0.50 of those that
 /// were turned by 1° and 1.5°.
 pub const KNOCKED_MAYBE: [f64; 2] = [0.65, 0.7];
-/// So it may where a turn between the halves moves its image by more than so many pixels, with so many standard deviations: 0.07 and 4.4 was
-/// the most of 23 that stood, 0.7 and 13.7 the least of two that were turned by half a degree.
+/// A camera may have been knocked by a little where a turn between the halves moves its image by more than so many pixels, with so many
+/// standard deviations: 0.07 and 4.4 was the most of 23 that stood, 0.7 and 13.7 the least of two that were turned by half a degree.
 pub const TURNED: (f64, f64) = (0.3, 8.0);
-/// Then it was if another pose explains one side so much better that as it stands it has less than this share of the evidence there.
+/// A camera that may have been knocked by a little was if another pose explains one side so much better that as it stands it has less than
+/// this share of the evidence there.
 pub const KNOCKED_OTHER: f64 = 0.75;
-/// Nothing is said of a knock where those pairs keep less than this share.
+/// Nothing is said of a knock where the pairs that the camera has no part in keep less than this share.
 pub const OTHERS_KEEP: f64 = 0.4;
 
 // --- the floor ---
@@ -188,6 +190,6 @@ pub const FLOOR_LEANING: f64 = 0.6;
 /// Standard deviation of how far the bottoms that are touched lie above the floor, as a share of the height: 2 cm. On 33 made-up networks of
 /// development with the geometry of their pairs given, floors were 0.1 to 4 cm off, and 6 to 18 cm where cameras were turned too.
 pub const FOOT_ABOVE: f64 = 0.012;
-/// And of how much more it is one standard deviation of the bottoms further on: the vertical of these was 0.02 to 0.5 degrees off where
-/// figures had room, and is below 1.645 times what is stated with this in nine of ten, in four of ten without.
+/// Standard deviation of how much more that is one standard deviation of the bottoms further on: the vertical of these networks was 0.02 to
+/// 0.5 degrees off where figures had room, and is below 1.645 times what is stated with this in nine of ten, in four of ten without.
 pub const FOOT_LEANING: f64 = 0.004;

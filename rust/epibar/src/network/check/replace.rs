@@ -28,7 +28,7 @@ pub enum NoPlace {
     OneOfSeveral,
     /// Too few cameras that stand confirm it.
     Unconfirmed,
-    /// It may have been zoomed instead.
+    /// The camera may have been zoomed instead.
     OrZoomed,
     /// A pair by itself agrees clearly better with another place.
     LeftOver,

@@ -42,7 +42,7 @@ pub enum Shapes {
     Masks,
     /// Without a gap, so that they may stand for something else, as boxes and ellipses do.
     Convex,
-    /// And wrong in the same way everywhere, or principal points are.
+    /// Without a gap, and wrong in the same way all over the image, or principal points are wrong.
     Strained,
 }
 

@@ -86,7 +86,7 @@ const BY_POSITIONS: [f64; 2] = [1.0, 1e-6];
 
 /// Quantile of a normal deviate's absolute value below which nine in ten lie.
 pub const NINE_IN_TEN: f64 = 1.645;
-/// And nine in ten normal vectors in space, alike in every direction, are shorter than so many.
+/// Nine in ten normal vectors in space, alike in every direction, are shorter than so many.
 pub const NINE_IN_TEN_IN_SPACE: f64 = 2.5;
 
 /// Errors of every camera after the best similarity, from a covariance of the active parameters.

@@ -12,7 +12,7 @@ use crate::network::thresholds as limits;
 
 /// Frames of each camera that are looked at while cameras are tried elsewhere, and until a network stands; of many cameras fewer.
 pub const FRAMES: [usize; 2] = [80, 240];
-/// And in the end; of many cameras fewer too.
+/// Frames of each camera that are looked at in the end; of many cameras fewer.
 pub const FRAMES_IN_THE_END: usize = 900;
 /// Rounds of trying cameras elsewhere.
 const ROUNDS: usize = 3;

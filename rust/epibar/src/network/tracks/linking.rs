@@ -12,7 +12,7 @@ use crate::network::observations::observed::Observed;
 const GAP: f64 = 0.8;
 /// How far a top may be from where it is expected, in median heights: at once, and by each second since.
 const REACH: [f64; 2] = [0.12, 0.7];
-/// And by so many standard deviations of where its cameras have it.
+/// By so many standard deviations of where its cameras have it a top may be off besides.
 const DEVIATIONS: f64 = 2.0;
 /// What a silhouette that a camera has followed is worth, in reaches.
 const FOLLOWED: f64 = 0.5;
