@@ -41,10 +41,10 @@ COVARIANCE = np.array([[9.0, 0.0, 0.0], [0.0, 1.0, 0.5], [0.0, 0.5, 1.0]]) * 1e-
 """That of the position of cam1, square of the baseline: three times as far along x as along y."""
 
 
-def made_up(count=4, unit="baseline", refused=("cam3",), lost=("cam4",), floor=True):
+def made_up(count=4, unit="baseline", refused=("cam3",), lost=("cam4",), floor=True, names=None):
     """A network on a circle; some cameras are refused, some have no place."""
     cameras, clocks, pairs = {}, {}, []
-    names = [f"cam{k + 1}" for k in range(count)]
+    names = names or [f"cam{k + 1}" for k in range(count)]
     for k, name in enumerate(names):
         angle = 2 * np.pi * k / count
         place = np.array([np.cos(angle), np.sin(angle), 0.8])

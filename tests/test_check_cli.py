@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from check_input import FEW, MOVED, SIZE, UNSURE, network, some_masks, suspect
+from network_input import made_up
 
 from epibar.cli import main
 from epibar.lens import Intrinsics, write_cameras
@@ -111,6 +112,19 @@ def test_a_video_that_cannot_be_read(core, folder, capsys):
     printed = capsys.readouterr()
     assert printed.out == ""
     assert "fewer than two" in printed.err
+
+
+def test_videos_of_one_name_are_told_apart_by_their_folders(core, tmp_path, capsys):
+    """As ``epibar calibrate`` names them."""
+    made_up(3, refused=(), lost=(), names=["left_video", "right_video", "cam3"]).save(
+        tmp_path / "network.json"
+    )
+    given = ["left/video.npz", "right/video.npz", "left/cam3.npz"]
+    for k, file in enumerate(given):
+        (tmp_path / file).parent.mkdir(exist_ok=True)
+        np.savez_compressed(tmp_path / file, masks=some_masks(k), fps=25.0)
+    assert main(["check", str(tmp_path), *(str(tmp_path / file) for file in given), *FEW, "-q"]) == 0
+    assert sorted(core.names) == ["cam3", "left_video", "right_video"]
 
 
 @pytest.mark.parametrize(

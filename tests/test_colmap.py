@@ -1,5 +1,6 @@
 """Points of a COLMAP model: where they are, what was measured of them, and what COLMAP makes of them."""
 
+import json
 from dataclasses import replace
 
 import cv2
@@ -270,6 +271,15 @@ def test_the_command_follows_walkers_anew(tmp_path, capsys):
     assert main([*words, str(tmp_path / "model")]) == 0
     assert "without" not in capsys.readouterr().err
     assert pycolmap.Reconstruction(tmp_path / "model").num_points3D() > 500
+    content = json.loads((tmp_path / "calibration.json").read_text())
+    for camera in content["cameras"]:
+        camera["file"] = str(tmp_path / "given" / f"{camera['name']}.npz")
+    (tmp_path / "calibration.json").write_text(json.dumps(content))
+    (tmp_path / "recordings").rename(tmp_path / "given")
+    assert main([*words, str(tmp_path / "of_given")]) == 0
+    assert "without" not in capsys.readouterr().err
+    assert pycolmap.Reconstruction(tmp_path / "of_given").num_points3D() > 500
+    (tmp_path / "given").rename(tmp_path / "recordings")
     nothing = {"accepted": False, "reason": "", "F": None, "expected_error": None, "time_offset": 0.0}
     moved = [{"a": "cam1", "b": b, "kind": "moved", **nothing} for b in ("cam2", "cam3")]
     stands = {**moved[0], "a": "cam2", "b": "cam3", "kind": "degenerate"}

@@ -227,6 +227,19 @@ def test_the_command_line_prints_what_to_keep(run, capsys):
     assert told[1]["offset"] == 0.48
 
 
+def test_a_recording_that_was_given_is_read_where_it_is(run, capsys):
+    path = run / "calibration.json"
+    content = json.loads(path.read_text())
+    content["cameras"][0].update(file=str(run / "mine.npz"), matrix=None)
+    path.write_text(json.dumps(content))
+    (run / "recordings" / "cam1.npz").rename(run / "mine.npz")
+    assert main(["sync", str(run), "--json"]) == 0
+    assert [one["command"] is None for one in json.loads(capsys.readouterr().out)["cameras"]] == [True, False]
+    (run / "mine.npz").unlink()
+    assert main(["sync", str(run)]) == 2
+    assert "mine.npz" in capsys.readouterr().err
+
+
 def test_frames_count_from_the_start_of_the_video(run, capsys):
     """Where the run left out the first frames of one, its recording says how many."""
     filmed(60, 25.0, "cam1", first_frame=7).save(run / "recordings" / "cam1.npz")

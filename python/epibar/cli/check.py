@@ -132,7 +132,7 @@ def _checked(args: Namespace, network: Network, update: Update | None, console: 
     from ..network.updating import update_notes
     from .adding import Additions, known_lenses
 
-    videos = _videos(args)
+    videos = _videos(args, network)
     additions = Additions(
         network, videos, known_lenses(args.intrinsics, set(videos) - network.cameras.keys()), bool(update)
     )
@@ -189,14 +189,17 @@ def exit_code(
     return PARTLY if failed else DONE
 
 
-def _videos(args: Namespace) -> dict[str, str]:
-    """Videos by the names of their cameras."""
+def _videos(args: Namespace, network: Network) -> dict[str, str]:
+    """Videos by the names of their cameras: with the folder's before them where the network has it so."""
     from ..errors import EpibarError
+    from ..jobs.inputs import name_with_folder
     from ..sources.source import source_name
 
     videos: dict[str, str] = {}
     for video in args.videos:
         name = source_name(video)
+        if name not in network.cameras and name_with_folder(video) in network.cameras:
+            name = name_with_folder(video)
         if name in videos:
             raise EpibarError(f"{videos[name]} and {video} are both of camera {name}; give one of them")
         videos[name] = video

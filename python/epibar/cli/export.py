@@ -143,10 +143,12 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
 def _followed(folder: Path, run: Run, network: Network, console: Console) -> WalkerTracks | None:
     """Follow walkers anew: a table has no place for what each camera saw. Where that fails it is said."""
     from ..errors import EpibarError
-    from ..jobs.inputs import recording_file
+    from ..files.calibration_json import read_json
+    from ..jobs.inputs import RESULT
     from ..jobs.update_files import MOVED_KIND
     from ..network.walkers import height_on_floor
-    from ..recording import Recording
+    from ..outcome.recordings import recording_of
+    from ..outcome.stored import entries
 
     if height_on_floor(network) is None:
         return None
@@ -163,7 +165,9 @@ def _followed(folder: Path, run: Run, network: Network, console: Console) -> Wal
         else:
             names.append(name)
     try:
-        recordings = {name: Recording.load(recording_file(folder, name)) for name in names}
+        cameras = entries(folder / RESULT, read_json(folder / RESULT), "cameras")
+        by_name = {entry.text("name"): entry for entry in cameras}
+        recordings = {name: recording_of(folder, by_name[name]) for name in names}
         return network.tracks(recordings, lambda stage, share: console.step(stage, share))
     except EpibarError as error:
         console.warning(f"without tops and bottoms of walkers: {error}")

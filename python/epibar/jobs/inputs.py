@@ -35,6 +35,7 @@ __all__ = [
     "PairOptions",
     "RecordOptions",
     "camera_inputs",
+    "name_with_folder",
     "one_each",
     "pair_file",
     "pair_stems",
@@ -327,16 +328,19 @@ def _names(sources: list[str]) -> list[str]:
     """File stems, with the folder's name before them where two are the same, then a number."""
     names = [source_name(source) for source in sources]
     if not _differ(names):
-        folders = [
-            source_name(source.partition("?")[0].rpartition("/")[0])
-            if is_address(source)
-            else Path(source).resolve().parent.name
-            for source in sources
-        ]
-        names = [f"{folder}_{name}" for folder, name in zip(folders, names, strict=True)]
+        names = [name_with_folder(source) for source in sources]
     if not _differ(names):
         names = [f"{name}_{index}" for index, name in enumerate(names)]
     return names
+
+
+def name_with_folder(source: str) -> str:
+    """Name of a camera whose file is named as that of another: the folder's name before it."""
+    if is_address(source):
+        folder = source_name(source.partition("?")[0].rpartition("/")[0])
+    else:
+        folder = Path(source).resolve().parent.name
+    return f"{folder}_{source_name(source)}"
 
 
 def _differ(names: list[str]) -> bool:

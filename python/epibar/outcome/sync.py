@@ -10,15 +10,15 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from ..errors import EpibarError, is_address, printable
+from ..errors import is_address, printable
 from ..files.calibration_json import read_json
 from ..files.csv_table import csv_text, write_csv_table
 from ..network.result import Network
 from ..network.start_times import StartTime
-from ..recording import Recording
 from ..sources.images import IMAGE_SUFFIXES
 from ..sources.mask_array_file import ARRAY_SUFFIXES
 from ..sources.source import is_pattern
+from .recordings import recording_of
 from .stored import entries
 
 __all__ = ["CameraStart", "camera_starts", "cut_command", "starts_of_run", "write_starts"]
@@ -146,15 +146,5 @@ def starts_of_run(folder: str | os.PathLike[str], network: Network) -> list[Came
         if name not in network.cameras or not network.cameras[name].accepted:
             continue
         sources[name] = entry.text("file")
-        recordings[name] = _recording(path.parent, name, sources[name])
+        recordings[name] = recording_of(path.parent, entry)
     return camera_starts(network.start_times(recordings), sources)
-
-
-def _recording(folder: Path, name: str, source: str) -> Recording:
-    """Load what was kept of a camera: the times of its frames are in there."""
-    kept = folder / "recordings" / f"{name}.npz"
-    if kept.resolve().parent != (folder / "recordings").resolve():
-        raise EpibarError(f"{folder / 'calibration.json'}: damaged: {name!r} is no name of a camera")
-    if not kept.exists() and source.lower().endswith(".npz"):
-        kept = Path(source)  # it was recorded already
-    return Recording.load(kept)
