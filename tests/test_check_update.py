@@ -198,8 +198,17 @@ def test_for_programs(core, folder, capsys):
     printed = capsys.readouterr()
     result = json.loads(printed.out, parse_constant=pytest.fail)
     assert result["updated"] == ["cam2"]
+    assert result["ok"] is False
     assert result["cameras"]["cam2"]["place"]["zoomed"] is True
     assert "cam3 was not updated: it cannot be judged" in printed.err
+
+
+def test_all_is_well_where_what_moved_was_updated(core, folder, capsys):
+    """As the exit code says."""
+    core.verdicts = {"cam2": replaced(network().cameras["cam2"], ["cam1", "cam3"])}
+    assert update(folder, "--json") == 0
+    result = json.loads(capsys.readouterr().out)
+    assert (result["ok"], result["moved"], result["updated"]) == (True, ["cam2"], ["cam2"])
 
 
 def test_nothing_is_written_where_nothing_is_confirmed(core, folder, capsys):

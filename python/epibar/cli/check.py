@@ -167,7 +167,7 @@ def _checked(args: Namespace, network: Network, update: Update | None, console: 
     code = exit_code(found, failed, updated, set(additions.not_added) - failed.keys())
     if args.json:
         found_out = check.as_dict()
-        found_out["ok"] = found_out["ok"] and not additions.not_added
+        found_out["ok"] = code == DONE
         console.json(
             json_text({**found_out, **({"updated": updated} if update else {}), **additions.as_dict()})
         )
