@@ -283,3 +283,21 @@ fn where_a_camera_stands_now() {
     let groups: Vec<(CheckStatus, &[usize])> = found.iter().map(|c| (c.status, &c.rivals[..])).collect();
     assert_eq!(groups, [(CheckStatus::Suspect, &[1][..]), (CheckStatus::Suspect, &[0][..])], "{found:#?}");
 }
+
+#[test]
+fn of_two_cameras_nothing_tells_how_far_apart_they_are() {
+    let stored = cameras();
+    let found = checked(&stored[..2], &stored[..2], 25);
+    for camera in &found {
+        assert_eq!(camera.status, CheckStatus::Unmoved, "{camera:#?}");
+        assert!(
+            camera.turned_error.to_degrees() < 0.5 && camera.shifted_error == f64::INFINITY,
+            "{camera:#?}"
+        );
+        assert!(camera.reason.contains("not a shift along the line"), "{camera:#?}");
+    }
+    let found = checked(&stored[..3], &stored[..3], 25);
+    for camera in &found {
+        assert!(camera.shifted_error < 0.2 && !camera.reason.contains("along the line"), "{camera:#?}");
+    }
+}

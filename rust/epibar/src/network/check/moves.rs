@@ -237,14 +237,23 @@ impl StretchCase<'_> {
             return Some(posed);
         }
         let error = |from: usize| pose_error(&found, camera, from);
+        let shifted_error = error(POSITION)?;
         Some(Move {
             turned: before.rotation.angle_to(&after.rotation),
             turned_error: error(ROTATION)?,
             shifted: (before.position - after.position).norm(),
-            shifted_error: error(POSITION)?,
+            shifted_error: if shifted_error > self.extent() { f64::INFINITY } else { shifted_error },
             reposed: true,
             ..posed
         })
+    }
+
+    /// The largest distance between two cameras that stand: an error of a shift that is larger says that nothing tells of it, as where who sees
+    /// the same stands on one line with the camera.
+    fn extent(&self) -> f64 {
+        let stand = || self.network.cameras.iter().zip(&self.network.placed).filter(|(_, placed)| **placed);
+        let apart = |p: &Camera| stand().map(|(q, _)| (p.position - q.position).norm()).fold(0.0, f64::max);
+        stand().map(|(p, _)| apart(p)).fold(0.0, f64::max)
     }
 
     fn covariance(&self, settled: &Settled, camera: usize, beliefs: &[Beliefs]) -> Option<Covariance> {

@@ -17,6 +17,10 @@ pub struct NewFootage<'o> {
     pub deviate: f64,
 }
 
+/// Of one other camera, or several on one line, tangents stay as they are whatever the distance.
+const UNSEEN: &str =
+    ", but not a shift along the line to who sees the same: film with a camera that stands off that line";
+
 /// The result of one camera.
 pub fn said(camera: usize, seen: &NewFootage, judged: &Judged, replaced: Replaced) -> CameraCheck {
     let found = judged.found[camera].as_ref();
@@ -37,9 +41,10 @@ pub fn said(camera: usize, seen: &NewFootage, judged: &Judged, replaced: Replace
             of_move("it", found, since)
         ),
         (CheckStatus::Unmoved, Some(found)) => format!(
-            "it stands as stored: a turn of {:.2} degrees would have been noticed, and a focal length changed by {:.1} %",
+            "it stands as stored: a turn of {:.2} degrees would have been noticed, and a focal length changed by {:.1} %{}",
             limits::MOVED * found.turned_error.to_degrees(),
-            100.0 * limits::MOVED * found.focal_error
+            100.0 * limits::MOVED * found.focal_error,
+            if found.shifted_error.is_finite() { "" } else { UNSEEN }
         ),
         _ => {
             "what moves in it does not agree with the others: too little moved before several cameras, it moved by more than a few degrees, or it shows something else".to_owned()
@@ -78,12 +83,14 @@ fn no_place(why: NoPlace) -> &'static str {
 
 fn of_move(which: &str, found: &Move, since: Option<f64>) -> String {
     let when = since.map_or_else(|| "before this footage".to_owned(), |s| format!("at about {s:.0} s"));
+    let shifted = match found.shifted_error {
+        error if error.is_finite() => format!("and {:.3} from where it stood (to {error:.3})", found.shifted),
+        _ => "and may stand elsewhere on the line to who sees the same, which nothing tells".to_owned(),
+    };
     let turned = format!(
-        "turned by {:.2} degrees (to {:.2}), and {:.3} from where it stood (to {:.3})",
+        "turned by {:.2} degrees (to {:.2}), {shifted}",
         found.turned.to_degrees(),
         found.turned_error.to_degrees(),
-        found.shifted,
-        found.shifted_error
     );
     let zoomed = format!(
         "its focal length changed by {:+.2} % (to {:.2} %)",

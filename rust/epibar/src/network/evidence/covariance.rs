@@ -9,7 +9,7 @@
 use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS};
-use crate::network::model::invertible::Invertible;
+use crate::network::model::invertible::{HELD, Invertible};
 use crate::network::model::joint::{JointProblem, PairMeetings, weight};
 use crate::network::model::residual::{CameraPair, Meeting, PairGradient};
 use crate::network::solve::networks::Solved;
@@ -209,6 +209,8 @@ pub fn covariance(problem: &JointProblem, cameras: &[Camera], outline_errors: &[
     let shared = shared_errors(problem, cameras, &active, outline_errors);
     meat += shared.tr_mul(&shared);
     for (i, (camera, k)) in active.iter().enumerate() {
+        // What holds a direction that nothing determines scatters as a belief does: it is not known there.
+        meat[(i, i)] += problem.prior_weight * HELD * linear.normal[(i, i)];
         let beliefs = &problem.beliefs[*camera];
         let deviation = match *k {
             k if k < INTRINSIC => beliefs.intrinsic[k].deviation,

@@ -117,11 +117,14 @@ pub fn expected(
 }
 
 /// Nine in ten of normal vectors of this covariance are shorter (the square of the length as a gamma variable of the same
-/// mean and variance, Satterthwaite 1946, by the cube-root approximation of Wilson and Hilferty 1931).
+/// mean and variance, Satterthwaite 1946, by the cube-root approximation of Wilson and Hilferty 1931); infinite where it is none.
 pub fn length_quantile(covariance: &Matrix3<f64>) -> f64 {
-    let mean = covariance.trace().max(0.0);
+    let mean = covariance.trace();
     if mean == 0.0 {
         return 0.0;
+    }
+    if mean.is_nan() || mean < 0.0 {
+        return f64::INFINITY;
     }
     let freedom = mean * mean / (covariance * covariance).trace().max(1e-300);
     let variance = 2.0 / (9.0 * freedom);
@@ -210,6 +213,10 @@ mod tests {
         );
         assert!((both.position_covariance - alike(0.5)).norm() < 1e-12);
         assert!((length_quantile(&alike(0.5)) - 0.5).abs() < 0.002, "nine in ten are shorter");
+        assert_eq!(length_quantile(&Matrix3::zeros()), 0.0);
+        for none in [-1e-9, f64::NAN] {
+            assert_eq!(length_quantile(&Matrix3::from_diagonal_element(none)), f64::INFINITY);
+        }
         assert!(own.besides(&Expected::UNKNOWN).position_covariance.diagonal().iter().all(|v| v.is_nan()));
     }
 

@@ -3,7 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 /// What nothing determines is held by next to nothing: by this share of the diagonal.
-const HELD: f64 = 1e-9;
+pub const HELD: f64 = 1e-9;
 
 /// A normal matrix that can be inverted.
 pub struct Invertible {
