@@ -193,11 +193,25 @@ def test_unusable_masks(masks, words):
         ({"seed": -1}, "seed"),
         ({"seed": 2**64}, "seed"),
         ({"min_component_area": 0}, "min_component_area"),
+        ({"name": None}, "name"),
+        ({"name": 7}, "name"),
     ],
 )
 def test_unusable_options_of_a_recording(options, name):
     with pytest.raises(epibar.EpibarError, match=name):
         epibar.Recording.from_masks(block(), **options)
+
+
+def test_ready_masks_have_no_use_for_a_foreground_model(tmp_path):
+    path = tmp_path / "cam1.npz"
+    np.savez_compressed(path, masks=block())
+    assert epibar.record(path, lines=100, masks=True, fps=25.0).warnings == []
+    for options in ({"background": "empty.mp4"}, {"foreground": "knn"}):
+        (told,) = epibar.record(path, lines=100, masks=True, fps=25.0, **options).warnings
+        assert "is not used" in told
+    for options, name in (({"foreground": "zzz"}, "zzz"), ({"name": 5}, "name")):
+        with pytest.raises(epibar.EpibarError, match=name):
+            epibar.record(path, lines=100, masks=True, **options)
 
 
 @pytest.mark.parametrize(

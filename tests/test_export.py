@@ -358,6 +358,30 @@ def test_the_run_itself_is_not_overwritten(folder, capsys):
         assert (folder / name).read_bytes() == before
 
 
+def test_nor_is_anything_that_it_keeps_or_was_made_of(folder, scene, tmp_path, capsys):
+    run = tmp_path / "run"
+    shutil.copytree(folder, run)
+    for name in (".epibar", "pairs", "recordings", "pictures"):
+        (run / name).mkdir(exist_ok=True)
+    (run / ".epibar/written.json").write_text('{"format": 1, "files": ["tracks.csv", "report.html"]}')
+    content = json.loads((run / "calibration.json").read_text())
+    content["cameras"][0]["file"] = str(tmp_path / "cam1.npz")
+    (run / "calibration.json").write_text(json.dumps(content))
+    words = ["export", str(run), "--format", "csv", "--quiet", "--out"]
+    own = (
+        "tracks.csv",
+        "report.html",
+        ".epibar/written.json",
+        "pairs/cam1_cam2.npz",
+        "recordings",
+        "../cam1.npz",
+    )
+    for name in own:
+        assert main([*words, str(run / name)]) == 2, name
+        assert "part of the run" in capsys.readouterr().err
+    assert main([*words, str(run / "mine.csv")]) == 0
+
+
 def test_cameras_without_a_network_are_placed_for_any_program(folder, scene, tmp_path, capsys):
     """The first camera is the world; its up is that of glTF."""
     json_of = {}

@@ -281,6 +281,30 @@ def test_a_pipe_is_not_waited_for(calibrated, tmp_path):
         load_cameras(tmp_path / "calibration.json")
     with pytest.raises(EpibarError, match="not a file"):
         load_tracks(tmp_path / "calibration.json")
+    os.mkfifo(tmp_path / "cam1.npz")
+    with pytest.raises(EpibarError, match="not a file"):
+        Recording.load(tmp_path / "cam1.npz")
+    assert main(["inspect", str(tmp_path / "cam1.npz"), "--quiet"]) == 2
+
+
+def test_masks_that_are_taken_for_a_recording(tmp_path):
+    """However well they were compressed."""
+    np.savez_compressed(tmp_path / "cam1.npz", masks=np.zeros((400, 480, 640), bool))
+    with pytest.raises(EpibarError, match="holds masks: give --masks"):
+        Recording.load(tmp_path / "cam1.npz")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs links")
+def test_links_that_go_round_in_a_circle(tmp_path, capsys):
+    loop = tmp_path / "loop"
+    loop.symlink_to(loop)
+    for words in (
+        ["calibrate", str(loop), str(tmp_path / "b.mp4"), "--out", str(tmp_path / "out")],
+        ["calibrate", str(tmp_path / "a.mp4"), str(tmp_path / "b.mp4"), "--out", str(loop)],
+        ["record", str(loop), "--out", str(tmp_path / "a.npz")],
+    ):
+        assert main(words) == 2
+        assert "Traceback" not in capsys.readouterr().err
 
 
 def test_one_long_cell_of_a_table_of_tracks_costs_itself(tmp_path):
@@ -331,6 +355,10 @@ def test_a_rate_of_masks_that_expands(tmp_path):
         "a = " + "[" * 50_000,
         "cameras = 3",
         "[a]\nsize = [9, 9]\nmatrix = [['x']]\ndistortions = [nan]",
+        "[a]\nsize = [9, 9]\nmatrix = [[5,0,4],[0,5,4],[0,0,1]]\ndistortions = []\n"
+        "rotation = [[1,0,0],[0,1,0],[0,0,-1]]\ntranslation = [0,0,0]",
+        "[a]\nsize = [9, 9]\nmatrix = [[5,0,4],[0,5,4],[0,0,1]]\ndistortions = []\n"
+        "rotation = [[1,0.5,0],[0,1,0],[0,0,1]]\ntranslation = [0,0,0]",
     ],
 )
 def test_a_camera_file_of_a_stranger(text, tmp_path):

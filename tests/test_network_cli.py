@@ -351,6 +351,21 @@ def test_a_failure_loses_no_pair(stage, masks, again, monkeypatch, capsys):
     assert read(again)["network"]["accepted"]
 
 
+@pytest.mark.parametrize("name", ["network.json", "tracks.csv"])
+def test_a_network_that_cannot_be_written_is_an_error(name, masks, again, capsys):
+    """Cameras in metres of an earlier one do not stay beside the new one, which is in baselines."""
+    assert main(["scale", str(again), "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0
+    (again / name).unlink()
+    (again / name).mkdir()
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 3
+    assert name in capsys.readouterr().err
+    assert read(again)["network"]["unit"] == "baseline"
+    if name == "network.json":
+        assert not (again / "cameras.toml").exists()
+    else:
+        assert epibar.Network.load(again / "network.json").unit == "baseline"
+
+
 def test_a_camera_that_cannot_be_recorded(masks, again, capsys):
     words = ["calibrate", *masks, "none.npz", "--out", str(again), *WORDS]
     assert main(words) == 3

@@ -11,6 +11,7 @@ from network_input import COVARIANCE, made_up
 
 import epibar
 from epibar import EpibarError
+from epibar.files.json_file import write_json
 from epibar.network.calibrating import in_metres
 from epibar.network.prose import network_notes
 
@@ -138,13 +139,36 @@ def test_contradictions_are_named():
         ({"distance": 2.0}, "expected"),
         ({"distance": ("cam1", "cam2", 2.0, -1.0)}, "standard error"),
         ({"distance": ("cam1", "cam2", 2.0, 2.0)}, "less than the length itself"),
+        ({"distance": ("cam1", "cam2", 2.0, 1e-320)}, "billionth"),
+        ({"distance": ("cam1", "cam2", 1e200)}, "0.0001 to"),
+        ({"distance": ("cam1", "cam2", 1e-320)}, "0.0001 to"),
+        ({"distance": ("cam1", "cam2", 0.001)}, "as much as the length itself"),
         ({"camera_height": ("cam1", math.nan)}, "positive"),
+        ({"camera_height": ("cam1", 1e308)}, "0.0001 to"),
+        ({"person_height": 1e160}, "0.0001 to"),
         ({"person_height": "tall"}, "person_height"),
     ],
 )
 def test_lengths_of_no_use(lengths, named):
     with pytest.raises(EpibarError, match=named):
         made_up().scaled(**lengths)
+
+
+def test_a_network_that_says_too_little_for_a_length(tmp_path):
+    def changed(change):
+        content = made_up().as_dict()
+        change(content["cameras"])
+        write_json(tmp_path / "network.json", content)
+        return epibar.Network.load(tmp_path / "network.json")
+
+    in_one_place = changed(
+        lambda cameras: cameras[1].update({key: cameras[0][key] for key in ("rotation", "translation")})
+    )
+    with pytest.raises(EpibarError, match="both stand in one place"):
+        in_one_place.scaled(distance=("cam1", "cam2", 2.0))
+    unknown = changed(lambda cameras: cameras[0]["expected"].update(position=None))
+    with pytest.raises(EpibarError, match="how well it is known"):
+        unknown.scaled(distance=("cam1", "cam2", 2.0))
 
 
 def test_people_say_nothing_without_a_floor():

@@ -33,6 +33,7 @@ __all__ = [
     "as_masks",
     "as_numbers",
     "as_positive",
+    "as_rotation",
     "as_whole_number",
     "camera_names",
     "check_pairs",
@@ -115,6 +116,15 @@ def as_camera_matrix(matrix: Any, name: str = "matrix") -> Array:
     if array[0, 0] <= 0 or array[1, 1] <= 0 or not np.allclose(array[2], (0, 0, 1), atol=1e-9):
         raise EpibarError(f"{name} is {array.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
     return array
+
+
+def as_rotation(name: str, value: Any, tolerance: float) -> Array:
+    """Return a rotation (3, 3), whose RᵀR may differ from the identity by so much, or say that it is none."""
+    rotation = as_numbers(name, value, (3, 3))
+    large = np.abs(rotation).max() > 1 + tolerance  # products of such may overflow
+    if large or np.abs(rotation.T @ rotation - np.eye(3)).max() > tolerance or np.linalg.det(rotation) < 0:
+        raise EpibarError(f"{name} is {rotation.tolist()}, which is none")
+    return rotation
 
 
 def as_numbers(name: str, value: Any, shape: tuple[int, ...] | None) -> Array:

@@ -119,6 +119,9 @@ def record(
     >>> import epibar
     >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)
     """
+    if name is not None and not isinstance(name, str):
+        raise EpibarError(f"name is {name!r}, expected a text")
+    options = _options(foreground, background)
     part = FrameRange.of(frames, seconds)
     with (
         MaskFrames(path, fps=fps, frames=part, chapters=chapters)
@@ -139,8 +142,10 @@ def record(
         health = CameraHealth(name, ignore=hidden)
         if masks:
             stream = _ready_masks(source, hidden)
+            if options.background is not None or options.method != ForegroundOptions().method:
+                source.warnings.append("the masks are ready: what was given to find them with is not used")
         else:
-            stream = _moving(source, _options(foreground, background, hidden), health)
+            stream = _moving(source, options if hidden is None else replace(options, ignore=hidden), health)
         taker = PictureTaker(source.frame_count, source.fps) if pictures else None
         with closing(stream):
             watched = _watched(stream, source.frame_count, name, progress)
@@ -164,14 +169,12 @@ def record(
 
 
 def _options(
-    foreground: str | ForegroundOptions, background: str | os.PathLike[str] | None, hidden: Mask | None
+    foreground: str | ForegroundOptions, background: str | os.PathLike[str] | None
 ) -> ForegroundOptions:
     options = (
         foreground if isinstance(foreground, ForegroundOptions) else ForegroundOptions(method=foreground)
     )
-    if background is not None:
-        options = replace(options, background=background)
-    return options if hidden is None else replace(options, ignore=hidden)
+    return options if background is None else replace(options, background=background)
 
 
 def _moving(frames: ColourFrames, options: ForegroundOptions, health: CameraHealth) -> Stream:

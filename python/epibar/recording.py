@@ -84,6 +84,8 @@ class Recording:
         first_frame: int = 0,
         pictures: Pictures | None = None,
     ) -> None:
+        if not isinstance(name, str):
+            raise EpibarError(f"name is {name!r}, expected a text")
         self._core = core
         self.name = name
         self.warnings = list(warnings)
@@ -282,7 +284,11 @@ class Recording:
             The arrays are something else, damaged, or of a newer format.
         """
         if MARK not in arrays:
-            hint = "; its key 'masks' says that it holds masks" if "masks" in arrays else ""
+            hint = (
+                "; its key 'masks' says that it holds masks: give --masks, or masks=True"
+                if "masks" in arrays
+                else ""
+            )
             raise EpibarError(f"{where}: not {KIND}{hint}")
         try:
             check_format(where, arrays[MARK], FORMAT)

@@ -60,9 +60,11 @@ def add_options(command: CommandParser) -> None:
 
 def run(args: Namespace) -> int:
     """Run the command."""
+    import os
     from pathlib import Path
 
     from ..errors import EpibarError
+    from ..jobs.folder import is_part_of_run
     from ..jobs.inputs import NETWORK_FILE
     from ..lens.cameras_toml import load_cameras
     from ..outcome.run import Run
@@ -71,8 +73,9 @@ def run(args: Namespace) -> int:
     found = Run.load(args.folder)
     out = Path(args.out)
     network = found.files[0].parent / NETWORK_FILE
-    if out.resolve() in [file.resolve() for file in (*found.files, network)]:
-        raise EpibarError(f"--out {out}: this is part of the run itself")
+    own = {os.path.realpath(file) for file in (*found.files, network)}
+    if os.path.realpath(out) in own or is_part_of_run(network.parent, out):
+        raise EpibarError(f"--out {out}: this is part of the run itself; give another file or folder")
     chosen = ALIASES.get(args.format, args.format)
     of_cameras = args.cameras or chosen not in PAIR_FORMATS
     with Console(args.quiet, verbose=args.verbose) as console, console.warnings():

@@ -25,6 +25,7 @@ def add_options(command: CommandParser) -> None:
 
 def run(args: Namespace) -> int:
     """Run the command."""
+    import os
     from pathlib import Path
 
     from ..errors import EpibarError
@@ -39,7 +40,7 @@ def run(args: Namespace) -> int:
         raise EpibarError(f"--out {out}: the name of a recording ends in .npz")
     if not out.parent.is_dir():
         raise EpibarError(f"--out {out}: there is no folder {out.parent}")
-    if out.resolve() == Path(args.video).resolve():
+    if os.path.realpath(out) == os.path.realpath(args.video):
         raise EpibarError(f"--out {out}: this is the input itself")
     name = source_name(args.video)
     intrinsics = intrinsics_of(args.intrinsics, name) if args.intrinsics else None

@@ -107,6 +107,8 @@ def read_archive(
         The file is missing, damaged, not an ``.npz``, holds pickled objects, or expands beyond all measure.
     """
     where = os.fspath(path)
+    if os.path.exists(path) and not os.path.isfile(path):
+        raise EpibarError(f"{where}: not a file")
     try:
         with open(path, "rb") as stream, zipfile.ZipFile(stream) as archive:
             entries = _entries(archive, where, os.fstat(stream.fileno()).st_size)
@@ -123,6 +125,8 @@ def read_archive(
 
 def read_array(path: str | os.PathLike[str], name: str) -> AnyArray:
     """Read one array of a file whose others may be of any size; raises one of :data:`DAMAGED`."""
+    if os.path.exists(path) and not os.path.isfile(path):  # a pipe would be waited for
+        raise OSError(f"{os.fspath(path)}: not a file")
     with open(path, "rb") as stream, zipfile.ZipFile(stream) as archive:
         return _array(archive, archive.getinfo(f"{name}.npy"), room(0))
 
@@ -149,6 +153,8 @@ def _entries(archive: zipfile.ZipFile, where: str, file_bytes: int) -> dict[str,
     check_compression(archive, where)
     expanded = sum(entry.file_size for entry in entries)
     if expanded > room(file_bytes):
+        if "masks" in names:
+            raise EpibarError(f"{where}: its key 'masks' says that it holds masks: give --masks")
         raise EpibarError(
             f"{where}: {file_bytes:,} bytes that say they expand to {expanded:,}; no file that epibar wrote "
             "does, so it is damaged or made to fill the memory"

@@ -37,7 +37,8 @@ class AllPairs:
     calibrations : dict of (str, str) to Calibration
         By the names of the two cameras, in the order given.
     errors : list of dict of str to str
-        What could not be done: ``message``, and ``camera`` and ``file``, or ``a`` and ``b``.
+        What could not be done: ``message``, and ``camera`` and ``file``, or ``a`` and ``b``, or neither where
+        the network could not be written.
     content : dict
         What calibration.json holds of this run.
     network : Network or None

@@ -22,13 +22,30 @@ from ..files.calibration_json import is_plain_name, read_json
 from ..lens.cameras_toml import written_by_epibar
 from .inputs import CAMERAS_FILE, CLOCKS_FILE, NETWORK_FILE, REPORT, RESULT
 
-__all__ = ["Folder"]
+__all__ = ["Folder", "is_part_of_run"]
 
 OWN = ".epibar"
 FORMAT = 1
 KEPT = ("recordings", "pictures", "pairs")
 NAMED = 5
 """Files that an error names."""
+
+
+def real(path: Path) -> Path:
+    """Where a path leads; of links that go round in a circle, somewhere that is not there."""
+    return Path(os.path.realpath(path))
+
+
+def is_part_of_run(folder: Path, path: Path) -> bool:
+    """Whether a run has written a file into its folder, or may yet: nobody else is to write there."""
+    place, home = real(path), real(folder)
+    if any(real(folder / name) in (place, *place.parents) for name in (OWN, *KEPT)):
+        return True
+    try:
+        names = json.loads((folder / OWN / "written.json").read_text(encoding="utf-8"))["files"]
+        return any(place == home / name for name in names)
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return False
 
 
 class Folder:
@@ -127,17 +144,14 @@ class Folder:
         EpibarError
             Results would be taken for images, or would replace an input.
         """
-        own = {self.path.resolve(), *((self.path / name).resolve() for name in KEPT)}
-        files = {path.resolve() for path in written}
+        own = {real(self.path), *(real(self.path / name) for name in KEPT)}
+        files = {real(path) for path in written}
         for path in paths:
             if is_address(path):
                 continue
             place = Path(path)
             images = place.parent if re.search(r"%0?\d*d", place.name) else place
-            try:
-                images, place = images.resolve(), place.resolve()
-            except (OSError, RuntimeError):  # what cannot be found cannot be written over either
-                continue
+            images, place = real(images), real(place)
             if images in own:
                 raise EpibarError(
                     f"{self.path}: the results would lie among the images of {path}, and be taken for some; "

@@ -285,7 +285,7 @@ def camera_inputs(
         raise EpibarError(
             f"{spelt('cameras')}: {', '.join(names)} would be files of the same names; rename one"
         )
-    resolved = [source if is_address(source) else str(Path(source).resolve()) for source in sources]
+    resolved = [source if is_address(source) else os.path.realpath(source) for source in sources]
     for source, path in zip(sources, resolved, strict=True):
         if resolved.count(path) > 1:
             shown = address_without_secrets(source)
@@ -339,7 +339,7 @@ def name_with_folder(source: str) -> str:
     if is_address(source):
         folder = source_name(source.partition("?")[0].rpartition("/")[0])
     else:
-        folder = Path(source).resolve().parent.name
+        folder = Path(os.path.realpath(source)).parent.name
     return f"{folder}_{source_name(source)}"
 
 

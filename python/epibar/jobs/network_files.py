@@ -74,7 +74,12 @@ def write_network(
             folder.remove(path)
             return [], []
     folder.will_write(path)
-    write_json(path, {**as_file(network), **({} if key is None else {KEY: key})})
+    try:
+        write_json(path, {**as_file(network), **({} if key is None else {KEY: key})})
+    except EpibarError:
+        if replaceable:  # cameras of an earlier network never stand beside what was found now
+            folder.remove(cameras)
+        raise
     if not accepted:
         return [path], []
     if not replaceable:
@@ -87,5 +92,5 @@ def write_network(
 
 def _of_a_network(folder: Folder, cameras: Path, given: str | None) -> bool:
     """Whether a run wrote the camera file, nobody has replaced it, and it is not what this run was given."""
-    same = given is not None and cameras.resolve() == Path(given).resolve()
+    same = given is not None and os.path.realpath(cameras) == os.path.realpath(given)
     return folder.owns(cameras) and written_by_epibar(cameras) and not same

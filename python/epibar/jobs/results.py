@@ -42,8 +42,8 @@ class Results:
         Why there is none.
     network_files : list of Path
         Where it was written.
-    errors : dict of CameraInput or (CameraInput, CameraInput) to dict
-        Why some could not be done.
+    errors : dict of CameraInput, (CameraInput, CameraInput) or NETWORK to dict
+        Why some could not be done, or the network not be written.
     """
 
     def __init__(self, job: Job, folder: Folder) -> None:
@@ -52,7 +52,7 @@ class Results:
         self.pictures: dict[CameraInput, Pictures] = {}
         self.calibrations: dict[Pair, Calibration] = {}
         self.seconds: dict[Pair, float] = {}
-        self.errors: dict[CameraInput | Pair, dict[str, str]] = {}
+        self.errors: dict[CameraInput | Pair | str, dict[str, str]] = {}
         self.network: Network | None = None
         self.no_network: str | None = "the run was not finished"
         self.network_files: list[Path] = []
@@ -96,9 +96,12 @@ class Results:
             )
         self._files[pair] = {"frontier_points": points.name, "picture": picture.name}
 
-    def failed(self, of: CameraInput | Pair, message: str) -> str:
-        """Note why a camera or a pair could not be done, and return it as people are told."""
+    def failed(self, of: CameraInput | Pair | str, message: str) -> str:
+        """Note why a camera, a pair or a stage could not be done, and return it as people are told."""
         message = without_secrets(message)
+        if isinstance(of, str):
+            self.errors[of] = {"message": message}
+            return message
         if isinstance(of, CameraInput):
             self.errors[of] = {"camera": of.name, "file": of.shown, "message": message}
             return message
@@ -162,9 +165,15 @@ class Results:
         lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
         recordings = {camera.name: recording for camera, recording in self.recordings.items()}
         kept = network is not None and not job.fresh and kept_network(job.out, key, list(network.cameras))
-        if not kept:
-            forget_tables(self._folder)
+        left: EpibarError | None = None
+        try:
+            if not kept:
+                forget_tables(self._folder)
+        except EpibarError as error:  # the network itself is written all the same
+            left = error
         self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
+        if left is not None:
+            raise left
         if network is not None and tables:
             sources = {camera.name: camera.shown for camera in job.cameras}
             written, missing = write_tables(self._folder, network, recordings, sources)

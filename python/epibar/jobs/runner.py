@@ -279,7 +279,7 @@ class Runner:
             for text in self.results.write_network(self._network_key):
                 self._watch.warning(text)
         except EpibarError as error:
-            self._watch.error(str(error))
+            self._watch.error(self.results.failed(NETWORK, str(error)))
         self._watch.joined(network, why)
 
     def _hand_over(self) -> None:

@@ -16,12 +16,15 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import Array, as_numbers
+from ..arguments import Array, as_numbers, as_rotation
 from ..errors import UNPRINTABLE, EpibarError
 from ..files.atomic import write_text
 from .intrinsics import Intrinsics
 
 __all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras", "written_by_epibar"]
+
+ROUNDED = 1e-3
+"""By how much RᵀR of a rotation that was written with few digits may differ from the identity."""
 
 
 def load_cameras(path: str | os.PathLike[str]) -> list[Intrinsics]:
@@ -90,7 +93,7 @@ def _camera(path: str, section: str, table: dict[str, Any]) -> Intrinsics:
         if rotation is not None and np.shape(rotation) == (3, 3):
             import cv2
 
-            rotation = cv2.Rodrigues(as_numbers(f"{name}: rotation", rotation, (3, 3)))[0]
+            rotation = cv2.Rodrigues(as_rotation(f"{name}: rotation", rotation, ROUNDED))[0]
         return Intrinsics(
             name,
             table["size"],

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..arguments import Array, as_camera_matrix, as_numbers, is_number
+from ..arguments import Array, as_camera_matrix, as_numbers, as_rotation, is_number
 from ..errors import EpibarError
 from ..files.checks import LONGEST_SIDE, check_format
 from ..files.network_json import FORMAT, SCHEMA
@@ -35,6 +35,9 @@ CONVENTION = (
 
 SHOWN = 300
 """Characters of what is wrong that an error shows."""
+
+LARGEST = 1e12
+"""No number of a network is larger: not of lengths in its unit, lenses, clocks or errors."""
 
 ORTHOGONAL = 1e-6
 """By how much R^T R may differ from the identity."""
@@ -155,19 +158,19 @@ def _network(kind: type[N], content: Mapping[str, Any]) -> N:
         unit=unit,
         ground=Ground(
             _word(ground, "source"),
-            _number(ground, "height"),
-            _number(ground, "vertical_error"),
+            _size(ground, "height"),
+            _size(ground, "vertical_error"),
             None if figures is None else int(figures),
             _number(ground, "diversity"),
-            *(_number(ground, key) if key in ground else None for key in ("breadth", "level_error")),
+            *(_size(ground, key) if key in ground else None for key in ("breadth", "level_error")),
         ),
-        radius=_number(content, "radius"),
+        radius=_size(content, "radius"),
         scale=None if scale is None else _scale(scale),
     )
 
 
 def _scale(scale: Mapping[str, Any]) -> Scale:
-    error = _number(scale, "error")
+    error = _size(scale, "error")
     if error is None:
         raise EpibarError("scale has no error")
     return Scale(error, tuple(str(source) for source in _list(scale, "sources")))
@@ -190,25 +193,17 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
         status=_word(one, "status"),
         reason=_word(one, "reason"),
         matrix=None if missing else as_camera_matrix(parts["matrix"], f"{name}: matrix"),
-        distortions=None if missing else as_numbers(f"{name}: distortions", parts["distortions"], (5,)),
-        rotation=None if missing else _rotation(name, parts["rotation"]),
-        translation=None if missing else as_numbers(f"{name}: translation", parts["translation"], (3,)),
+        distortions=None if missing else _vector(f"{name}: distortions", parts["distortions"], 5),
+        rotation=None if missing else as_rotation(f"{name}: rotation", parts["rotation"], ORTHOGONAL),
+        translation=None if missing else _vector(f"{name}: translation", parts["translation"], 3),
         expected=None if missing else _expected(parts["expected"]),
         position_covariance=None if missing else _covariance(name, one.get("position_covariance")),
         evidence=_evidence(one),
     )
 
 
-def _rotation(name: str, value: Any) -> Array:
-    rotation = as_numbers(f"{name}: rotation", value, (3, 3))
-    large = np.abs(rotation).max() > 1 + ORTHOGONAL  # products of such may overflow
-    if large or np.abs(rotation.T @ rotation - np.eye(3)).max() > ORTHOGONAL or np.linalg.det(rotation) < 0:
-        raise EpibarError(f"{name}: rotation is {rotation.tolist()}, which is none")
-    return rotation
-
-
 def _expected(value: Mapping[str, Any]) -> dict[str, float]:
-    found = {key: _number(value, key) for key in ("focal", "rotation", "position")}
+    found = {key: _size(value, key) for key in ("focal", "rotation", "position")}
     return {key: math.inf if number is None else number for key, number in found.items()}
 
 
@@ -218,7 +213,11 @@ def _covariance(name: str, value: Any) -> Array | None:
     covariance = as_numbers(f"{name}: position_covariance", value, (3, 3))
     largest = np.abs(covariance).max()
     alike = np.abs(covariance - covariance.T).max() <= ORTHOGONAL * largest
-    if not alike or largest > covariance.diagonal().max() or (covariance.diagonal() < 0).any():
+    if (
+        not alike
+        or largest > min(covariance.diagonal().max(), LARGEST**2)
+        or (covariance.diagonal() < 0).any()
+    ):
         raise EpibarError(f"{name}: position_covariance is {covariance.tolist()}, which is none")
     return covariance
 
@@ -232,7 +231,7 @@ def _pair(one: Mapping[str, Any], names: Sequence[str]) -> NetworkPair:
 
 
 def _evidence(one: Mapping[str, Any]) -> dict[str, float]:
-    found = {str(key): _number(one["evidence"], key) for key in one["evidence"]}
+    found = {str(key): _finite(one["evidence"], key) for key in one["evidence"]}
     return {key: value for key, value in found.items() if value is not None}
 
 
@@ -254,10 +253,32 @@ def _truth(content: Mapping[str, Any]) -> bool:
     return bool(content["accepted"])
 
 
-def _number(content: Mapping[str, Any], key: str) -> float | None:
+def _finite(content: Mapping[str, Any], key: str) -> float | None:
     value = content[key]
     if value is None:
         return None
     if not is_number(value):
         raise EpibarError(f"{key} is {value!r}, expected a finite number")
     return float(value)
+
+
+def _number(content: Mapping[str, Any], key: str) -> float | None:
+    value = _finite(content, key)
+    if value is not None and abs(value) > LARGEST:
+        raise EpibarError(f"{key} is {value!r}, which no network has")
+    return value
+
+
+def _size(content: Mapping[str, Any], key: str) -> float | None:
+    """A length or an error."""
+    value = _number(content, key)
+    if value is not None and value < 0:
+        raise EpibarError(f"{key} is {value!r}, which is below 0")
+    return value
+
+
+def _vector(what: str, value: Any, count: int) -> Array:
+    vector = as_numbers(what, value, (count,))
+    if np.abs(vector).max() > LARGEST:
+        raise EpibarError(f"{what} is {vector.tolist()}, which no network has")
+    return vector

@@ -20,6 +20,12 @@ from .parts import Ground, NetworkCamera, NetworkParts, Scale
 
 __all__ = ["check_lengths", "rescaled"]
 
+SHARPEST = 1e-9
+"""The least standard error that is taken, as a share of the length."""
+
+SHORTEST, LONGEST = 1e-4, 1e7
+"""Metres that are taken for a length; what is shorter or longer is a slip of the hand or of a unit."""
+
 MEASURED = 0.01
 """Standard error of a measured length: this share of it, or so many metres where that is more."""
 
@@ -65,6 +71,9 @@ def rescaled(
         lengths.append(_person_height(network, person_height))
     if not lengths:
         raise EpibarError("scaled: give a distance, a person_height or a camera_height")
+    for one in lengths:
+        if not math.isfinite(one.error):
+            raise EpibarError(f"{one.what} says nothing: the network does not say how well it is known there")
     for one, other in combinations(lengths, 2):
         off = abs(math.log(one.unit / other.unit)) / math.hypot(one.error, other.error)
         if off > CONTRADICTION:
@@ -147,12 +156,20 @@ def _metres(what: str, given: Any, share: float, least: float) -> tuple[float, f
     metres, error = given if pair else (given, None)
     if not (is_number(metres) and metres > 0):
         raise EpibarError(f"{what} = {given!r}: expected a positive number of metres")
+    if not SHORTEST <= metres <= LONGEST:
+        raise EpibarError(f"{what} = {given!r}: expected {SHORTEST:g} to {LONGEST:g} metres")
     if error is None:
-        return float(metres), max(share * float(metres), least)
-    if not (is_number(error) and 0 < error < metres):
+        error = max(share * float(metres), least)
+        if error >= metres:
+            raise EpibarError(
+                f"{what} = {given!r}: as nothing is said of its standard error {error:g} m is taken, as much "
+                "as the length itself; give its own"
+            )
+        return float(metres), error
+    if not (is_number(error) and SHARPEST * metres <= error < metres):
         raise EpibarError(
             f"{what} = {given!r}: its standard error must be a positive number of metres, and less than the "
-            "length itself"
+            "length itself but no less than a billionth of it"
         )
     return float(metres), float(error)
 
@@ -177,7 +194,9 @@ def _distance(network: NetworkParts, given: Any) -> Length:
     assert one.position is not None
     assert other.position is not None
     units = float(np.linalg.norm(one.position - other.position))
-    placed = math.hypot(_deviation(one), _deviation(other)) / max(units, 1e-12)
+    if units == 0:
+        raise EpibarError(f"{what} says nothing: in this network both stand in one place")
+    placed = math.hypot(_deviation(one), _deviation(other)) / units
     return Length(what, metres, units, math.hypot(error / metres, placed))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 from ..errors import EpibarError
@@ -28,7 +29,7 @@ def recording_of(folder: Path, entry: Stored) -> Recording:
     """
     name = entry.text("name")
     kept = folder / "recordings" / f"{name}.npz"
-    if kept.resolve().parent != (folder / "recordings").resolve():
+    if os.path.dirname(os.path.realpath(kept)) != os.path.realpath(folder / "recordings"):
         raise EpibarError(f"{entry.path}: damaged: {name!r} is no name of a camera")
     if kept.exists():
         return Recording.load(kept)

@@ -86,7 +86,8 @@ class Run:
     intrinsics : str or None
         The camera file that the run was given.
     files : list of Path
-        Where it was read from; none of them may be overwritten by an export.
+        Where it was read from, calibration.json first, and what its cameras were recorded from; an export
+        overwrites none of them.
     """
 
     cameras: list[Camera]
@@ -107,9 +108,12 @@ class Run:
         if not path.is_file():
             path /= "calibration.json"
         result = read_json(path)
-        cameras = [_camera(entry) for entry in entries(path, result, "cameras")]
+        of_cameras = list(entries(path, result, "cameras"))
+        cameras = [_camera(entry) for entry in of_cameras]
         names = [camera.name for camera in cameras]
-        files, pairs, seen = [path], [], set()
+        sources = [entry.values.get("file") for entry in of_cameras]
+        files = [path, *(Path(source) for source in sources if isinstance(source, str))]
+        pairs, seen = [], set()
         for entry in entries(path, result, "pairs"):
             points_file = entry.file("frontier_points")
             points = no_points() if points_file is None else read_frontier_points(points_file)

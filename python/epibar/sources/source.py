@@ -34,8 +34,8 @@ def source_name(source: str) -> str:
         path = Path(source)
         if is_pattern(source):
             begin = re.split(r"[*?]", path.name)[0].strip("_-. ")
-            return begin or path.resolve().parent.name
-        return path.resolve().name if os.path.isdir(path) else path.stem
+            return begin or Path(os.path.realpath(path)).parent.name
+        return Path(os.path.realpath(path)).name if os.path.isdir(path) else path.stem
     place = address_without_secrets(source).partition("://")[2].rpartition("@")[2].partition("?")[0]
     host, _, rest = place.partition("/")
     last = Path(rest).stem if "=" not in rest else ""
