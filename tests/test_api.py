@@ -174,6 +174,7 @@ def test_without_motion_there_is_a_reason_and_no_F():
         (np.zeros((4, 0, 8), bool), "no pixels"),
         ([["text"]], "dtype"),
         (None, "dtype"),
+        ([[[1], [1, 2]]], "no array"),
     ],
 )
 def test_unusable_masks(masks, words):

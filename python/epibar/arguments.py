@@ -89,7 +89,10 @@ def as_whole_number(name: str, value: Any, least: int, most: int | None = None) 
 
 def as_masks(masks: Any) -> Mask:
     """Return masks as a C-contiguous (T, H, W) array of uint8, or say what is wrong with them."""
-    array = np.asarray(masks)
+    try:
+        array = np.asarray(masks)
+    except ValueError as error:
+        raise EpibarError(f"masks are no array of (frames, height, width): {error}") from None
     if array.dtype != np.bool_ and array.dtype != np.uint8:
         raise EpibarError(
             f"masks have dtype {array.dtype}, expected bool or uint8, non-zero = moving; "

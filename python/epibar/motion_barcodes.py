@@ -41,7 +41,10 @@ def barcodes(masks: AnyArray, segments: ArrayLike) -> PackedBits:
     [[2]]
     """
     stack = as_masks(masks)
-    lines = np.ascontiguousarray(segments, dtype=np.float64)
+    try:
+        lines = np.ascontiguousarray(segments, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise EpibarError("segments hold what is no number, expected (n, 4): x0, y0, x1, y1") from None
     if lines.ndim != 2 or lines.shape[1] != 4:
         raise EpibarError(f"segments have shape {lines.shape}, expected (n, 4): x0, y0, x1, y1")
     if not np.isfinite(lines).all():

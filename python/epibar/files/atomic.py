@@ -43,7 +43,7 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[IO[bytes]], 
                 os.unlink(temporary)
             raise
         _sync_folder(target.parent)
-    except (OSError, UnicodeEncodeError) as error:
+    except (OSError, ValueError) as error:  # a name that no file can have, too
         reason = getattr(error, "strerror", None) or error
         raise EpibarError(f"{target}: cannot be written ({reason})") from error
 
