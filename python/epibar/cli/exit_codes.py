@@ -19,7 +19,7 @@ BUG = 1
 UNUSABLE = 2
 """Nothing was done: an argument, or every input, is unusable."""
 PARTLY = 3
-"""Some cameras or pairs could not be done; the others are written."""
+"""Some cameras or pairs could not be done, or the network not be written; the others are."""
 MOVED = 4
 """A camera has moved, cannot be judged, or is none of the network's.
 
