@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from check_input import FEW, MOVED, SIZE, UNSURE, network, some_masks, suspect
+from check_input import FEW, MOVED, SIZE, UNMOVED, UNSURE, network, some_masks, suspect
 from network_input import made_up
 
 from epibar.cli import main
@@ -49,6 +49,17 @@ def test_a_camera_has_moved(core, folder, capsys):
     assert "+1.20 % ± 0.3 %" in row
     assert row.endswith("12.3 s")
     assert "cam2: it is turned by 3.0 degrees" in printed.err
+
+
+def test_a_shift_of_which_nothing_tells_is_said(core, folder, capsys):
+    core.verdicts = {
+        "cam1": {**UNMOVED, "shifted_error": float("inf"), "reason": "not a shift along the line"}
+    }
+    assert main(["check", str(folder), *videos(folder), *FEW]) == 0
+    printed = capsys.readouterr()
+    assert "± unknown" in next(line for line in printed.out.splitlines() if line.startswith("cam1"))
+    assert "cam1: not a shift along the line" in printed.err
+    assert "cam2:" not in printed.err.replace("cam2: 30 frames", "")
 
 
 def test_a_camera_that_cannot_be_judged(core, folder, capsys):

@@ -366,6 +366,7 @@ def test_nor_is_anything_that_it_keeps_or_was_made_of(folder, scene, tmp_path, c
     (run / ".epibar/written.json").write_text('{"format": 1, "files": ["tracks.csv", "report.html"]}')
     content = json.loads((run / "calibration.json").read_text())
     content["cameras"][0]["file"] = str(tmp_path / "cam1.npz")
+    content["intrinsics"] = str(tmp_path / "lenses.toml")
     (run / "calibration.json").write_text(json.dumps(content))
     words = ["export", str(run), "--format", "csv", "--quiet", "--out"]
     own = (
@@ -375,6 +376,7 @@ def test_nor_is_anything_that_it_keeps_or_was_made_of(folder, scene, tmp_path, c
         "pairs/cam1_cam2.npz",
         "recordings",
         "../cam1.npz",
+        "../lenses.toml",
     )
     for name in own:
         assert main([*words, str(run / name)]) == 2, name

@@ -223,3 +223,13 @@ def test_what_is_visible_is_what_the_lens_saw_and_nobody_ignored(tmp_path):
     # A lens that fills the image hides nothing.
     barrel = Intrinsics("cam", (160, 120), matrix, (-0.3, 0.1, 0.0, 0.0))
     assert epibar.record(path, masks=True, lines=50, intrinsics=barrel).visible is None
+
+
+def test_a_rotation_that_was_written_with_two_digits(tmp_path):
+    turn = cv2.Rodrigues(np.array([0.3, -1.1, 0.6]))[0]
+    text = "[a]\nsize = [640, 480]\nmatrix = [[500, 0, 320], [0, 500, 240], [0, 0, 1]]\ndistortions = []\n"
+    (tmp_path / "cameras.toml").write_text(
+        f"{text}rotation = {turn.round(2).tolist()}\ntranslation = [0, 0, 0]"
+    )
+    (camera,) = epibar.load_cameras(tmp_path / "cameras.toml")
+    assert np.abs(camera.posed().R - turn).max() < 0.01

@@ -5,6 +5,7 @@ import json
 import shutil
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import jsonschema
 import numpy as np
@@ -351,19 +352,42 @@ def test_a_failure_loses_no_pair(stage, masks, again, monkeypatch, capsys):
     assert read(again)["network"]["accepted"]
 
 
-@pytest.mark.parametrize("name", ["network.json", "tracks.csv"])
-def test_a_network_that_cannot_be_written_is_an_error(name, masks, again, capsys):
-    """Cameras in metres of an earlier one do not stay beside the new one, which is in baselines."""
+def test_a_network_that_cannot_be_written_is_an_error(masks, again, capsys):
+    """What is still of an earlier one is named."""
     assert main(["scale", str(again), "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0
-    (again / name).unlink()
-    (again / name).mkdir()
+    (again / "network.json").unlink()
+    (again / "network.json").mkdir()
     assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 3
-    assert name in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert "network.json: cannot be written" in err
+    assert "of an earlier run: cameras.toml" in err
     assert read(again)["network"]["unit"] == "baseline"
-    if name == "network.json":
-        assert not (again / "cameras.toml").exists()
-    else:
-        assert epibar.Network.load(again / "network.json").unit == "baseline"
+    (again / "network.json").rmdir()
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--quiet"]) == 0
+    assert epibar.Network.load(again / "network.json").unit == "baseline"
+
+
+def test_a_table_that_cannot_be_removed_is_never_taken_for_the_new_networks(
+    masks, again, capsys, monkeypatch
+):
+    assert main(["scale", str(again), "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0
+    unlink = Path.unlink
+
+    def held(path, missing_ok=False):
+        if path.name == "tracks.csv":
+            raise PermissionError(13, "in use")
+        unlink(path, missing_ok=missing_ok)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "unlink", held)
+        assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 3
+    assert "tracks.csv: cannot be removed (in use)" in capsys.readouterr().err
+    assert epibar.Network.load(again / "network.json").unit == "baseline"
+    assert load_tracks(again / "tracks.csv").unit == "metre"
+    assert not (again / "sync.csv").exists()
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--quiet"]) == 0
+    assert load_tracks(again / "tracks.csv").unit == "baseline"
+    assert (again / "sync.csv").exists()
 
 
 def test_a_camera_that_cannot_be_recorded(masks, again, capsys):

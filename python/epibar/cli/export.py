@@ -73,7 +73,9 @@ def run(args: Namespace) -> int:
     found = Run.load(args.folder)
     out = Path(args.out)
     network = found.files[0].parent / NETWORK_FILE
-    own = {os.path.realpath(file) for file in (*found.files, network)}
+    own = {
+        os.path.realpath(file) for file in (*found.files, network, found.intrinsics, args.intrinsics) if file
+    }
     if os.path.realpath(out) in own or is_part_of_run(network.parent, out):
         raise EpibarError(f"--out {out}: this is part of the run itself; give another file or folder")
     chosen = ALIASES.get(args.format, args.format)

@@ -74,12 +74,7 @@ def write_network(
             folder.remove(path)
             return [], []
     folder.will_write(path)
-    try:
-        write_json(path, {**as_file(network), **({} if key is None else {KEY: key})})
-    except EpibarError:
-        if replaceable:  # cameras of an earlier network never stand beside what was found now
-            folder.remove(cameras)
-        raise
+    write_json(path, {**as_file(network), **({} if key is None else {KEY: key})})
     if not accepted:
         return [path], []
     if not replaceable:

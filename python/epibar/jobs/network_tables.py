@@ -28,7 +28,10 @@ def forget_tables(folder: Folder) -> None:
     EpibarError
         One cannot be removed.
     """
-    folder.remove(folder.path / TRACKS_FILE, folder.path / SYNC_FILE)
+    try:
+        folder.remove(folder.path / TRACKS_FILE)
+    finally:
+        folder.remove(folder.path / SYNC_FILE)
 
 
 def write_tables(

@@ -16,9 +16,21 @@ from ..recording import Recording
 from ..report.pair_picture import write_pair_picture
 from ..sources.pictures import Pictures
 from .folder import Folder
-from .inputs import REPORT, RESULT, TRACKS_FILE, CameraInput, Job, Pair, picture_file, points_file
+from .inputs import (
+    CAMERAS_FILE,
+    NETWORK_FILE,
+    REPORT,
+    RESULT,
+    TRACKS_FILE,
+    CameraInput,
+    Job,
+    Pair,
+    picture_file,
+    points_file,
+)
 from .network_files import kept_network, write_network
 from .network_tables import forget_tables, write_tables
+from .stages import NETWORK
 
 __all__ = ["Results"]
 
@@ -165,15 +177,22 @@ class Results:
         lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
         recordings = {camera.name: recording for camera, recording in self.recordings.items()}
         kept = network is not None and not job.fresh and kept_network(job.out, key, list(network.cameras))
-        left: EpibarError | None = None
         try:
             if not kept:
                 forget_tables(self._folder)
-        except EpibarError as error:  # the network itself is written all the same
-            left = error
-        self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
-        if left is not None:
-            raise left
+        except EpibarError as error:
+            # Those of an earlier one stay, so the next run must not take this network for one that is kept.
+            tables = False
+            key, left = None, [self.failed(NETWORK, f"{error}; it is of an earlier network")]
+        else:
+            left = []
+        try:
+            self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
+        except EpibarError as error:
+            earlier = [name for name in (NETWORK_FILE, CAMERAS_FILE) if (job.out / name).is_file()]
+            told = f"; still there, of an earlier run: {', '.join(earlier)}" if earlier else ""
+            raise EpibarError(f"{error}{told}") from error
+        warnings += left
         if network is not None and tables:
             sources = {camera.name: camera.shown for camera in job.cameras}
             written, missing = write_tables(self._folder, network, recordings, sources)

@@ -23,7 +23,7 @@ from .intrinsics import Intrinsics
 
 __all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras", "written_by_epibar"]
 
-ROUNDED = 1e-3
+ROUNDED = 3e-2
 """By how much RᵀR of a rotation that was written with few digits may differ from the identity."""
 
 

@@ -46,9 +46,16 @@ def _zoomed(camera: CameraCheck) -> str:
     return f"{100 * camera.focal:+.2f} %" + (f" ± {100 * (camera.focal_error or 0):.2g} %" if known else "")
 
 
+def _shift_unseen(camera: CameraCheck) -> bool:
+    """Whether nothing tells how far it was shifted."""
+    error = camera.shifted_error
+    return camera.shifted is not None and (error is None or not math.isfinite(error))
+
+
 def check_notes(check: NetworkCheck, network: NetworkParts) -> list[str]:
     """Say what the table leaves open: why, which cameras were not looked at, and what the unit is."""
-    notes = [f"{name}: {one.reason}" for name, one in check.cameras.items() if one.status != UNMOVED]
+    cameras = check.cameras.items()
+    notes = [f"{name}: {one.reason}" for name, one in cameras if one.status != UNMOVED or _shift_unseen(one)]
     notes += [f"{name} was not looked at: {why}" for name, why in check.left_out.items()]
     if check.unit == BASELINE and any(one.shifted is not None for one in check.cameras.values()):
         first, second = [name for name, camera in network.cameras.items() if camera.matrix is not None][:2]

@@ -29,7 +29,7 @@ def recording_of(folder: Path, entry: Stored) -> Recording:
     """
     name = entry.text("name")
     kept = folder / "recordings" / f"{name}.npz"
-    if os.path.dirname(os.path.realpath(kept)) != os.path.realpath(folder / "recordings"):
+    if "\0" in name or os.path.dirname(os.path.realpath(kept)) != os.path.realpath(folder / "recordings"):
         raise EpibarError(f"{entry.path}: damaged: {name!r} is no name of a camera")
     if kept.exists():
         return Recording.load(kept)

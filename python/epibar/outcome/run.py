@@ -112,7 +112,10 @@ class Run:
         cameras = [_camera(entry) for entry in of_cameras]
         names = [camera.name for camera in cameras]
         sources = [entry.values.get("file") for entry in of_cameras]
-        files = [path, *(Path(source) for source in sources if isinstance(source, str))]
+        files = [
+            path,
+            *(Path(source) for source in sources if isinstance(source, str) and "\0" not in source),
+        ]
         pairs, seen = [], set()
         for entry in entries(path, result, "pairs"):
             points_file = entry.file("frontier_points")
