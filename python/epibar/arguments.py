@@ -34,6 +34,7 @@ __all__ = [
     "as_numbers",
     "as_positive",
     "as_rotation",
+    "as_text",
     "as_whole_number",
     "camera_names",
     "check_pairs",
@@ -119,6 +120,13 @@ def as_camera_matrix(matrix: Any, name: str = "matrix") -> Array:
     if array[0, 0] <= 0 or array[1, 1] <= 0 or not np.allclose(array[2], (0, 0, 1), atol=1e-9):
         raise EpibarError(f"{name} is {array.tolist()}, expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]")
     return array
+
+
+def as_text(name: str, value: Any) -> str:
+    """Return a text, or say that it is none."""
+    if not isinstance(value, str):
+        raise EpibarError(f"{name} is {value!r}, expected a text")
+    return value
 
 
 def as_rotation(name: str, value: Any, tolerance: float) -> Array:

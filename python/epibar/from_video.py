@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .arguments import AnyArray, Image, Mask, core_errors
+from .arguments import AnyArray, Image, Mask, as_text, core_errors
 from .errors import EpibarError
 from .foreground import Foreground
 from .foreground.options import ForegroundOptions
@@ -119,8 +119,8 @@ def record(
     >>> import epibar
     >>> rec = epibar.record("cam1.mp4", lines=20000, seed=0)
     """
-    if name is not None and not isinstance(name, str):
-        raise EpibarError(f"name is {name!r}, expected a text")
+    if name is not None:
+        as_text("name", name)
     options = _options(foreground, background)
     part = FrameRange.of(frames, seconds)
     with (

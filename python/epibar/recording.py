@@ -24,6 +24,7 @@ from .arguments import (
     Unsigned,
     as_camera_matrix,
     as_masks,
+    as_text,
     as_whole_number,
     core_errors,
 )
@@ -84,10 +85,8 @@ class Recording:
         first_frame: int = 0,
         pictures: Pictures | None = None,
     ) -> None:
-        if not isinstance(name, str):
-            raise EpibarError(f"name is {name!r}, expected a text")
         self._core = core
-        self.name = name
+        self.name = as_text("name", name)
         self.warnings = list(warnings)
         self.matrix = None if matrix is None else as_camera_matrix(matrix)
         self.health = dict(health or {})

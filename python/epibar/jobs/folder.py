@@ -42,9 +42,8 @@ def is_part_of_run(folder: Path, path: Path) -> bool:
     if any(real(folder / name) in (place, *place.parents) for name in (OWN, *KEPT)):
         return True
     try:
-        names = json.loads((folder / OWN / "written.json").read_text(encoding="utf-8"))["files"]
-        return any(place == home / name for name in names)
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return any(place == home / name for name in Folder(folder).listed())
+    except EpibarError:
         return False
 
 
@@ -86,7 +85,7 @@ class Folder:
         for folder in (self.path, own, *(self.path / name for name in KEPT)):
             sweep(folder)
         try:
-            self._written = self._read()
+            self._written = self.listed()
         except BaseException:
             self._held.close()
             raise
@@ -101,7 +100,14 @@ class Folder:
     def _list(self) -> Path:
         return self.path / OWN / "written.json"
 
-    def _read(self) -> set[str]:
+    def listed(self) -> set[str]:
+        """Read which files runs have written, below the folder.
+
+        Raises
+        ------
+        EpibarError
+            The list is damaged.
+        """
         if not self._list.exists():
             return self._from_before()
         try:

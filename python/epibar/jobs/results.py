@@ -177,15 +177,9 @@ class Results:
         lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
         recordings = {camera.name: recording for camera, recording in self.recordings.items()}
         kept = network is not None and not job.fresh and kept_network(job.out, key, list(network.cameras))
-        try:
-            if not kept:
-                forget_tables(self._folder)
-        except EpibarError as error:
-            # Those of an earlier one stay, so the next run must not take this network for one that is kept.
-            tables = False
-            key, left = None, [self.failed(NETWORK, f"{error}; it is of an earlier network")]
-        else:
-            left = []
+        left = [] if kept else self._forget_tables()
+        if left:  # so the next run must not take this network for one that is kept
+            key, tables = None, False
         try:
             self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
         except EpibarError as error:
@@ -199,6 +193,14 @@ class Results:
             self.network_files += written
             warnings += missing
         return warnings
+
+    def _forget_tables(self) -> list[str]:
+        """Remove the tables of an earlier network; returns why one stays."""
+        try:
+            forget_tables(self._folder)
+        except EpibarError as error:
+            return [self.failed(NETWORK, f"{error}; it is of an earlier network")]
+        return []
 
     def write_report(self) -> None:
         """Write report.html."""

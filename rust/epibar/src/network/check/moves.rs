@@ -12,6 +12,7 @@ use crate::network::observations::survey::{Survey, summed};
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::{Settled, settle};
 use crate::network::thresholds as limits;
+use crate::network::verdict::rig;
 
 /// Turns that are tried about each axis, degrees.
 const TURNS: [f64; 9] = [-6.0, -4.0, -2.5, -1.2, 0.0, 1.2, 2.5, 4.0, 6.0];
@@ -237,23 +238,17 @@ impl StretchCase<'_> {
             return Some(posed);
         }
         let error = |from: usize| pose_error(&found, camera, from);
+        // One that is larger than the rig says that nothing tells of a shift, as where who sees the same stands on one line with the camera.
+        let rig = rig(&self.network.cameras, &self.network.pairs());
         let shifted_error = error(POSITION)?;
         Some(Move {
             turned: before.rotation.angle_to(&after.rotation),
             turned_error: error(ROTATION)?,
             shifted: (before.position - after.position).norm(),
-            shifted_error: if shifted_error > self.extent() { f64::INFINITY } else { shifted_error },
+            shifted_error: if shifted_error > rig { f64::INFINITY } else { shifted_error },
             reposed: true,
             ..posed
         })
-    }
-
-    /// The largest distance between two cameras that stand: an error of a shift that is larger says that nothing tells of it, as where who sees
-    /// the same stands on one line with the camera.
-    fn extent(&self) -> f64 {
-        let stand = || self.network.cameras.iter().zip(&self.network.placed).filter(|(_, placed)| **placed);
-        let apart = |p: &Camera| stand().map(|(q, _)| (p.position - q.position).norm()).fold(0.0, f64::max);
-        stand().map(|(p, _)| apart(p)).fold(0.0, f64::max)
     }
 
     fn covariance(&self, settled: &Settled, camera: usize, beliefs: &[Beliefs]) -> Option<Covariance> {
