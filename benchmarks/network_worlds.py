@@ -9,7 +9,7 @@ from tables import table
 
 import epibar
 from epibar import synthetic
-from epibar.network.scaling import NINE_IN_TEN
+from epibar.network.metres import NINE_IN_TEN
 from epibar.synthetic.figures import MEAN_HEIGHT
 
 MEASURED = 0.01

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from epibar.camera_files.shapes import frustum
+from epibar.camera_export.shapes import frustum
 from epibar.geometry.cameras import opengl_pose
 from epibar.lens import Intrinsics
 

@@ -18,7 +18,7 @@ from epibar import Calibration, EpibarError, Network, Recording
 from epibar.files.checks import OPTIONAL, RECORDING
 from epibar.files.frontier_csv import read_frontier_points
 from epibar.lens.cameras_toml import load_cameras, write_cameras
-from epibar.network.walker_file import load_tracks
+from epibar.network.tracks_csv import load_tracks
 from epibar.outcome import Run
 from epibar.sources.mask_array_file import MaskArrayFile
 

@@ -10,7 +10,7 @@ from camera_formats_input import POINTS, expected, inside, network, pixels, walk
 from network_input import calibrated, recordings
 
 from epibar import EpibarError, FrontierPoints
-from epibar.camera_files import colmap
+from epibar.camera_export import colmap
 from epibar.cli import main
 from epibar.files.json_file import write_json
 from epibar.lens import Intrinsics

@@ -7,8 +7,8 @@ import pytest
 from epibar import _core
 from epibar.errors import EpibarError
 from epibar.foreground import Foreground, ForegroundOptions
+from epibar.foreground.background_models import MixtureModel, OpenCvModel, new_model
 from epibar.foreground.empty_scene import steady_background
-from epibar.foreground.models import MixtureModel, OpenCvModel, new_model
 
 SIZE = 96, 80
 PRIMING = 20

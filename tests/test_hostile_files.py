@@ -16,7 +16,7 @@ from epibar.cli import main
 from epibar.files.archive import read_archive, room, write_archive
 from epibar.lens.cameras_toml import load_cameras
 from epibar.network import WalkerTracks
-from epibar.network.walker_file import load_tracks
+from epibar.network.tracks_csv import load_tracks
 from epibar.outcome import Run
 from epibar.sources.mask_array_file import MaskArrayFile
 

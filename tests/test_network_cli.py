@@ -21,7 +21,7 @@ from epibar.jobs import network_stage, runner
 from epibar.jobs.folder import Folder
 from epibar.jobs.network_tables import write_tables
 from epibar.lens import Intrinsics, write_cameras
-from epibar.network.walker_file import load_tracks
+from epibar.network.tracks_csv import load_tracks
 
 WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
 

@@ -11,7 +11,7 @@ from network_input import made_up
 
 import epibar
 from epibar import EpibarError, Network
-from epibar.camera_files.formats import FORMATS
+from epibar.camera_export.formats import FORMATS
 from epibar.cli import main
 from epibar.files.json_file import write_json
 from epibar.lens import Intrinsics, write_cameras

@@ -10,7 +10,7 @@ from network_input import LINES, made_up
 import epibar
 from epibar import synthetic
 from epibar.network import NetworkCamera
-from epibar.report.cameras_in_space import field_of_view, image_corners
+from epibar.report.camera_angles import field_of_view, image_corners
 from epibar.synthetic.networks import SETTINGS
 from epibar.synthetic.settings import draw
 

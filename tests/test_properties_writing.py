@@ -13,8 +13,8 @@ from hypothesis.extra import numpy as arrays
 from property_input import load, tried
 
 import epibar
-from epibar.camera_files.formats import FORMATS
-from epibar.camera_files.world import World
+from epibar.camera_export.formats import FORMATS
+from epibar.camera_export.world import World
 from epibar.errors import printable, without_secrets
 from epibar.files.archive import read_archive, write_archive
 from epibar.files.atomic import write_atomically

@@ -224,14 +224,14 @@ def test_what_has_no_reader_here_is_written_by_its_command(program, run):
 
 
 def test_every_format_of_cameras_is_told_of():
-    from epibar.camera_files.formats import FORMATS
+    from epibar.camera_export.formats import FORMATS
 
     written = {blocks(program, "sh")[0].split()[4] for program in TOLD}
     assert written == set(FORMATS)
 
 
 def test_the_tables_of_the_page_are_those_of_the_program():
-    from epibar.camera_files.formats import FORMATS
+    from epibar.camera_export.formats import FORMATS
     from epibar.export import PAIR_FORMATS
 
     rows = [

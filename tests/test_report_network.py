@@ -14,10 +14,10 @@ import epibar
 from epibar.network import Ground
 from epibar.network.walkers import WalkerTracks
 from epibar.report import NetworkReport, ReportPair, read_tracks
-from epibar.report.cameras_in_space import field_of_view, image_corners, tilt
+from epibar.report.camera_angles import field_of_view, image_corners, tilt
 from epibar.report.network_table import VERDICTS
 from epibar.report.page import write_report
-from epibar.report.space import magnification, nice
+from epibar.report.space_payload import magnification, nice
 
 STATUSES = Path(__file__).parent.parent / "rust/epibar/src/network/result.rs"
 

@@ -10,7 +10,7 @@ import epibar
 PACKAGE = Path(epibar.__file__).parent
 
 ROOMS = (
-    *("errors", "_core", "arguments", "geometry", "files", "sources", "lens", "camera_files", "foreground"),
+    *("errors", "_core", "arguments", "geometry", "files", "sources", "lens", "camera_export", "foreground"),
     *("recording", "clocks", "health", "from_video", "motion_barcodes", "calibration", "network"),
     *("outcome", "show", "evaluation", "plot", "report", "live", "export"),
     *("jobs", "synthetic", "cli", "__main__"),
@@ -54,7 +54,7 @@ def imported(name, path, known):
 
 def imports():
     known = modules()
-    return {name: set(imported(name, path, known)) for name, path in known.items() if path.suffix == ".py"}
+    return {name: set(imported(name, path, known)) for name, path in known.items()}
 
 
 def test_nothing_is_imported_in_a_circle():

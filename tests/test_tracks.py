@@ -11,7 +11,7 @@ from network_input import recordings, situation
 import epibar
 from epibar.network import Ground, NetworkCamera, NetworkClock, WalkerTracks
 from epibar.network.parts import NetworkPairs
-from epibar.network.walker_file import load_tracks
+from epibar.network.tracks_csv import load_tracks
 from epibar.synthetic.figures import between
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "ALL_PAIRS",
     "GRID",
     "MAP_SHAPE",
     "MAX_EXPECTED_ERROR",
@@ -48,6 +49,7 @@ __all__ = [
 
 GRID: float
 MAP_SHAPE: tuple[int, int]
+ALL_PAIRS: int
 MAX_EXPECTED_ERROR: float
 MAX_LINES: int
 MOST_DRIFT: float

@@ -232,7 +232,8 @@ def calibrate(
         ``"lines"`` is the method of the paper, motion barcodes alone; ``"frontier"`` goes on with the points
         where epipolar planes touch the silhouettes, and is more accurate.
     seed : int
-        Of every random draw. The result depends on it and the recordings, not on the number of threads.
+        Of every random draw of the search; how flat motion is judged does not depend on it. The result
+        depends on it and the recordings, not on the number of threads.
     time_offset : float, "search" or "auto"
         Where frame 0 of A falls in B, in frames of B after B's frame 0; it need not be a whole number. At
         equal frame rates frame i of A is frame ``i + time_offset`` of B; other rates meet through the times.

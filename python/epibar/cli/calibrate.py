@@ -5,16 +5,15 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
+from .clock_options import add_clock_options
 from .exit_codes import exit_code, explanation
 from .options import (
     CommandParser,
     add_length_options,
     add_output_options,
     lengths,
-    offset,
     positive_pixels,
     scheduler_address,
-    seconds,
 )
 from .recording_options import add_recording_options, record_options
 
@@ -86,22 +85,13 @@ def _add_pair_options(command: CommandParser) -> None:
         default="frontier",
         help="'lines' is the paper's, motion barcodes alone: for comparison (default: %(default)s)",
     )
-    group.add_argument(
-        "--time-offset",
-        type=offset,
-        default="auto",
-        metavar="N|auto|search",
-        help="'auto' finds when each camera was started, and whether all were together; 'search' looks for "
+    add_clock_options(
+        group,
+        "N|auto|search",
+        "'auto' finds when each camera was started, and whether all were together; 'search' looks for "
         "every pair by itself; N: frame i of the first of two cameras is frame i + N of the second, 0: all "
         "are synchronised (default: auto)",
-    )
-    group.add_argument(
-        "--search-seconds",
-        type=seconds,
-        default=21.0,
-        metavar="S",
-        help="how far either way a time offset is looked for: raise it for cameras started further apart; a "
-        "wider search asks for more evidence (default: %(default)g)",
+        "; a wider search asks for more evidence",
     )
     group.add_argument(
         "--any-way-up",

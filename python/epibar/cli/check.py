@@ -6,8 +6,9 @@ from argparse import Namespace
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
+from .clock_options import add_clock_options
 from .exit_codes import DONE, MOVED, PARTLY, explanation
-from .options import CommandParser, add_output_options, offset, seconds
+from .options import CommandParser, add_output_options
 from .recording_options import add_recording_options, record_options
 
 if TYPE_CHECKING:
@@ -51,21 +52,11 @@ def add_options(command: CommandParser) -> None:
         "a saved recording"
     )
     group = command.add_argument_group("when the cameras were started")
-    group.add_argument(
-        "--time-offset",
-        type=offset,
-        default="auto",
-        metavar="N|auto",
-        help="'auto' finds it; 0: all are synchronised; N, of two cameras: frame i of the first is frame "
+    add_clock_options(
+        group,
+        "N|auto",
+        "'auto' finds it; 0: all are synchronised; N, of two cameras: frame i of the first is frame "
         "i + N of the second (default: auto)",
-    )
-    group.add_argument(
-        "--search-seconds",
-        type=seconds,
-        default=21.0,
-        metavar="S",
-        help="how far either way a time offset is looked for: raise it for cameras started further apart "
-        "(default: %(default)g)",
     )
     command.add_argument(
         "--update",

@@ -26,7 +26,9 @@ FILES = re.compile(r"VIDEO|PATH|\w+\.\w+")
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
-    command.add_argument("shell", choices=("bash", "zsh", "tcsh"))
+    command.add_argument(
+        "shell", choices=("bash", "zsh", "tcsh"), help="the one that is to complete what is typed"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 from typing import TYPE_CHECKING
 
-from ..camera_files.formats import ALIASES
+from ..camera_export.formats import ALIASES
 from ..export.formats import CAMERA_FORMATS, PAIR_FORMATS
 from .exit_codes import DONE
 from .options import CommandParser, add_output_options
@@ -182,7 +182,7 @@ def _followed(folder: Path, run: Run, network: Network, console: Console) -> Wal
 def _walkers(table: Path, unit: str, console: Console) -> WalkerTracks | None:
     """Read the walkers of a run; where they do not fit, it is said, and the cameras go without them."""
     from ..errors import EpibarError
-    from ..network.walker_file import load_tracks
+    from ..network.tracks_csv import load_tracks
 
     try:
         tracks = load_tracks(table)

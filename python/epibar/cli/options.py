@@ -18,12 +18,12 @@ __all__ = [
     "frame_numbers",
     "length",
     "lengths",
-    "offset",
     "positive",
     "positive_pixels",
     "scheduler_address",
     "seconds",
     "seed_number",
+    "time_offset",
 ]
 
 VIDEOS = "videos"
@@ -37,6 +37,8 @@ class CommandParser(argparse.ArgumentParser):
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **{"epilog": EXPLANATION, **options})
+        # argparse of before Python 3.14 takes -1e3 for an option.
+        self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)
         self._takes_videos = False
         self._each: list[str] = []
 
@@ -209,7 +211,7 @@ def positive_pixels(text: str) -> float:
     return _positive_number(text, "pixels")
 
 
-def offset(text: str) -> float | str:
+def time_offset(text: str) -> float | str:
     """Read a time offset."""
     if text in ("auto", "search"):
         return text

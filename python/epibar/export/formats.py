@@ -2,14 +2,14 @@
 
 To add one for pairs: a module with a function that takes a :class:`~epibar.outcome.Run` and a path, writes,
 and returns the files it wrote; and a line in :data:`PAIR_FORMATS`. Cameras in one world have a table of their
-own, :mod:`epibar.camera_files.formats`. The command line, its help and ``epibar formats`` follow the tables.
+own, :mod:`epibar.camera_export.formats`. The command line, its help and ``epibar formats`` follow the tables.
 Standard library only: the command line reads it before anything heavy is imported.
 """
 
 from __future__ import annotations
 
-from ..camera_files.formats import FORMATS as CAMERA_FORMATS
-from ..camera_files.formats import Format
+from ..camera_export.formats import FORMATS as CAMERA_FORMATS
+from ..camera_export.formats import Format
 
 __all__ = ["CAMERA_FORMATS", "FORMATS", "PAIR_FORMATS", "Format"]
 

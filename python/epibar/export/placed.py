@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import Array, PathLike
-from ..camera_files.formats import FORMATS
-from ..camera_files.world import World
+from ..camera_export.formats import FORMATS
+from ..camera_export.world import World
 from ..errors import EpibarError
 from ..geometry.pose import RelativePose
 from ..lens.cameras_toml import load_cameras
@@ -86,7 +86,7 @@ def write_placed(
     run : Run
     path : str or path
     format : str
-        One of those that hold cameras, :mod:`epibar.camera_files.formats`.
+        One of those that hold cameras, :mod:`epibar.camera_export.formats`.
     intrinsics : str or path, optional
         Camera file to take the lenses from; by default that of the run.
 

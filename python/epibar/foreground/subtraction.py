@@ -26,9 +26,9 @@ from .. import _core
 from ..arguments import Image, Mask, core_errors
 from ..errors import EpibarError
 from ..sources.colour_frames import ColourFrames
+from .background_models import FLOOD_LEARNING_RATE, BackgroundModel, largest_difference, new_model
 from .empty_scene import collect, samples_in_memory, steady_background
 from .flooding import FLOOD_SHARE, moving_share
-from .models import FLOOD_LEARNING_RATE, BackgroundModel, largest_difference, new_model
 from .options import ForegroundOptions
 
 __all__ = ["Foreground"]

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -17,13 +15,11 @@ from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
 from .folder import Folder
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
-from .runner import Progress, Runner
+from .runner import Runner
+from .threads import own_threads, thread_count
 from .watch import Watch, default_watch
 
 __all__ = ["AllPairs", "calibrate_all", "run_job"]
-
-THREADS = 4
-"""Tasks at a time without an executor. Each uses all cores already; they fill each other's pauses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,8 +212,8 @@ def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> A
                 f"{lens.name!r}"
             )
     if executor is None:
-        with _own_threads() as (threads, reporting):
-            runner = Runner(job, folder, threads, watch, at_once=_thread_count(), reporting=reporting)
+        with own_threads() as (threads, reporting):
+            runner = Runner(job, folder, threads, watch, at_once=thread_count(), reporting=reporting)
             runner.run()
     else:
         runner = Runner(job, folder, executor, watch)
@@ -241,35 +237,3 @@ def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> A
         results.network_files,
         results.leaves_earlier,
     )
-
-
-def _thread_count() -> int:
-    return min(THREADS, os.cpu_count() or 1)
-
-
-class _Interrupted(BaseException):
-    """Ends a task whose result nobody waits for any more."""
-
-
-@contextmanager
-def _own_threads() -> Iterator[tuple[Executor, Callable[[Progress], Progress]]]:
-    """Threads whose tasks report how far they are, and end early when this is left by an exception."""
-    stop = threading.Event()
-
-    def reporting(progress: Progress) -> Progress:
-        def report(stage: str, share: float) -> None:
-            if stop.is_set():
-                raise _Interrupted
-            progress(stage, share)
-
-        return report
-
-    executor = ThreadPoolExecutor(_thread_count(), thread_name_prefix="epibar-job")
-    try:
-        yield executor, reporting
-    except BaseException:
-        stop.set()
-        # Threads that go on write nothing, and nobody takes what they return.
-        executor.shutdown(wait=False, cancel_futures=True)
-        raise
-    executor.shutdown()

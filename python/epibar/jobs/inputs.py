@@ -16,7 +16,8 @@ from ..errors import EpibarError, address_without_secrets, is_address, printable
 from ..foreground.options import METHODS as FOREGROUNDS
 from ..lens.cameras_toml import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
-from ..network.scaling import check_lengths
+from ..network.metres import check_lengths
+from ..network.pair_choice import ALL_PAIRS
 from ..recording import DEFAULT_LINES, MAX_LINES
 from ..sources.frame_range import FrameRange
 from ..sources.source import source_name
@@ -46,10 +47,6 @@ __all__ = [
 ]
 
 PathLike = str | os.PathLike[str]
-
-FEW = 6
-"""Of so many cameras every pair is searched, as `ALL_PAIRS` of the core has it; of more those that are
-likeliest to see the same."""
 
 RESULT = "calibration.json"
 REPORT = "report.html"
@@ -208,7 +205,7 @@ class Job:
     @property
     def chooses_pairs(self) -> bool:
         """Whether only as many pairs are searched as a network needs."""
-        return len(self.cameras) > FEW and self.pair.method == "frontier" and not self.every_pair
+        return len(self.cameras) > ALL_PAIRS and self.pair.method == "frontier" and not self.every_pair
 
     @property
     def pairs(self) -> list[Pair]:

@@ -11,7 +11,8 @@ from ..calibration import Calibration
 from ..clocks import frame_interval
 from ..network.calibrating import in_metres
 from ..network.joining import join_pairs
-from ..network.offsets import ClockOffsets, find_offsets, pairs_to_search
+from ..network.offsets import ClockOffsets, find_offsets
+from ..network.pair_choice import pairs_to_search
 from ..network.pair_search import offsets_of_pair
 from ..network.result import Network
 from ..recording import Recording

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from ..errors import EpibarError
 from ..network.result import Network
-from ..network.walker_file import load_tracks
+from ..network.tracks_csv import load_tracks
 from ..network.walkers import WalkerTracks, height_on_floor
 from ..outcome.sync import camera_starts, write_starts
 from ..recording import Recording

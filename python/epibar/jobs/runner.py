@@ -31,7 +31,7 @@ from .network_stage import (
     pair_options,
     why_no_network,
 )
-from .results import Results
+from .result_files import Results
 from .returned import checked
 from .stages import CLOCKS, NETWORK, STAGES, Stopped, Task
 from .store import Store

@@ -24,7 +24,7 @@ from ..outcome.stored import Stored, entries
 from ..recording import Recording
 from ..report.inputs import NetworkReport, ReportCamera, ReportPair
 from ..report.page import write_report
-from ..report.tracks_file import read_tracks
+from ..report.walker_lines import read_tracks
 from ..sources import pictures
 from ..sources.pictures import Pictures
 from .folder import Folder

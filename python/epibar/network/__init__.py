@@ -9,7 +9,8 @@ from .calibrating import calibrate_network
 from .checking import CameraCheck, NetworkCheck, NewPlace
 from .joining import join_pairs
 from .knowledge import KnownCamera
-from .offsets import ClockOffsets, find_offsets, pairs_to_search
+from .offsets import ClockOffsets, find_offsets
+from .pair_choice import pairs_to_search
 from .pair_search import search_pairs
 from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, Scale
 from .result import Network

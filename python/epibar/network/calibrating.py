@@ -11,11 +11,12 @@ from ..calibration import SEARCH_SECONDS, calibrate
 from ..errors import EpibarError
 from .joining import join_pairs
 from .knowledge import KnownCamera, has_focal, knowledge_of
-from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_search
+from .metres import check_lengths
+from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
+from .pair_choice import pairs_to_search
 from .pair_search import offsets_of_pair, search_pairs
 from .recordings import Recordings, named_recordings
 from .result import Network
-from .scaling import check_lengths
 from .stages import Progress, as_stage, of_pairs
 
 __all__ = ["calibrate_network", "in_metres"]
@@ -45,7 +46,8 @@ def calibrate_network(
         By the names of the cameras, over the same time. One whose lens was taken out knows its camera matrix;
         of the others nothing need be known.
     seed : int
-        Of every random draw. The result depends on it and the recordings, not on the number of threads.
+        Of every random draw of the search; how flat motion is judged does not depend on it. The result
+        depends on it and the recordings, not on the number of threads.
     time_offset : "auto", float, or mapping of str to float
         "auto" (also "search") finds an offset for each clock, and whether all cameras started together. 0.0
         says that they did. Seconds by name: what is at t in the first camera is at t + seconds in this one;

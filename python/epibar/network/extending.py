@@ -15,7 +15,8 @@ from ..recording import Recording
 from .checking import UNMOVED, NetworkCheck, check_network, stored_camera
 from .core_parts import camera_of, clock_of, pair_of
 from .knowledge import KnownCamera, knowledge_of
-from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets, pairs_to_add
+from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
+from .pair_choice import pairs_to_add
 from .pair_search import pair_to_core, search_pairs
 from .parts import NetworkCamera, NetworkClock, NetworkPair, NetworkPairs, NetworkParts
 from .recordings import Recordings, named_recordings

@@ -14,7 +14,7 @@ from ..errors import EpibarError
 from ..recording import Recording
 from .recordings import Recordings, films_of
 
-__all__ = ["ClockOffsets", "as_offsets", "find_offsets", "given_offsets", "pairs_to_add", "pairs_to_search"]
+__all__ = ["ClockOffsets", "as_offsets", "find_offsets", "given_offsets"]
 
 GRID = _core.GRID
 """Seconds. A search starts from a found offset rounded to this, which it sharpens anyway: so the same search
@@ -134,36 +134,3 @@ def find_offsets(
     with core_errors():
         seconds, together, given = _core.clock_offsets([one._core for one in films], reach, progress)
     return ClockOffsets(tuple(seconds), together, given)
-
-
-def pairs_to_search(recordings: Recordings, offsets: ClockOffsets) -> list[tuple[int, int]]:
-    """Choose pairs that are worth a search: all of few cameras, of many those likeliest to see the same.
-
-    Parameters
-    ----------
-    recordings : mapping of str to Recording, or sequence of Recording
-    offsets : ClockOffsets
-        Of their clocks; pairs of which nothing tells the offset are left out.
-
-    Returns
-    -------
-    list of (int, int)
-        Places a < b among the recordings.
-
-    Raises
-    ------
-    EpibarError
-        An argument is of the wrong kind, or there are more or fewer clocks than recordings.
-    """
-    films = films_of(recordings)
-    clocks = as_offsets(offsets, len(films)).to_core()
-    with core_errors():
-        return _core.pairs_to_search([one._core for one in films], clocks)
-
-
-def pairs_to_add(
-    recordings: Sequence[Recording], stored: int, offsets: ClockOffsets
-) -> list[tuple[int, int]]:
-    """Places a < b of the pairs of a stored and a new camera worth a search; the stored ones come first."""
-    with core_errors():
-        return _core.pairs_to_add([one._core for one in recordings], stored, offsets.to_core())

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from .. import _core
 from ..arguments import Array
-from ..camera_files.world import METRE
+from ..camera_export.world import METRE
 from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics, rotation_vector
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from ..calibration import SEARCH_SECONDS
-from ..camera_files.formats import FORMATS
-from ..camera_files.world import World
+from ..camera_export.formats import FORMATS
+from ..camera_export.world import World
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
 from ..geometry.correspondences import FrontierPoints
@@ -19,11 +19,11 @@ from ..lens.intrinsics import Intrinsics
 from .checking import NetworkCheck, check_network
 from .extending import extend, with_added
 from .knowledge import KnownCamera
+from .metres import rescaled
 from .offsets import TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
 from .recordings import Recordings
 from .saved import as_dict, as_file, network_from
-from .scaling import rescaled
 from .stages import Progress
 from .start_times import StartTime, start_times
 from .two_views import two_views

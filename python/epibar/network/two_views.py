@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ..arguments import Array
-from ..camera_files.two_views import TwoViews
+from ..camera_export.two_views import TwoViews
 from ..errors import EpibarError
 from ..geometry.correspondences import FrontierPoints
 from ..lens.intrinsics import Intrinsics

@@ -12,8 +12,8 @@ import numpy as np
 
 from .. import _core
 from ..arguments import Array, Bits, Index, core_errors
-from ..camera_files.two_views import TwoViews
-from ..camera_files.ways import Way
+from ..camera_export.two_views import TwoViews
+from ..camera_export.ways import Way
 from ..errors import EpibarError
 from ..files.archive import write_archive
 from ..files.csv_table import csv_text, write_csv_table

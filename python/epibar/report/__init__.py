@@ -17,7 +17,7 @@ verdicts) it says without.
 from .inputs import NetworkReport, ReportCamera, ReportPair
 from .page import write_report
 from .pair_picture import draw_pair, write_pair_picture
-from .tracks_file import read_tracks
+from .walker_lines import read_tracks
 
 __all__ = [
     "NetworkReport",

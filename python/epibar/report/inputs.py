@@ -9,7 +9,7 @@ from ..calibration import Calibration
 from ..network.parts import NetworkParts
 from ..recording import Recording
 from ..sources.pictures import Pictures
-from .tracks_file import Track
+from .walker_lines import Track
 
 __all__ = ["NetworkReport", "ReportCamera", "ReportPair"]
 

@@ -8,9 +8,9 @@ from html import escape
 
 from ..network.parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
 from ..network.prose import network_notes
-from .cameras_in_space import field_of_view, focal_length, tilt
-from .space import grid_step, magnification
-from .tracks_file import Track
+from .camera_angles import field_of_view, focal_length, tilt
+from .space_payload import grid_step, magnification
+from .walker_lines import Track
 
 __all__ = ["VERDICTS", "camera_table", "network_section", "no_network_note"]
 

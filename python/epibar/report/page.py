@@ -20,7 +20,7 @@ from .network_table import network_section, no_network_note
 from .overview import camera_cards, error_list, legend, matrix, summary
 from .payload import camera_entry, pair_entries
 from .pictures import data_url, heat_picture, pictures_within
-from .space import space_entry
+from .space_payload import space_entry
 
 __all__ = ["SIZE_LIMIT", "write_report"]
 

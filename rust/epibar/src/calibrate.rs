@@ -9,10 +9,10 @@ use crate::clock::{Aligned, Clocks, TimeOffset, Timing};
 use crate::error::Result;
 use crate::frontier::{Views, busy_frames};
 use crate::hypotheses::{Draws, LineModel};
-use crate::lines::{self, Filmed};
 use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
+use crate::search::by_lines::{self, Filmed};
 use crate::search::{Found, SearchOptions, Solution, TrainingSet, search, settle};
 use crate::verify::second_look::Earlier;
 use crate::verify::split::{self, Fold, Split};
@@ -198,7 +198,7 @@ impl<'a> Pair<'a> {
         let all = Filmed { recordings, frames: &self.common, candidates };
         let fitted = Filmed { recordings, frames: &seen.split.fitted, candidates: &fitted };
         let CalibrateOptions { draws, seed, .. } = *self.options;
-        lines::search(&all, &fitted, &seen.all, draws, seed, watch)
+        by_lines::search(&all, &fitted, &seen.all, draws, seed, watch)
     }
 
     fn calibration(

@@ -29,6 +29,7 @@ pub use crate::network::clocks::{GRID, MOST_DRIFT};
 pub use crate::network::input::TANGENTIAL;
 pub use crate::network::optics::Optics;
 pub use crate::network::pair::{RIVAL_SHARE, RIVALS};
+pub use crate::network::pair_choice::ALL_PAIRS;
 pub use crate::network::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
 pub use crate::network::support::PAIR_DEVIATES;
 pub use crate::options::{MAX_EXPECTED_ERROR, SEARCH_SECONDS};

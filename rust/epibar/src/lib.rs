@@ -69,7 +69,6 @@ mod hypotheses;
 mod image;
 #[doc(hidden)]
 pub mod internals;
-mod lines;
 mod matching;
 pub mod network;
 mod options;

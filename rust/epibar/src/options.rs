@@ -4,6 +4,7 @@ use crate::clock::TimeOffset;
 use crate::error::{Error, Result};
 use crate::geometry::CameraMatrices;
 use crate::matching::CandidateOptions;
+use crate::verify::thresholds::MIN_CANDIDATES;
 
 /// A result that states a larger error, pixels, is refused unless something else is said.
 pub const MAX_EXPECTED_ERROR: f64 = 3.0;
@@ -30,9 +31,6 @@ impl Method {
         }
     }
 }
-
-/// Fewest candidates that may be asked for: those that make a pencil.
-const MIN_CANDIDATES: usize = 3;
 
 /// Options of [`calibrate`](fn@crate::calibrate).
 ///

@@ -25,7 +25,7 @@ const SEAM: f64 = 0.2;
 /// What is found without them is the same within so many seconds: barcodes find an offset to a frame or two.
 const PARTS_AGREE: f64 = 0.1;
 /// Fewest common frames at which an offset is looked at.
-const MIN_FRAMES: usize = 16;
+const LEAST_COMMON: usize = 16;
 
 /// Two recordings and what is known of their clocks, while geometries for them are found.
 ///
@@ -193,7 +193,7 @@ impl<'a> Clocks<'a> {
         let score = |k: i32| {
             let aligned = self.aligned_at(moved(k));
             let pairs = aligned.frame_pairs();
-            if pairs.len() < MIN_FRAMES {
+            if pairs.len() < LEAST_COMMON {
                 return f64::NEG_INFINITY;
             }
             let busy = busy_frames(self.a, self.b, &pairs, Some(FRAMES));

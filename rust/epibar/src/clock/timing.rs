@@ -11,7 +11,7 @@ use crate::recording::Recording;
 pub enum TimeOffset {
     /// Frame 0 of A falls this many frames of B after frame 0 of B.
     Known(f64),
-    /// As [`TimeOffset::Known`], but to a frame or two: it is sharpened with the geometry.
+    /// Frame 0 of A falls about this many frames of B after frame 0 of B, to a frame or two: it is sharpened with the geometry.
     About(f64),
     /// Found from the barcodes, within this many seconds either way.
     Search {

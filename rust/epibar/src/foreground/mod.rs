@@ -4,11 +4,11 @@
 //! Frames are row-major BGR, three bytes a pixel; a mask is one byte a pixel, 0 or 1.
 
 mod cleaning;
+mod empty_scene;
 mod mixture;
 mod pixel;
-mod steady;
 
 pub use cleaning::{Cleaning, clean, close, majority};
+pub use empty_scene::steady_background;
 pub use mixture::Mixture;
 pub use pixel::MixtureOptions;
-pub use steady::steady_background;

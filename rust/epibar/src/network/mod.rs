@@ -15,10 +15,7 @@
 //!
 //! * `check`: whether a camera has moved, and where it stands now.
 //! * `add`: one more camera.
-//! * `tracks`: walkers over time.
-//!
-//! The tools are in another order, as a camera that is given is a camera that is solved for: `thresholds`, `model`, `given`, `observations`,
-//! `solve`, `evidence`, and then the rest. Each imports from those before it only.
+//! * `walkers`: who walks, over all cameras and over time.
 //!
 //! ```no_run
 //! use epibar::network::{CameraInput, NetworkOptions, calibrate_network};
@@ -53,8 +50,8 @@ mod observations;
 mod result;
 mod solve;
 mod thresholds;
-mod tracks;
 mod verdict;
+mod walkers;
 
 pub use add::{Added, add_cameras, pairs_to_add};
 pub use calibrate::{
@@ -68,11 +65,11 @@ pub use given::clocks::Offsets;
 pub use given::input::{Aspect, CameraInput, Knowledge};
 pub use given::pair::PairFound;
 pub use given::posed::PosedCamera;
-pub(crate) use given::{clocks, input, pair};
+pub(crate) use given::{clocks, input, pair, pair_choice};
 pub use join::join;
 pub(crate) use model::optics;
 pub use result::{
     CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus, Place,
 };
 pub use solve::world::Ground;
-pub use tracks::{TrackPoint, TrackSighting, TrackingCamera, walker_tracks};
+pub use walkers::{TrackPoint, TrackSighting, TrackingCamera, walker_tracks};

@@ -4,7 +4,7 @@
 //!
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
-//!    [`silhouettes`] keeps the hulls; [`outline`] adds what a lens needs beyond them, [`mod@fill`] tells people from boxes and ellipses.
+//!    [`silhouettes`] keeps the hulls; [`lens_corners`] adds what a lens needs beyond them, [`mod@fill`] tells people from boxes and ellipses.
 //! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 512 frames into one cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
@@ -17,7 +17,7 @@ pub mod barcode_words;
 pub mod components;
 pub mod fill;
 pub mod hull;
-pub mod outline;
+pub mod lens_corners;
 pub mod parts;
 pub mod recorder;
 #[allow(clippy::module_inception, reason = "the recording itself, beside what makes one")]

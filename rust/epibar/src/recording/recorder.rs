@@ -7,7 +7,7 @@
 use super::barcode::Barcodes;
 use super::barcode_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
 use super::components::Components;
-use super::outline::OutlineFinder;
+use super::lens_corners::OutlineFinder;
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;

@@ -5,7 +5,7 @@
 
 use super::components::Components;
 use super::hull::convex_hull;
-use super::outline::OutlineFinder;
+use super::lens_corners::OutlineFinder;
 use super::visible::on_border;
 use crate::error::{Error, Result};
 use crate::image::ImageSize;

@@ -36,20 +36,21 @@ pub struct Evidence {
     /// How far four fifths of the bottoms that meet lie from any straight line, in widths of a silhouette, in the image in which that is
     /// less: small on one path; NaN where that was not asked.
     pub spread_of_bottoms: f64,
-    /// How far from the plane of the bottoms the tops lie, the median of those that do not meet by chance, in widths of a silhouette, or in 30 px of
-    /// a 640×480 image where it is narrower: small in one plane, on a bare floor and without a baseline; NaN where that was not asked.
+    /// How far the tops that meet lie from the plane of the bottoms, their median with chance meetings taken off. In widths of a
+    /// silhouette, of at least 30 px in a 640×480 image. Small in one plane, on a bare floor and without a baseline; NaN where that
+    /// was not asked.
     pub tops_off_floor: f64,
     /// How far `F` may turn about the plane that half of the frontier points keep to without losing evidence: median over either
     /// image of the symmetric epipolar distance, pixels. 0 where it may not, or they keep to no plane; NaN where that was not
     /// asked.
     pub may_turn: f64,
-    /// The evidence before or after some moment as a share of what another geometry has there, or where none explains anything of
-    /// what there is on the other side, the least that any moment gives; 1 where no side is the worse, or it may be so though
-    /// nothing moved; NaN where that was not asked.
+    /// Whether the cameras stood still. At some moments the recording is cut in two, and the evidence on the worse side is divided
+    /// by that of whichever geometry explains that side best; this is the least of these shares. 1 where neither side is worse
+    /// than chance explains, near 0 where a camera was moved; NaN where that was not asked.
     pub holds: f64,
-    /// What is refined on the first half of the recording from what is refined on the second, mean symmetric epipolar distance over
-    /// the volume where things moved, pixels; 0 where neither half asks for another geometry than all of it; NaN where that was
-    /// not asked.
+    /// How far the two halves of the recording disagree: `F` is refined on either, and this is the mean symmetric epipolar distance
+    /// between the two over the volume where things moved, pixels. 0 where neither half has more evidence for its own than for the
+    /// `F` of the whole; NaN where that was not asked.
     pub halves_apart: f64,
     /// How much both cameras' barcodes resemble those of a later moment at which others are in the places, a correlation; NaN
     /// where that was not asked.

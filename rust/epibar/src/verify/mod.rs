@@ -5,7 +5,7 @@
 //! * `case`, `second_look`: what is tested on what, and what other frames gave.
 //! * `evidence`: the numbers that this gives.
 //! * `repetition`: does what moves look the same with others in its place?
-//! * `throughout`, `sides`, `moved`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
+//! * `throughout`, `sides`, `turned_in_part`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
 //! * `halves`: does either half ask for another geometry?
 //! * `planarity`, `plane`, `turning`: does one plane explain everything, which one is it, and how far may `F` turn about it?
 //! * `room`: has what moves the depth of a room?
@@ -25,7 +25,6 @@ mod expected_error;
 mod findings;
 mod halves;
 mod independence;
-mod moved;
 mod over_image;
 pub mod planarity;
 mod plane;
@@ -40,6 +39,7 @@ pub mod split;
 pub mod thresholds;
 mod throughout;
 pub mod trials;
+mod turned_in_part;
 pub mod turning;
 pub mod untestable;
 pub mod verdict;

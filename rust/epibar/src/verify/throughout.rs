@@ -4,11 +4,11 @@
 //! that is filmed from now on. Then little meets before some moment or after it. So it does where each camera sees what the other
 //! does not for a while; but there no other geometry explains more, or one of them sees less.
 
-use super::moved::moved_for;
 use super::sides::{MOMENTS, PARTS, SHIFTS, beyond_chance, rate};
 use super::thresholds::{
     HOLDS_AS_MUCH, HOLDS_CLEAR, HOLDS_DIFFERS, HOLDS_LESS, HOLDS_NOTHING, HOLDS_OTHER, HOLDS_SHOWS,
 };
+use super::turned_in_part::moved_for;
 use crate::error::Result;
 use crate::frontier::{Comparer, Views};
 use crate::geometry::Fundamental;
@@ -45,9 +45,10 @@ impl Side {
     }
 }
 
-/// The evidence in one part of the recording as a share of what another geometry has there, the least that any moment between two parts
-/// gives, or where none explains anything of what there is in the other part; 1 where as much meets on either side of each moment, or
-/// what is missing may never have been there. NaN where the evidence is no number.
+/// Whether `F` explains the recording from its start to its end. It is cut in two at each of some moments; where the rate of what meets
+/// is lower on one side, the evidence there is divided by that of a geometry which explains that side better. The least of these shares
+/// is returned: 1 where as much meets on either side of each moment, or what is missing may never have been there. NaN where the evidence
+/// is no number.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).

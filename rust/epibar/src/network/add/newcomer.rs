@@ -9,9 +9,9 @@ use crate::network::evidence::alternatives::alternatives;
 use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance_with_principal_points;
 use crate::network::evidence::doubts::{doubts, with_doubts};
-use crate::network::evidence::halves;
 use crate::network::evidence::knocks::knocked;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
+use crate::network::evidence::slight_knocks;
 use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::support::{Deviates, Support};
 use crate::network::given::input::{AS_SOLD, PRINCIPAL_LEVELS};
@@ -148,7 +148,7 @@ impl<'a> Newcomer<'a> {
         if let Some(at) = knocked(some, &now.network, limits::KNOCKED)[self.camera] {
             return out(CameraStatus::Knocked, Some(at));
         }
-        let little = halves::knocked_a_little(&self.case.observed, some, now);
+        let little = slight_knocks::knocked_a_little(&self.case.observed, some, now);
         if let Some((_, at)) = little.filter(|(camera, _)| *camera == self.camera) {
             return out(CameraStatus::Knocked, Some(at));
         }

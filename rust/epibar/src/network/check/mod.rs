@@ -5,12 +5,12 @@
 //! compared; the one that clearly explains most is put where it stands now, and the others are asked again, until none moves any more.
 //!
 //! * `stretch`: new footage from some moment on.
-//! * `moves`, `zoom`: another pose of one camera, another focal length, and what that explains.
+//! * `one_camera`, `zoom`: another pose of one camera, another focal length, and what that explains.
 //! * `which_moved`: which camera moved.
 //! * `replace`: where those that moved stand now.
 //! * `prose`: sentences.
 
-mod moves;
+mod one_camera;
 mod prose;
 mod replace;
 mod stretch;

@@ -1,6 +1,6 @@
 //! What new footage says of a camera, as a result with its sentence.
 
-use super::moves::Move;
+use super::one_camera::Move;
 use super::replace::{NoPlace, Replaced};
 use super::which_moved::Judged;
 use crate::network::observations::observed::Observed;

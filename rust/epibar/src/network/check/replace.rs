@@ -1,6 +1,6 @@
 //! Where cameras that moved stand now: all of them solved for at once, with those that did not move held.
 
-use super::moves::{Move, PARTS, deviates, focal_error, freed, pose_error};
+use super::one_camera::{Move, PARTS, deviates, focal_error, freed, pose_error};
 use super::stretch::FRAMES;
 use super::which_moved::Judged;
 use crate::network::evidence::covariance::{Covariance, covariance};

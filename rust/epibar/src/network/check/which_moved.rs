@@ -5,7 +5,7 @@
 //! its pair with that camera at the most, and spoils pairs that stand. Three cameras of which one moved along the line to another
 //! form a triangle of the same shape: then two explanations are equal, and either may be the true one.
 
-use super::moves::{CLOSE, Move, PARTS, Standing, StretchCase, deviates};
+use super::one_camera::{CLOSE, Move, PARTS, Standing, StretchCase, deviates};
 use super::stretch::Stretch;
 use crate::error::Result;
 use crate::network::model::camera::Camera;

@@ -1,7 +1,7 @@
 //! What speaks for a network that was solved for, and how wrong it may be.
 //!
 //! * `support`: what speaks for each camera on moments kept aside.
-//! * `knocks`, `halves`: was a camera knocked far while it filmed, or turned a little at half time?
+//! * `knocks`, `slight_knocks`: was a camera knocked far while it filmed, or turned a little at half time?
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
 //! * `stated_errors`: errors to expect of each camera.
@@ -13,8 +13,8 @@ pub mod alternatives;
 pub mod contradictions;
 pub mod covariance;
 pub mod doubts;
-pub mod halves;
 pub mod knocks;
 pub mod outlines;
+pub mod slight_knocks;
 pub mod stated_errors;
 pub mod support;

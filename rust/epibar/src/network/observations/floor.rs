@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::walkers::Upright;
+use super::figures::Upright;
 use crate::geometry::median::{deviation, median};
 use crate::network::thresholds as limits;
 

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 
 use super::ends::CameraView;
 use super::evenly::evenly;
+use super::figures::{PairFigures, figures};
 use super::observed::Observed;
 use super::tangents::{PairTangents, Score};
-use super::walkers::{PairFigures, figures};
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::PairMeetings;

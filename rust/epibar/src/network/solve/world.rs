@@ -9,9 +9,9 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 use super::relocate::Placed;
 use crate::network::model::camera::Camera;
 use crate::network::observations::evenly::evenly;
+use crate::network::observations::figures;
 use crate::network::observations::floor::Floor;
 use crate::network::observations::survey::Survey;
-use crate::network::observations::walkers;
 use crate::network::thresholds as limits;
 
 /// Where the vertical of a network comes from.
@@ -59,7 +59,7 @@ pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
     for found in survey.figures(&network.cameras, &pairs, radius) {
         let (a, b) = (&network.cameras[found.a], &network.cameras[found.b]);
         let some = evenly(found.figures.len(), most).map(|k| &found.figures[k]);
-        upright.extend(some.filter_map(|figure| walkers::upright(a, b, figure)));
+        upright.extend(some.filter_map(|figure| figures::upright(a, b, figure)));
     }
     let floor = Floor::of(&upright)?;
     (floor.unevenness < limits::FLOOR_UNEVEN && floor.lean < limits::FLOOR_LEANING).then_some(floor)

@@ -1,8 +1,8 @@
 //! What is decided of each camera, test by test: which are taken out of a network, and what is said of those that stand.
 
 use crate::network::case::Out;
-use crate::network::evidence::halves;
 use crate::network::evidence::knocks::knocked;
+use crate::network::evidence::slight_knocks;
 use crate::network::evidence::stated_errors::Expected;
 use crate::network::evidence::support::Support;
 use crate::network::observations::observed::Observed;
@@ -84,7 +84,7 @@ fn knocked_a_little(f: &NetworkFindings) -> Vec<Out> {
     if f.stand().len() <= 2 {
         return Vec::new();
     }
-    let found = halves::knocked_a_little(f.observed, f.survey, f.solved);
+    let found = slight_knocks::knocked_a_little(f.observed, f.survey, f.solved);
     found.map(|(camera, at)| f.out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
 }
 

@@ -1,7 +1,7 @@
 """The programs that cameras in one world are written for, one module of this package each.
 
 To add one: a module with a function that takes a sequence of :class:`~epibar.Intrinsics` with rotations and
-translations, a path and the :class:`~epibar.camera_files.world.World` they stand in, writes, and returns the
+translations, a path and the :class:`~epibar.camera_export.world.World` they stand in, writes, and returns the
 files it wrote; and a line in :data:`FORMATS`. The command line, its help and ``epibar formats`` follow the
 table. Standard library only: the command line reads it before anything heavy is imported.
 """

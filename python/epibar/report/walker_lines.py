@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..arguments import Array
 from ..errors import EpibarError
-from ..network.walker_file import load_tracks
+from ..network.tracks_csv import load_tracks
 
 __all__ = ["Track", "read_tracks"]
 

@@ -206,7 +206,7 @@ class Results:
         """Write report.html."""
         from ..report.inputs import NetworkReport, ReportCamera, ReportPair
         from ..report.page import write_report
-        from ..report.tracks_file import read_tracks
+        from ..report.walker_lines import read_tracks
 
         job = self._job
         cameras = [

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..arguments import Array
+from ..network.metres import IN_SPACE
 from ..network.parts import NetworkCamera, NetworkParts
-from ..network.scaling import IN_SPACE
-from .cameras_in_space import image_corners
+from .camera_angles import image_corners
 from .inputs import ReportPair
-from .tracks_file import Track
+from .walker_lines import Track
 
 __all__ = ["grid_step", "magnification", "nice", "space_entry"]
 

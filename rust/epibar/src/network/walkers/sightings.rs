@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use super::triangulate::{Ray, covariance};
 use crate::network::model::camera::Camera;
 use crate::network::observations::ends::{CameraView, Ends, ends, wrapped};
+use crate::network::observations::figures::triangulated;
 use crate::network::observations::observed::{Between, Observed};
-use crate::network::observations::walkers::triangulated;
 use crate::recording::visible::on_border;
 
 /// Below this share of up in a tangent's normal, top and bottom mean nothing.

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::{Found, Solution};
 use crate::error::Result;
 use crate::frontier::Views;
 use crate::frontier::volume::{Correspondence, disagreement, moving_correspondences};
@@ -9,7 +10,6 @@ use crate::geometry::Fundamental;
 use crate::hypotheses::{Estimator, LineModel, Source, ransac};
 use crate::matching::{Candidates, Pencils};
 use crate::recording::{FramePair, Recording};
-use crate::search::{Found, Solution};
 use crate::watch::{Stage, Watch, report};
 
 /// The hypotheses with most inliers, whose pencils are looked at.
