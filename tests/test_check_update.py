@@ -83,6 +83,15 @@ def test_what_changes_and_what_stays(core):
     assert (net.cameras["cam2"].rotation == before.rotation).all()
 
 
+def test_a_check_of_before_is_refused(core):
+    net = network().scaled(distance=("cam1", "cam3", 4.0, 0.01))
+    check = check_of(core, net, cam2=replaced(net.cameras["cam2"], ["cam1", "cam3"]))
+    longer = network().scaled(distance=("cam1", "cam3", 5.0, 0.01))
+    with pytest.raises(EpibarError, match=r"cam\d does not stand where it did .* check again"):
+        longer.updated(check)
+    assert net.updated(check).cameras["cam2"] is not net.cameras["cam2"]
+
+
 def test_the_focal_length_stays_as_well_known_where_it_stays(core):
     net = network()
     now = net.updated(check_of(core, net, cam2=replaced(net.cameras["cam2"], ["cam1", "cam3"], False)))

@@ -134,11 +134,14 @@ class NetworkCheck:
         The other cameras of the network, and why they were not looked at.
     unit : str
         Of ``shifted``: that of the network.
+    positions : dict of str to ndarray, shape (3,), float64
+        Where the network had the cameras that were looked at: new places are beside these.
     """
 
     cameras: dict[str, CameraCheck]
     left_out: dict[str, str] = field(default_factory=dict)
     unit: str = ""
+    positions: dict[str, Array] = field(default_factory=dict)
 
     @property
     def moved(self) -> list[str]:
@@ -214,7 +217,8 @@ def check_network(
             [one._core for one in checked], names, cameras, offsets.to_core(), as_stage("check", progress)
         )
     answers = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
-    return NetworkCheck(answers, left_out, network.unit)
+    positions = {name: position for name in names if (position := network.cameras[name].position) is not None}
+    return NetworkCheck(answers, left_out, network.unit, positions)
 
 
 def _answer(one: Mapping[str, Any], film: Recording) -> CameraCheck:

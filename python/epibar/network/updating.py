@@ -31,6 +31,13 @@ def moved_parts(network: NetworkParts, check: NetworkCheck) -> tuple[dict[str, N
         raise EpibarError(
             f"the check is in the unit {check.unit}, the network in {network.unit}; check again"
         )
+    for name, position in check.positions.items():
+        now = network.cameras[name].position if name in network.cameras else None
+        if now is None or not np.allclose(now, position, rtol=1e-9, atol=1e-9):
+            raise EpibarError(
+                f"{name} does not stand where it did when the network was checked: it has other metres, or was "
+                "updated, since; check again"
+            )
     standing = [
         camera
         for name, camera in network.cameras.items()

@@ -74,7 +74,7 @@ pub(super) struct Out {
     pub(super) camera: usize,
     pub(super) status: CameraStatus,
     pub(super) deviates: Deviates,
-    /// Share of its recording at which it was knocked.
+    /// Seconds of its own film at which it was knocked.
     pub(super) at: Option<f64>,
 }
 

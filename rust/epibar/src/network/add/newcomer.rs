@@ -71,7 +71,16 @@ impl<'a> Newcomer<'a> {
         let (status, out) = match &found {
             Ok(FoundCamera { contradicted, expected, rig, .. }) => {
                 let contradicted = contradicted.is_some();
-                (status(&CameraFindings { rivalled: false, contradicted, expected, rig: *rig }), None)
+                (
+                    status(&CameraFindings {
+                        rivalled: false,
+                        contradicted,
+                        pair_refused: false,
+                        expected,
+                        rig: *rig,
+                    }),
+                    None,
+                )
             }
             Err(out) => (out.status, Some(out)),
         };
@@ -145,12 +154,13 @@ impl<'a> Newcomer<'a> {
         if !self.is_confirmed(support) {
             return out(CameraStatus::NothingInCommon, None);
         }
+        let film = |time: f64| now.network.cameras[self.camera].clock_at(time);
         if let Some(at) = knocked(some, &now.network, limits::KNOCKED)[self.camera] {
-            return out(CameraStatus::Knocked, Some(at));
+            return out(CameraStatus::Knocked, Some(film(at)));
         }
         let little = slight_knocks::knocked_a_little(&self.case.observed, some, now);
         if let Some((_, at)) = little.filter(|(camera, _)| *camera == self.camera) {
-            return out(CameraStatus::Knocked, Some(at));
+            return out(CameraStatus::Knocked, Some(film(at)));
         }
         let rivalled = rivals
             .iter()

@@ -89,8 +89,7 @@ pub fn check_network(
     Ok((0..cameras.len())
         .zip(places)
         .map(|(c, place)| {
-            let seen =
-                NewFootage { names: &names, observed: &observed[c], deviate: support.cameras[c].tangents };
+            let seen = NewFootage { names: &names, deviate: support.cameras[c].tangents };
             said(c, &seen, &judged, place)
         })
         .collect())

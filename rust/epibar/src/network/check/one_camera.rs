@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
-use super::stretch::Stretch;
+use super::stretch::{PARTS, Stretch};
 use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
@@ -24,8 +24,6 @@ pub const ROUGH: f64 = 8.0;
 const SOLVED: usize = 2;
 /// Radius from which the best of these is solved for on all frames, pixels of a 640×480 image.
 pub const CLOSE: f64 = 6.0;
-/// Parts of the footage by which poses are compared.
-pub const PARTS: usize = 48;
 
 /// Another pose or focal length of a camera.
 #[derive(Debug, Clone, Copy)]
@@ -51,8 +49,10 @@ pub struct Move {
     pub better: f64,
     /// Part of the stretch from which on it does.
     pub from: usize,
-    /// Where that part begins, as a share of all footage.
+    /// When that part begins, the network's time.
     pub since: f64,
+    /// What is compared before that, as a share of all.
+    pub before: f64,
 }
 
 impl Move {
@@ -73,7 +73,8 @@ impl Move {
             gain: 0.0,
             better: 0.0,
             from: 0,
-            since: 0.0,
+            since: f64::NEG_INFINITY,
+            before: 0.0,
         }
     }
 
@@ -95,7 +96,7 @@ impl Move {
 
     /// Whether it was filmed.
     pub fn is_within(&self) -> bool {
-        self.since > limits::MOVED_LATER
+        self.before > limits::MOVED_LATER
     }
 
     /// Whether so much speaks for a move in the midst of the footage, which is asked for at every moment of it.
@@ -133,7 +134,7 @@ impl Standing {
     /// That of cameras over a stretch of footage.
     pub fn of(stretch: &Stretch, network: &Placed) -> Self {
         let pairs = network.pairs();
-        let parts = stretch.all.excess_of_pairs(&network.cameras, &pairs, limits::COMPARED);
+        let parts = stretch.all.excess_of_pairs(&network.cameras, &pairs, limits::COMPARED, &stretch.parts);
         Self { pairs, parts }
     }
 
@@ -265,7 +266,8 @@ impl StretchCase<'_> {
 
     /// Excess over chance of the pairs of a camera that is at some place, part by part.
     pub fn parts(&self, camera: usize, at: Camera) -> [f64; PARTS] {
-        self.stretch.all.excess_by_part(&self.with(camera, at), &self.pairs_of(camera), limits::COMPARED)
+        let Stretch { all, parts, .. } = self.stretch;
+        all.excess_by_part(&self.with(camera, at), &self.pairs_of(camera), limits::COMPARED, parts)
     }
 
     /// How much better the footage agrees with a camera that moved, and from when on.
@@ -279,8 +281,8 @@ impl StretchCase<'_> {
         // Where the sum from here on is greatest it began.
         let tail = |from: usize| better[from..].iter().sum::<f64>();
         let from = (0..PARTS).max_by(|&p, &q| tail(p).total_cmp(&tail(q)).then(q.cmp(&p))).unwrap_or(0);
-        let since = self.stretch.share(from as f64 / PARTS as f64);
-        Move { gain: deviates(&better[from..]), better: tail(from), from, since, ..*found }
+        let (since, before) = (self.stretch.parts.start(from), self.stretch.before_part(from));
+        Move { gain: deviates(&better[from..]), better: tail(from), from, since, before, ..*found }
     }
 }
 

@@ -3,7 +3,6 @@
 use super::one_camera::Move;
 use super::replace::{NoPlace, Replaced};
 use super::which_moved::Judged;
-use crate::network::observations::observed::Observed;
 use crate::network::result::{CameraCheck, CheckStatus};
 use crate::network::thresholds as limits;
 
@@ -11,8 +10,6 @@ use crate::network::thresholds as limits;
 pub struct NewFootage<'o> {
     /// Names of all cameras.
     pub names: &'o [&'o str],
-    /// Its silhouettes.
-    pub observed: &'o Observed,
     /// What it has in common with the others, as a normal deviate.
     pub deviate: f64,
 }
@@ -26,9 +23,9 @@ pub fn said(camera: usize, seen: &NewFootage, judged: &Judged, replaced: Replace
     let found = judged.found[camera].as_ref();
     let rivals: Vec<&str> = judged.rivals[camera].iter().map(|&r| seen.names[r]).collect();
     let status = judged.status(camera, seen.deviate);
-    let seconds = seen.observed.times.last().copied().unwrap_or(0.0);
+    let film = |time: f64| judged.now.cameras[camera].clock_at(time);
     let moved = matches!(status, CheckStatus::Moved | CheckStatus::Suspect);
-    let since = found.filter(|f| moved && f.is_within()).map(|f| f.since * seconds);
+    let since = found.filter(|f| moved && f.is_within()).map(|f| film(f.since));
     let of = |value: fn(&Move) -> f64| found.map_or(f64::NAN, value);
     let reason = match (status, found) {
         (CheckStatus::Moved, Some(found)) => {

@@ -1,7 +1,7 @@
 //! Where cameras that moved stand now: all of them solved for at once, with those that did not move held.
 
-use super::one_camera::{Move, PARTS, deviates, focal_error, freed, pose_error};
-use super::stretch::FRAMES;
+use super::one_camera::{Move, deviates, focal_error, freed, pose_error};
+use super::stretch::{FRAMES, PARTS};
 use super::which_moved::Judged;
 use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::outlines::{Shapes, outline_errors};
@@ -70,7 +70,7 @@ struct Resolved<'a> {
 impl<'a> Resolved<'a> {
     fn of(observed: &'a [Observed], judged: &Judged, beliefs: &[Beliefs]) -> Option<Self> {
         let Judged { now, moved, found, .. } = judged;
-        let since = last_move(observed, now, moved, found);
+        let since = last_move(moved, found);
         let survey = Survey::among(observed, FRAMES, |c, seconds| now.cameras[c].time_of(seconds) >= since);
         let beliefs: Vec<Beliefs> = (0..moved.len())
             .map(|c| found[c].filter(|_| moved[c]).map_or(beliefs[c], |m| solved_for(&m, &beliefs[c])))
@@ -134,8 +134,10 @@ impl<'a> Resolved<'a> {
         beliefs[camera].posed = false;
         let moving: Vec<bool> = (0..beliefs.len()).map(|c| c == camera).collect();
         let alone = settle(&self.survey, &self.cameras, &beliefs, &pair, &moving, None).cameras;
-        let excess =
-            |cameras: &[Camera]| self.survey.excess_by_part::<PARTS>(cameras, &pair, limits::COMPARED);
+        let parts = self.survey.time_parts(&self.cameras, &pair, PARTS);
+        let excess = |cameras: &[Camera]| {
+            self.survey.excess_by_part::<PARTS>(cameras, &pair, limits::COMPARED, &parts)
+        };
         let (by_itself, agreed) = (excess(&alone), excess(&self.cameras));
         let more: Vec<f64> = by_itself.iter().zip(&agreed).map(|(p, q)| p - q).collect();
         let share = more.iter().sum::<f64>() / by_itself.iter().sum::<f64>().max(1e-9);
@@ -144,12 +146,9 @@ impl<'a> Resolved<'a> {
 }
 
 /// The network's time of the last move that was seen; before all footage where none was.
-fn last_move(observed: &[Observed], now: &Placed, moved: &[bool], found: &[Option<Move>]) -> f64 {
-    let of = |c: usize| {
-        let m = found[c].filter(|m| moved[c] && m.is_within())?;
-        Some(now.cameras[c].time_of(m.since * observed[c].times.last()?))
-    };
-    (0..moved.len()).filter_map(of).fold(f64::NEG_INFINITY, f64::max)
+fn last_move(moved: &[bool], found: &[Option<Move>]) -> f64 {
+    let of = |(m, moved): (&Option<Move>, &bool)| m.filter(|m| *moved && m.is_within()).map(|m| m.since);
+    found.iter().zip(moved).filter_map(of).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// What changed of a camera is free.

@@ -5,8 +5,8 @@
 //! its pair with that camera at the most, and spoils pairs that stand. Three cameras of which one moved along the line to another
 //! form a triangle of the same shape: then two explanations are equal, and either may be the true one.
 
-use super::one_camera::{CLOSE, Move, PARTS, Standing, StretchCase, deviates};
-use super::stretch::Stretch;
+use super::one_camera::{CLOSE, Move, Standing, StretchCase, deviates};
+use super::stretch::{PARTS, Stretch};
 use crate::error::Result;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
@@ -78,7 +78,7 @@ pub fn judged(footage: &Footage, stored: &Placed, watch: &mut dyn Watch) -> Resu
         rivals: vec![Vec::new(); n],
         found: vec![None; n],
     };
-    let mut stretch = Stretch::from(footage.observed, 0.0);
+    let mut stretch = Stretch::whole(footage.observed, stored);
     let mut round = footage.asked(&stretch, &so_far, watch)?;
     loop {
         so_far.take(&round);
@@ -86,7 +86,7 @@ pub fn judged(footage: &Footage, stored: &Placed, watch: &mut dyn Watch) -> Resu
         let suspects: Vec<usize> = leading.iter().map(|e| e.camera).collect();
         let mut next = None;
         for explained in leading {
-            let (after, then) = footage.placed(&stretch, &so_far, explained);
+            let (after, then) = explained.placed(&stretch, &so_far);
             let rest = footage.asked(&after, &then, watch)?;
             if suspects.len() > 1 && rest.leading().is_empty() {
                 so_far.now = then.now;
@@ -168,7 +168,7 @@ impl Footage<'_> {
     fn explanation(&self, stretch: &Stretch, so_far: &Judged, camera: usize, found: &Move) -> Explanation {
         let network = self.without(stretch, &so_far.now, camera);
         let standing = Standing::of(stretch, &network);
-        let fitted = self.since(found, stretch);
+        let fitted = since(found, stretch);
         let case = StretchCase {
             stretch,
             fitted: &fitted,
@@ -180,7 +180,8 @@ impl Footage<'_> {
         let posed = case.measured(camera, start, &case.beliefs_free(camera));
         let found = posed.map_or(*found, |posed| case.zoomed(camera, &posed));
         let there = case.with(camera, found.camera);
-        let new = stretch.all.excess_of_pairs::<PARTS>(&there, &standing.pairs, limits::COMPARED);
+        let new =
+            stretch.all.excess_of_pairs::<PARTS>(&there, &standing.pairs, limits::COMPARED, &stretch.parts);
         let part = |p: usize, k: usize| if k >= found.from { new[p][k] } else { standing.parts[p][k] };
         let parts = (0..new.len()).map(|p| std::array::from_fn(|k| part(p, k))).collect();
         Explanation { camera, found, network, parts }
@@ -194,25 +195,26 @@ impl Footage<'_> {
         let settled = settle(&stretch.all, &network.cameras, self.beliefs, &pairs, &others, Some(CLOSE));
         Placed { cameras: settled.cameras, placed: network.placed.clone() }
     }
+}
 
-    /// The network with a camera where it would stand now, and the footage since.
-    fn placed(&self, stretch: &Stretch, so_far: &Judged, explained: &Explanation) -> (Stretch<'_>, Judged) {
-        let Explanation { camera, found, network, .. } = explained;
+impl Explanation {
+    /// The network with the camera where it would stand now, and the footage since.
+    fn placed<'f>(&self, stretch: &Stretch<'f>, so_far: &Judged) -> (Stretch<'f>, Judged) {
         let mut then = Judged {
-            now: network.clone(),
+            now: self.network.clone(),
             moved: so_far.moved.clone(),
             rivals: so_far.rivals.clone(),
             found: so_far.found.clone(),
         };
-        then.now.cameras[*camera] = found.camera;
-        then.moved[*camera] = true;
-        (self.since(found, stretch), then)
+        then.now.cameras[self.camera] = self.found.camera;
+        then.moved[self.camera] = true;
+        (since(&self.found, stretch), then)
     }
+}
 
-    /// The footage since a move; all of a stretch where it was not filmed.
-    fn since(&self, found: &Move, stretch: &Stretch) -> Stretch<'_> {
-        Stretch::from(self.observed, if found.is_within() { found.since } else { stretch.share(0.0) })
-    }
+/// The footage since a move; all of a stretch where it was not filmed.
+fn since<'f>(found: &Move, stretch: &Stretch<'f>) -> Stretch<'f> {
+    stretch.since(found.is_within().then_some((found.since, found.before)))
 }
 
 /// The move of a camera before the footage or in the midst of it.

@@ -3,7 +3,8 @@
 //! A pose can stand for some of what a zoom does, and a zoom for some of a pose: a camera that went closer shows all larger. So a
 //! zoom is stated only where no pose alone explains the footage nearly as well, as it does over parts of it.
 
-use super::one_camera::{Move, PARTS, ROUGH, StretchCase, deviates, freed};
+use super::one_camera::{Move, ROUGH, StretchCase, deviates, freed};
+use super::stretch::PARTS;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
 use crate::network::thresholds as limits;

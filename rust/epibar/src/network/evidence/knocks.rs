@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 use crate::network::observations::survey::Survey;
+use crate::network::observations::time_parts::TimeParts;
 use crate::network::solve::relocate::Placed;
 use crate::network::thresholds as limits;
 use crate::verify::sides::{MOMENTS, PARTS, SHIFTS, beyond_chance, rate};
@@ -53,7 +54,12 @@ impl Kept {
 }
 
 /// Evidence of each part of the network's time, as camera A of the pair has it, pair by pair.
-fn parts(survey: &Survey, network: &Placed, pairs: &[(usize, usize)]) -> Vec<[Part; PARTS]> {
+fn parts(
+    survey: &Survey,
+    network: &Placed,
+    pairs: &[(usize, usize)],
+    times: &TimeParts,
+) -> Vec<[Part; PARTS]> {
     let rays = survey.all_rays(&network.cameras);
     let of_pair = |&(a, b): &(usize, usize)| {
         let tangents = survey.tangents(&network.cameras, &rays, a, b);
@@ -62,7 +68,7 @@ fn parts(survey: &Survey, network: &Placed, pairs: &[(usize, usize)]) -> Vec<[Pa
         for shift in 0..=SHIFTS {
             let scores = scorer.by_moment(shift * tangents.moments() / (SHIFTS + 1));
             for (k, score) in scores.iter().enumerate() {
-                let part = &mut parts[k * PARTS / scores.len()];
+                let part = &mut parts[times.of(tangents.time(k))];
                 part.excess += beyond_chance(score.excess, shift);
                 if shift == 0 {
                     part.ends += score.ends as f64;
@@ -74,12 +80,13 @@ fn parts(survey: &Survey, network: &Placed, pairs: &[(usize, usize)]) -> Vec<[Pa
     pairs.par_iter().map(of_pair).collect()
 }
 
-/// The share of its recording at which a camera was knocked, about, of each that sees what the others see only before or only
+/// The network's time at which a camera was knocked, about, of each that sees what the others see only before or only
 /// after some moment: on one side of it less than the first share of its evidence on the other, and than the second share of what pairs keep
 /// that it has no part in.
 pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) -> Vec<Option<f64>> {
     let pairs = network.pairs();
-    let parts = parts(survey, network, &pairs);
+    let times = survey.time_parts(&network.cameras, &pairs, PARTS);
+    let parts = parts(survey, network, &pairs, &times);
     let of_camera = |c: usize| {
         let kept = |own: bool, moment: usize| {
             let chosen = pairs.iter().zip(&parts).filter(|(p, _)| (p.0 == c || p.1 == c) == own);
@@ -97,7 +104,7 @@ pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) 
                 worst = Some((own.share(), moment));
             }
         }
-        worst.map(|(_, moment)| moment as f64 / PARTS as f64)
+        worst.map(|(_, moment)| times.start(moment))
     };
     (0..network.cameras.len()).map(of_camera).collect()
 }

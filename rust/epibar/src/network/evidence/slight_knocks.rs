@@ -23,14 +23,14 @@ const FRAMES: usize = 250;
 /// Blocks of time over which residuals are dependent.
 const BLOCKS: usize = 24;
 
-/// The camera of which most speaks for a knock by a little, and at which share of the recording.
+/// The camera of which most speaks for a knock by a little, and at which of the network's time.
 pub fn knocked_a_little(observed: &[Observed], survey: &Survey, now: &Solved) -> Option<(usize, f64)> {
     let maybe = knocked(survey, &now.network, limits::KNOCKED_MAYBE);
     let maybe = maybe.into_iter().enumerate().filter_map(|(c, at)| Some((c, at?)));
     let turned = turns(&now.settled).into_iter();
     let turned = turned.filter(|t| t.pixels > limits::TURNED.0 && t.deviates > limits::TURNED.1);
     maybe
-        .chain(turned.map(|t| (t.camera, 0.5)))
+        .chain(turned.map(|t| (t.camera, t.at)))
         .map(|(c, at)| (kept(observed, now, c, at), c, at))
         .filter(|(kept, ..)| *kept < limits::KNOCKED_OTHER)
         .min_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)))
@@ -41,18 +41,11 @@ pub fn knocked_a_little(observed: &[Observed], survey: &Survey, now: &Solved) ->
 /// less.
 fn kept(observed: &[Observed], now: &Solved, camera: usize, at: f64) -> f64 {
     let cameras = &now.network.cameras;
-    let times = |c: usize| {
-        let of = |t: Option<&f64>| t.map(|t| cameras[c].time_of(*t));
-        [of(observed[c].times.first()), of(observed[c].times.last())].into_iter().flatten()
-    };
-    let (start, end) =
-        times(camera).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
-    let cut = start + at * (end - start);
     let pairs: Vec<(usize, usize)> =
         now.network.pairs().into_iter().filter(|&(a, b)| a == camera || b == camera).collect();
     let alone: Vec<bool> = (0..cameras.len()).map(|c| c == camera).collect();
     let of_side = |before: bool| {
-        let side = Survey::among(observed, FRAMES, |c, t| (cameras[c].time_of(t) < cut) == before);
+        let side = Survey::among(observed, FRAMES, |c, t| (cameras[c].time_of(t) < at) == before);
         let excess = |cameras: &[_]| -> f64 {
             side.scores(cameras, &pairs, limits::COMPARED, 0).iter().map(|s| s.excess).sum()
         };
@@ -62,11 +55,13 @@ fn kept(observed: &[Observed], now: &Solved, camera: usize, at: f64) -> f64 {
     of_side(true).min(of_side(false))
 }
 
-/// A turn of a camera between the halves of the network's time.
+/// A turn of a camera between the halves of the time in which it meets anything.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Turn {
     /// The camera.
     camera: usize,
+    /// Between the halves, the network's time.
+    at: f64,
     /// By how many pixels that moves its image where things moved, root mean square over what meets.
     pixels: f64,
     /// How far that is from none, in standard deviations.
@@ -127,7 +122,12 @@ fn turn(camera: usize, seen: &[TimedRow]) -> Option<Turn> {
     let wald = turned.dot(&(spread.try_inverse()? * turned));
     let sum: f64 = seen.iter().map(|s| s.weight).sum();
     let squares: f64 = seen.iter().map(|s| s.weight * s.row.dot(&turned).powi(2)).sum();
-    Some(Turn { camera, pixels: (squares / sum).sqrt(), deviates: wald.max(0.0).sqrt() })
+    Some(Turn {
+        camera,
+        at: 0.5 * (start + end),
+        pixels: (squares / sum).sqrt(),
+        deviates: wald.max(0.0).sqrt(),
+    })
 }
 
 #[cfg(test)]

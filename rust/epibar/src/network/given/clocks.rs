@@ -90,8 +90,12 @@ impl Offsets {
     }
 }
 
-/// Neighbours that each of more cameras is asked with.
+/// Neighbours that each of more cameras is asked with first.
 const NEIGHBOURS: usize = 3;
+/// So many triangles vouch for a camera: one may add up to nought by chance.
+const VOUCHED: usize = 2;
+/// More pairs that are asked for, at the most, for each camera where too little vouches for some.
+const MOST_BEYOND: usize = 15;
 /// What an offset weighs whose runner-up has nothing of its score, and one whose runner-up has all.
 const CLEAR: f64 = 1.05;
 const UNCLEAR: f64 = 0.05;
@@ -100,10 +104,53 @@ const ALONE: f64 = 0.2;
 /// Rounds of taking means.
 const ROUNDS: usize = 20;
 
-/// Pairs of `count` cameras whose offsets are asked for.
+/// Pairs of `count` cameras whose offsets are asked for first: all of few cameras, neighbours in the list of more.
 pub fn asked(count: usize) -> Vec<(usize, usize)> {
-    let near = |a: usize, b: usize| b - a <= NEIGHBOURS || count - (b - a) <= NEIGHBOURS;
-    all_pairs(count).filter(|&(a, b)| count <= ALL_PAIRS || near(a, b)).collect()
+    all_pairs(count).filter(|&(a, b)| count <= ALL_PAIRS || apart(count, a, b) <= NEIGHBOURS).collect()
+}
+
+/// How far apart two cameras `a < b` are in the list, which ends where it begins.
+fn apart(count: usize, a: usize, b: usize) -> usize {
+    (b - a).min(count - (b - a))
+}
+
+/// More pairs to ask for, of cameras that too little vouches for by what was found of neighbours in the list, or that triangles do not join:
+/// neighbours in the list need not be neighbours in space. The nearest first, and not more than so many for each camera. Asked in one go, as the
+/// more is asked the more triangles add up to nought by chance.
+fn asked_beyond(count: usize, found: &[PairOffset]) -> Vec<(usize, usize)> {
+    if count <= ALL_PAIRS {
+        return Vec::new();
+    }
+    let (triangles, group) = vouched(count, found);
+    let is_open = |&(a, b): &(usize, usize)| group[a] != group[b] || triangles[a].min(triangles[b]) < VOUCHED;
+    let further = |&(a, b): &(usize, usize)| apart(count, a, b) > NEIGHBOURS;
+    let mut beyond: Vec<(usize, usize)> =
+        all_pairs(count).filter(|pair| further(pair) && is_open(pair)).collect();
+    beyond.sort_by_key(|&(a, b)| apart(count, a, b));
+    beyond.truncate(MOST_BEYOND * count);
+    beyond
+}
+
+/// How many triangles each camera is in whose offsets add up to nought, and a group for all that such triangles join.
+fn vouched(count: usize, found: &[PairOffset]) -> (Vec<usize>, Vec<usize>) {
+    let mut between = vec![f64::NAN; count * count];
+    for p in found {
+        between[p.a * count + p.b] = p.seconds;
+    }
+    let (mut triangles, mut group) = (vec![0; count], (0..count).collect::<Vec<_>>());
+    for p in found {
+        for c in p.b + 1..count {
+            let round = p.seconds + between[p.b * count + c] - between[p.a * count + c];
+            if round.abs() < limits::OFFSETS_AGREE {
+                for camera in [p.a, p.b, c] {
+                    triangles[camera] += 1;
+                    let (one, other) = (group[p.a], group[camera]);
+                    group.iter_mut().filter(|g| **g == other).for_each(|g| *g = one);
+                }
+            }
+        }
+    }
+    (triangles, group)
 }
 
 /// What the barcodes of two recordings say of their clocks, within so many seconds; `None` where nothing.
@@ -128,7 +175,7 @@ pub fn pair_offset(
     }))
 }
 
-/// Offsets of pairs, those asked for by [`asked`].
+/// Offsets of pairs: those asked for by [`asked`], and more where these leave cameras that nothing vouches for.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
@@ -137,15 +184,21 @@ pub fn pair_offsets(
     seconds: f64,
     watch: &mut dyn Watch,
 ) -> Result<Vec<PairOffset>> {
-    let asked = asked(recordings.len());
+    let count = recordings.len();
+    let of = |&(a, b): &(usize, usize)| {
+        pair_offset([recordings[a], recordings[b]], [a, b], seconds, &mut Unwatched)
+    };
     let mut found = Vec::new();
-    for (i, chunk) in asked.chunks(4).enumerate() {
-        report(watch, Stage::TimeOffset, 4.0 * i as f64 / asked.len() as f64)?;
-        let of = |&(a, b): &(usize, usize)| {
-            pair_offset([recordings[a], recordings[b]], [a, b], seconds, &mut Unwatched)
-        };
-        for offset in chunk.par_iter().map(of).collect::<Result<Vec<_>>>()? {
-            found.extend(offset);
+    for beyond in [false, true] {
+        let pairs = if beyond { asked_beyond(count, &found) } else { asked(count) };
+        // Of more cameras the second half may have nothing to do.
+        let before = if beyond { 0.5 } else { 0.0 };
+        let of_all = if count <= ALL_PAIRS { 1.0 } else { 0.5 };
+        for (i, chunk) in pairs.chunks(4).enumerate() {
+            report(watch, Stage::TimeOffset, before + of_all * 4.0 * i as f64 / pairs.len() as f64)?;
+            for offset in chunk.par_iter().map(of).collect::<Result<Vec<_>>>()? {
+                found.extend(offset);
+            }
         }
     }
     Ok(found)
@@ -290,6 +343,59 @@ mod tests {
             }
             assert!(!found.together);
         }
+    }
+
+    /// What is found of a pair of cameras along a corridor, in which each sees what two on either side see; others have any offset.
+    fn along_a_corridor(
+        truth: &[f64],
+        place: &[usize],
+        (a, b): (usize, usize),
+        draw: &mut u64,
+    ) -> PairOffset {
+        *draw = draw.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let chance = 42.0 * ((*draw >> 33) as f64 / f64::from(1_u32 << 31) - 0.5);
+        let sees = place[a].abs_diff(place[b]) <= 2;
+        PairOffset {
+            a,
+            b,
+            seconds: if sees { truth[b] - truth[a] } else { chance },
+            score: 5.0,
+            unshifted: 1.0,
+            runner_up: if sees { 0.6 } else { 0.9 },
+        }
+    }
+
+    #[test]
+    fn cameras_need_not_be_listed_in_the_order_in_which_they_stand() {
+        for (count, seed) in [(8, 1), (12, 2), (20, 3), (30, 4)] {
+            let truth: Vec<f64> = (0..count).map(|c| (f64::from(c) * 7.3) % 19.0 - 9.0).collect();
+            let count = count as usize;
+            // A step that has nothing in common with the count: neighbours in the list are far from each other.
+            let step =
+                [5, 7, 11, 13].into_iter().find(|s| !count.is_multiple_of(*s) && 2 * s < count + 6).unwrap();
+            let place: Vec<usize> = (0..count).map(|c| c * step % count).collect();
+            let mut draw = seed;
+            let mut ask = |pairs: Vec<(usize, usize)>| -> Vec<PairOffset> {
+                pairs.into_iter().map(|pair| along_a_corridor(&truth, &place, pair, &mut draw)).collect()
+            };
+            let mut found = ask(asked(count));
+            found.extend(ask(asked_beyond(count, &found)));
+            let seconds = agreed(count, &found).seconds;
+            let right = |c: &usize| (seconds[*c] - (truth[*c] - truth[0])).abs() < 0.3;
+            assert_eq!((0..count).filter(right).count(), count, "{count}: {seconds:?} {truth:?}");
+        }
+    }
+
+    #[test]
+    fn no_more_is_asked_where_triangles_join_all() {
+        let truth: Vec<f64> = (0..20).map(|c| f64::from(c) * 0.7).collect();
+        let found = offsets(&truth, &[]);
+        assert_eq!(asked_beyond(20, &found), []);
+        assert_eq!(asked_beyond(6, &[]), []);
+        // One that nothing vouches for is asked with those further off.
+        let without: Vec<PairOffset> = found.into_iter().filter(|p| p.a != 4 && p.b != 4).collect();
+        let beyond = asked_beyond(20, &without);
+        assert_eq!((beyond.len(), &beyond[..2]), (13, &[(0, 4), (4, 8)][..]));
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! * `figures`: what stands upright.
 //! * `floor`: the plane on which it stands.
 //! * `evenly`: some of many moments.
+//! * `time_parts`: parts of the time in which something is compared.
 //! * `survey`: all of that, over all pairs.
 
 pub mod ends;
@@ -15,3 +16,4 @@ pub mod floor;
 pub mod observed;
 pub mod survey;
 pub mod tangents;
+pub mod time_parts;

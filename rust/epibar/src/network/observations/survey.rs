@@ -7,7 +7,8 @@ use super::ends::CameraView;
 use super::evenly::evenly;
 use super::figures::{PairFigures, figures};
 use super::observed::Observed;
-use super::tangents::{PairTangents, Score};
+use super::tangents::{PairTangents, Score, common_times};
+use super::time_parts::TimeParts;
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::PairMeetings;
@@ -171,14 +172,22 @@ impl<'a> Survey<'a> {
             .collect()
     }
 
-    /// Evidence of some pairs at a radius, pixels of a 640×480 image, in each of so many parts of the recording.
+    /// So many parts of the time in which some pairs are compared.
+    pub fn time_parts(&self, cameras: &[Camera], pairs: &[(usize, usize)], parts: usize) -> TimeParts {
+        let of = |c: usize| (&self.observed[c], &cameras[c]);
+        let times = pairs.iter().flat_map(|&(a, b)| common_times(of(a), of(b), &self.frames[a]));
+        TimeParts::new(times.collect(), parts)
+    }
+
+    /// Evidence of some pairs at a radius, pixels of a 640×480 image, in each part of the time.
     pub fn excess_by_part<const PARTS: usize>(
         &self,
         cameras: &[Camera],
         pairs: &[(usize, usize)],
         radius: f64,
+        parts: &TimeParts,
     ) -> [f64; PARTS] {
-        summed(&self.excess_of_pairs(cameras, pairs, radius))
+        summed(&self.excess_of_pairs(cameras, pairs, radius, parts))
     }
 
     /// Excess over chance of each pair, part by part.
@@ -187,6 +196,7 @@ impl<'a> Survey<'a> {
         cameras: &[Camera],
         pairs: &[(usize, usize)],
         radius: f64,
+        parts: &TimeParts,
     ) -> Vec<[f64; PARTS]> {
         let rays = self.all_rays(cameras);
         let of_pair = |&(a, b): &(usize, usize)| {
@@ -194,7 +204,7 @@ impl<'a> Survey<'a> {
             let scores = tangents.scorer(radius * self.scale(a, b)).by_moment(0);
             let mut sums = [0.0; PARTS];
             for (k, score) in scores.iter().enumerate() {
-                sums[k * PARTS / scores.len()] += score.excess;
+                sums[parts.of(tangents.time(k))] += score.excess;
             }
             sums
         };

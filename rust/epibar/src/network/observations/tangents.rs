@@ -14,6 +14,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::ends::{CameraView, End, Ends, ends, wrapped};
 use super::observed::{Between, Moment, Observed};
+use crate::network::model::camera::Camera;
 use crate::network::model::residual::Meeting;
 
 /// Frames of A with the moments of B at which they were seen.
@@ -23,6 +24,16 @@ fn common_moments(a: &CameraView, b: &CameraView, frames: &[u32]) -> Vec<(u32, M
         b.observed.moment(b.camera.clock_at(time))
     };
     frames.iter().filter_map(|&frame| Some((frame, moment(frame)?))).collect()
+}
+
+/// The network's times of frames of A at which B filmed too.
+pub fn common_times(
+    (a, camera_a): (&Observed, &Camera),
+    (b, camera_b): (&Observed, &Camera),
+    frames: &[u32],
+) -> Vec<f64> {
+    let times = frames.iter().map(|&frame| camera_a.time_of(a.times[frame as usize]));
+    times.filter(|time| b.moment(camera_b.clock_at(*time)).is_some()).collect()
 }
 
 /// Ends of both cameras of a pair, and the moments that they have in common.
@@ -104,6 +115,11 @@ impl<'a> PairTangents<'a> {
             side.sort_unstable_by(f64::total_cmp);
         }
         self.sorted_b = sorted;
+    }
+
+    /// The network's time of a moment.
+    pub fn time(&self, moment: usize) -> f64 {
+        self.a.camera.time_of(self.a.observed.times[self.moments[moment].0 as usize])
     }
 
     /// Number of moments in common.

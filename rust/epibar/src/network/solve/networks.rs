@@ -139,7 +139,9 @@ fn excess(survey: &Survey, network: &Placed) -> f64 {
 /// By which share of the evidence of some pairs a network is better than another, and by how many standard deviations over parts
 /// of the recording.
 pub fn gain(survey: &Survey, pairs: &[(usize, usize)], than: &Placed, network: &Placed) -> (f64, f64) {
-    let of = |network: &Placed| survey.excess_by_part::<PARTS>(&network.cameras, pairs, limits::COMPARED);
+    let parts = survey.time_parts(&than.cameras, pairs, PARTS);
+    let of =
+        |network: &Placed| survey.excess_by_part::<PARTS>(&network.cameras, pairs, limits::COMPARED, &parts);
     let (one, other) = (of(than), of(network));
     let differences: Vec<f64> = one.iter().zip(&other).map(|(p, q)| q - p).collect();
     let mean = differences.iter().sum::<f64>() / PARTS as f64;

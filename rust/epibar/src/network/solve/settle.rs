@@ -103,7 +103,8 @@ pub fn settle(
         if scatter.is_nan() {
             break;
         }
-        let suits = (DEVIATIONS * scatter).clamp(NARROWEST, radius);
+        let suits =
+            (DEVIATIONS * scatter_of(&at, &found, |p| survey.scale(p.a, p.b))).clamp(NARROWEST, radius);
         scale = scatter.max(LEAST_SCATTER);
         for p in &mut found {
             p.coarseness = coarseness_of(&at, p, scale);
@@ -159,9 +160,14 @@ fn weight_of_prior(cameras: &[Camera], pairs: &[PairMeetings], scale: f64) -> f6
 
 /// Robust standard deviation of all residuals, pixels; NaN of none.
 fn scatter(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
+    scatter_of(cameras, pairs, |_| 1.0)
+}
+
+/// The same, each pair in so many pixels as a unit.
+fn scatter_of(cameras: &[Camera], pairs: &[PairMeetings], unit: impl Fn(&PairMeetings) -> f64) -> f64 {
     let residuals = pairs.iter().flat_map(|p| {
-        let pair = CameraPair::new(&cameras[p.a], &cameras[p.b]);
-        p.meetings.iter().filter_map(move |m| pair.residual(m))
+        let (pair, unit) = (CameraPair::new(&cameras[p.a], &cameras[p.b]), unit(p));
+        p.meetings.iter().filter_map(move |m| Some(pair.residual(m)? / unit))
     });
     deviation(residuals).unwrap_or(f64::NAN)
 }

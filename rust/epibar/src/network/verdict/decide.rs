@@ -45,7 +45,9 @@ impl NetworkFindings<'_> {
         (0..cameras.len()).filter(|&c| placed[c]).collect()
     }
 
+    /// `at` is the network's time.
     fn out(&self, camera: usize, status: CameraStatus, at: Option<f64>) -> Out {
+        let at = at.map(|time| self.solved.network.cameras[camera].clock_at(time));
         Out { camera, status, deviates: self.support.cameras[camera], at }
     }
 }
@@ -140,6 +142,8 @@ pub(in crate::network) struct CameraFindings<'a> {
     pub(in crate::network) rivalled: bool,
     /// What was given of it is contradicted by what moves.
     pub(in crate::network) contradicted: bool,
+    /// It and one other are all that is sound, and their pair was refused by itself.
+    pub(in crate::network) pair_refused: bool,
     pub(in crate::network) expected: &'a Expected,
     /// The largest distance between two cameras.
     pub(in crate::network) rig: f64,
@@ -149,9 +153,10 @@ pub(in crate::network) struct CameraFindings<'a> {
 type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
 
 /// Tests of a camera that stands by name, in their order.
-pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 5] = [
+pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 6] = [
     ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
     ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
+    ("of two the pair was accepted", |f| f.pair_refused.then_some(CameraStatus::PairRefused)),
     ("focal length known", |f| unless(f.expected.focal <= limits::MAX_FOCAL, CameraStatus::FocalLength)),
     ("rotation known", |f| unless(f.expected.rotation <= limits::MAX_ROTATION, CameraStatus::Rotation)),
     ("position known", |f| {
@@ -189,7 +194,13 @@ mod tests {
     fn what_is_no_number_is_refused() {
         let good = Expected::new(0.01, 0.01, 0.01);
         let status_by_errors = |expected: &Expected, rig| {
-            status(&CameraFindings { rivalled: false, contradicted: false, expected, rig })
+            status(&CameraFindings {
+                rivalled: false,
+                contradicted: false,
+                pair_refused: false,
+                expected,
+                rig,
+            })
         };
         assert_eq!(status_by_errors(&good, 1.0), CameraStatus::Accepted);
         assert_eq!(status_by_errors(&Expected::UNKNOWN, 1.0), CameraStatus::FocalLength);
@@ -200,14 +211,18 @@ mod tests {
 
     #[test]
     fn the_first_fault_is_said_of_a_camera() {
-        let unknown =
-            CameraFindings { rivalled: true, contradicted: true, expected: &Expected::UNKNOWN, rig: 1.0 };
+        let unknown = CameraFindings {
+            rivalled: true,
+            contradicted: true,
+            pair_refused: true,
+            expected: &Expected::UNKNOWN,
+            rig: 1.0,
+        };
         assert_eq!(status(&unknown), CameraStatus::Ambiguous);
         let contradicted = CameraFindings { rivalled: false, ..unknown };
         assert_eq!(status(&contradicted), CameraStatus::Contradicted);
-        assert_eq!(
-            status(&CameraFindings { contradicted: false, ..contradicted }),
-            CameraStatus::FocalLength
-        );
+        let refused = CameraFindings { contradicted: false, ..contradicted };
+        assert_eq!(status(&refused), CameraStatus::PairRefused);
+        assert_eq!(status(&CameraFindings { pair_refused: false, ..refused }), CameraStatus::FocalLength);
     }
 }

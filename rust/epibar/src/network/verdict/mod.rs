@@ -37,22 +37,28 @@ impl NetworkCase<'_> {
         let World { cameras: placed, ground, turn, unit } =
             world::placed(network, finished.floor.as_ref(), turned);
         let rig = rig(&placed, &network.pairs());
+        let expected = |c: usize| finished.expected[c].in_world(&turn, unit);
+        let status = |c: usize, pair_refused: bool| match out.iter().find(|o| o.camera == c) {
+            Some(out) => out.status,
+            None if !network.placed[c] => CameraStatus::NothingInCommon,
+            None => decide::status(&CameraFindings {
+                rivalled,
+                contradicted: self.contradicted(finished, c).is_some(),
+                pair_refused,
+                expected: &expected(c),
+                rig,
+            }),
+        };
+        let sound = |c: &usize| network.placed[*c] && status(*c, false) != CameraStatus::Contradicted;
+        let sound: Vec<usize> = (0..self.count()).filter(sound).collect();
+        let pair_refused = self.is_refused_pair(&sound);
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
                 let found = out.iter().find(|o| o.camera == c);
                 let stands = network.placed[c];
                 let contradicted = self.contradicted(finished, c);
-                let expected = finished.expected[c].in_world(&turn, unit);
-                let status = match found {
-                    Some(out) => out.status,
-                    None if !stands => CameraStatus::NothingInCommon,
-                    None => decide::status(&CameraFindings {
-                        rivalled,
-                        contradicted: contradicted.is_some(),
-                        expected: &expected,
-                        rig,
-                    }),
-                };
+                let expected = expected(c);
+                let status = status(c, pair_refused && sound.contains(&c));
                 let mut camera = NetworkCamera {
                     camera: stands.then_some(placed[c]),
                     expected: stands.then_some(expected),
@@ -77,6 +83,13 @@ impl NetworkCase<'_> {
         let accepted = cameras.iter().all(NetworkCamera::accepted);
         let reason = prose::of_network(&cameras, &pairs, &ground);
         Network { cameras, pairs, accepted, reason, ground, radius }
+    }
+
+    /// Whether these are two cameras, whose pair was refused by itself. Nothing else speaks for them: whether one was knocked and whether all
+    /// moved in one plane is asked of the pair, and of a network by what more cameras see.
+    fn is_refused_pair(&self, cameras: &[usize]) -> bool {
+        let accepted = |a: usize, b: usize| self.pairs.iter().any(|p| (p.a, p.b) == (a, b) && p.accepted);
+        matches!(*cameras, [a, b] if !accepted(a, b))
     }
 
     /// What was given of a camera and is contradicted by what moves, in words; or what was given of it as of several that are contradicted.
@@ -121,8 +134,7 @@ impl NetworkCase<'_> {
         rig: f64,
     ) -> NetworkCamera {
         let input = &self.inputs[camera];
-        let seconds = self.observed[camera].times.last().copied().unwrap_or(0.0);
-        let knocked_at = out.and_then(|o| o.at).map(|share| share * seconds);
+        let knocked_at = out.and_then(|o| o.at);
         NetworkCamera {
             name: input.name.to_owned(),
             status,

@@ -68,6 +68,9 @@ pub(in crate::network) fn of_camera(
             "it may as well stand elsewhere: another network explains what moves nearly as well. Film for longer, with movers everywhere in the images".to_owned()
         }
         CameraStatus::Contradicted => "what is given of it contradicts what moves".to_owned(),
+        CameraStatus::PairRefused => {
+            "two cameras stand, of which nothing but their pair speaks, and that was refused: its verdict says why, and what to do. Or add a camera that sees the same".to_owned()
+        }
         CameraStatus::TooFew => {
             "two cameras determine a network only with known focal lengths: give intrinsics, or add a third camera".to_owned()
         }

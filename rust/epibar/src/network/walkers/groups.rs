@@ -57,6 +57,8 @@ pub struct Scale {
     pub height: f64,
     /// Pixels within which tangents meet.
     pub radius: f64,
+    /// The same in pixels of the cameras, in the mean of them.
+    pub pixels: f64,
 }
 
 /// The walkers at one moment.
@@ -158,11 +160,11 @@ fn whole(eyes: &[Eye], moment: usize, sightings: &[&Sighting], scale: Scale) -> 
             kept.iter().flat_map(|s| [of_end(s, 0), of_end(s, 1)]).collect()
         };
         let (tops, feet) = (rays(&|s| s.top)?, rays(&|s| s.foot)?);
-        let (top, foot) = (point(&tops, start[0], scale.radius)?, point(&feet, start[1], scale.radius)?);
+        let (top, foot) = (point(&tops, start[0], scale.pixels)?, point(&feet, start[1], scale.pixels)?);
         let off = |rays: &[Ray], at: &Vector3<f64>, share: f64| {
             let over = |r: &Ray| {
                 let (pixels, per_unit) = r.miss(at);
-                pixels / (share * scale.height * per_unit).max(2.0 * scale.radius)
+                pixels / (share * scale.height * per_unit).max(2.0 * scale.pixels)
             };
             rays.iter().map(|r| (over(r), r.camera)).collect::<Vec<_>>()
         };
@@ -188,7 +190,7 @@ fn whole(eyes: &[Eye], moment: usize, sightings: &[&Sighting], scale: Scale) -> 
         let mut single = tops.clone();
         single.sort_by_key(|ray| ray.camera);
         single.dedup_by_key(|ray| ray.camera);
-        let covariance = covariance(&single, &top, scale.radius / DEVIATIONS)?;
+        let covariance = covariance(&single, &top, scale.pixels / DEVIATIONS)?;
         let deviation = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
         let seen =
             kept.iter().map(|s| TrackSighting { cameras: s.cameras, top: s.top, foot: s.foot }).collect();

@@ -86,7 +86,9 @@ pub fn walker_tracks(
     report(watch, Stage::Network, 0.0)?;
     let observed: Vec<Observed> = cameras.iter().map(|c| Observed::new(c.recording)).collect();
     let (placed, radius) = with_insets(cameras, &observed);
-    let scale = Scale { height, radius };
+    let scales = observed.iter().map(|o| ImageSize::pixel_scale([o.size; 2]));
+    let pixels = radius * scales.sum::<f64>() / observed.len() as f64;
+    let scale = Scale { height, radius, pixels };
     let times = moments(&placed.cameras, &observed);
     let all = times.len();
     let parts = times.chunks(AT_ONCE).count() as f64;
