@@ -115,8 +115,15 @@ impl<'a> Pair<'a> {
     fn new(aligned: &'a Aligned<'a>, common: Vec<FramePair>, options: &'a CalibrateOptions) -> Self {
         let (a, b) = (aligned.a(), aligned.b());
         let busy = busy_frames(a, b, &common, None);
-        let stay = split::stay(a, b, &common);
+        // About the time in which something moves: whether anybody is there says nothing of how long motion stays.
+        let stay = split::stay(a, b, &busy);
         Self { aligned, options, common, busy, stay }
+    }
+
+    /// Common frames a second: where A films faster than B not all of its frames are. NaN where unknown.
+    fn frame_rate(&self) -> f64 {
+        let (a, [first, .., last]) = (self.aligned.a(), &self.common[..]) else { return f64::NAN };
+        a.frame_rate() * (self.common.len() - 1) as f64 / f64::from(last.a - first.a)
     }
 
     /// Found by some frames and tested on others, and what is worth a second look at it, if anything is.
@@ -266,7 +273,7 @@ impl SplitViews {
             found,
             earlier: None,
             max_expected_error: pair.options.max_expected_error,
-            frame_rate: pair.aligned.a().frame_rate(),
+            frame_rate: pair.frame_rate(),
             seed: pair.options.seed,
         }
     }

@@ -181,7 +181,10 @@ impl<'a> Shifts<'a> {
     fn score_at(&self, offset: f64) -> Result<f64> {
         let mut pairs = common_frames(self.a, self.b, offset);
         pairs.retain(|p| self.taken.binary_search(&p.a).is_ok());
-        let least = (self.taken.len().min(self.b.frames()) / 3).max(16);
+        // Of a camera that films faster each frame of the other has one.
+        let slower = (self.a.frame_interval() / self.b.frame_interval()).min(1.0);
+        let most = (self.taken.len() as f64 * slower) as usize;
+        let least = (most.min(self.b.frames()) / 3).max(16);
         if pairs.len() < least {
             return Ok(f64::NEG_INFINITY);
         }

@@ -29,7 +29,7 @@ pub struct Case<'a> {
     pub earlier: Option<&'a Earlier>,
     /// A larger expected error is refused, pixels.
     pub max_expected_error: f64,
-    /// Frames per second of A; NaN where unknown.
+    /// Common frames per second; NaN where unknown.
     pub frame_rate: f64,
     /// Seed of every random draw but those of [`turning`](super::turning).
     pub seed: u64,
@@ -41,6 +41,6 @@ impl Case<'_> {
     pub(super) fn block(&self) -> usize {
         let rate = self.frame_rate;
         let second = if rate.is_finite() { rate.round().max(1.0) as usize } else { 25 };
-        second.max(self.split.gap).min((self.views.frames() / LEAST_BLOCKS).max(1))
+        second.max(self.split.gap).min((self.busy_views.frames() / LEAST_BLOCKS).max(1))
     }
 }

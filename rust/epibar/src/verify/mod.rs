@@ -198,9 +198,19 @@ fn tested(
     let mut evidence = curve.evidence();
     let parts = [evidence.z_tops, evidence.z_bottoms, evidence.z_whole];
     if reaches(evidence.z, MIN_Z) && !parts.into_iter().all(|z| reaches(z, FAINT_CLASS_Z)) {
-        let Evidence { z_tops, z_bottoms, z_whole, .. } =
-            cross_validated(case.busy_views, fundamental, &held_out, SHIFTS).evidence();
-        evidence = Evidence { z_tops, z_bottoms, z_whole, on_all_frames: true, ..evidence };
+        let all = cross_validated(case.busy_views, fundamental, &held_out, SHIFTS);
+        // Where the shifts of all frames are too few to say, what was kept aside has the word.
+        if all.can_say() {
+            let all = all.evidence();
+            let clearer = |own: f64, all: f64| if reaches(own, FAINT_CLASS_Z) { own } else { all };
+            evidence = Evidence {
+                z_tops: clearer(evidence.z_tops, all.z_tops),
+                z_bottoms: clearer(evidence.z_bottoms, all.z_bottoms),
+                z_whole: clearer(evidence.z_whole, all.z_whole),
+                on_all_frames: true,
+                ..evidence
+            };
+        }
     }
     (curve, evidence)
 }

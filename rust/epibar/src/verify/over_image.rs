@@ -11,7 +11,7 @@ const ALONG: usize = 9;
 /// Cells in which two geometries are compared.
 const ROWS: usize = 9;
 const COLUMNS: usize = 12;
-/// A larger distance counts as this, pixels: beside an epipole it is any.
+/// A larger distance counts as this, pixels of a 640×480 image: beside an epipole it is any.
 const MOST: f64 = 100.0;
 
 /// Centres of the cells that an image is divided into, row after row, pixels.
@@ -55,10 +55,11 @@ pub fn larger_median(of_images: [Vec<f64>; 2]) -> f64 {
 }
 
 fn means(f: &Fundamental, other: &Fundamental, from: ImageSize, to: ImageSize) -> Vec<f64> {
+    let most = MOST * ImageSize::pixel_scale([from, to]);
     cell_centres(from, ROWS, COLUMNS)
         .filter_map(|x| {
             let points = along(&f.line_in_b(&x), to)?;
-            let distance = |b| symmetric_epipolar_distance(other, [x.x, x.y], b).min(MOST);
+            let distance = |b| symmetric_epipolar_distance(other, [x.x, x.y], b).min(most);
             Some(points.into_iter().map(distance).sum::<f64>() / ALONG as f64)
         })
         .collect()
@@ -79,6 +80,10 @@ mod tests {
         };
         assert!((image_distance(&moved(0.0), &moved(5.0), [size; 2]) - 5.0).abs() < 1e-9);
         assert_eq!(image_distance(&moved(0.0), &moved(500.0), [size; 2]), MOST);
+        // In an image of eight times the size the same is as many times as far.
+        let large = ImageSize::new(5120, 3840).unwrap();
+        assert!((image_distance(&moved(0.0), &moved(240.0), [large; 2]) - 240.0).abs() < 1e-9);
+        assert!((image_distance(&moved(0.0), &moved(3000.0), [large; 2]) - 8.0 * MOST).abs() < 1e-9);
         // None of the lines is in the other image.
         assert!(image_distance(&moved(2000.0), &moved(0.0), [size; 2]).is_nan());
     }

@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::split::{autocorrelation, moving_lines};
+use super::split::{autocorrelation_among, moving_lines};
 use crate::recording::tracker::{Links, Outline};
 use crate::recording::{Barcodes, FramePair, LONG_STEP, Recording};
 
@@ -36,12 +36,16 @@ const PERSISTS: f64 = 0.8;
 /// How much both cameras' barcodes resemble those of a later moment at which others are in the places: a correlation; 0 where the
 /// same things are.
 pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
-    let first = common.len().saturating_sub(FRAMES) / 2;
-    let common = &common[first..(first + FRAMES).min(common.len())];
+    let common = &common[busiest(recordings, common)];
     let frames =
         [common.iter().map(|p| p.a).collect::<Vec<u32>>(), common.iter().map(|p| p.b).collect::<Vec<u32>>()];
     let lines: [Barcodes; 2] = [0, 1].map(|k| moving_lines(recordings[k], &frames[k]));
-    let alike = |lag: usize| lines.iter().map(|l| autocorrelation(l, lag)).fold(f64::INFINITY, f64::min);
+    // That nobody is there for a while, and then somebody is again, is no likeness.
+    let busy = [0, 1].map(|k| busy_bits(recordings[k], &frames[k]));
+    let alike = |lag: usize| {
+        let of = |k: usize| autocorrelation_among(&lines[k], &busy[k], lag, 1.0 - LATEST);
+        of(0).min(of(1))
+    };
     let alike: Vec<f64> = (0..(LATEST * common.len() as f64) as usize).map(alike).collect();
     let Some(left) = alike.iter().position(|&a| a < LEFT) else { return 0.0 };
     let most = alike[left..].iter().copied().fold(0.0, f64::max);
@@ -57,6 +61,31 @@ pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     }
     let replaced = 2 * sums.replaced > sums.all || sums.all < FOLLOWED && persists(&alike, lag);
     if replaced { most } else { 0.0 }
+}
+
+/// The stretch of at most [`FRAMES`] common frames in which most show something in both cameras; of equals that closest to the middle.
+fn busiest(recordings: [&Recording; 2], common: &[FramePair]) -> Range<usize> {
+    let length = common.len().min(FRAMES);
+    let shows = |k: usize, frame: u32| !recordings[k].silhouettes.hulls(frame as usize).is_empty();
+    let busy: Vec<usize> = common.iter().map(|p| usize::from(shows(0, p.a) && shows(1, p.b))).collect();
+    let middle = (common.len() - length) / 2;
+    let mut count: usize = busy[..length].iter().sum();
+    let mut best = (count, std::cmp::Reverse(middle), 0);
+    for first in 1..=common.len() - length {
+        count = count + busy[first + length - 1] - busy[first - 1];
+        best = best.max((count, std::cmp::Reverse(first.abs_diff(middle)), first));
+    }
+    best.2..best.2 + length
+}
+
+/// A bit for each frame: whether anything moves.
+fn busy_bits(recording: &Recording, frames: &[u32]) -> Vec<u64> {
+    let mut bits = vec![0; frames.len().div_ceil(64)];
+    for (i, &frame) in frames.iter().enumerate() {
+        let shows = !recording.silhouettes.hulls(frame as usize).is_empty();
+        bits[i / 64] |= u64::from(shows) << (i % 64);
+    }
+    bits
 }
 
 /// Whether barcodes are as alike after twice the time, as those of an endless column are and those of people who pace are not, who
@@ -196,6 +225,29 @@ mod tests {
         let mut followed = Replacements::default();
         followed.follow(&column, &(0..240).collect::<Vec<u32>>(), 10);
         assert_eq!(followed.all, 0);
+    }
+
+    #[test]
+    fn that_nobody_is_there_for_a_while_is_no_likeness() {
+        // Two that wander about, then nobody, then they again elsewhere.
+        let wander =
+            |t: usize| vec![[(t * t / 30) % 140, (t * 7 / 5) % 60], [(t * t / 17) % 140, (t * 3) % 60]];
+        let gone = |t: usize| if (90..150).contains(&t) { vec![] } else { wander(t) };
+        assert!(of(gone) < 0.4, "{}", of(gone));
+        // A column is one though it pauses.
+        let column = |t: usize| (0..4).map(|k| [(2 * t) % 20 + 20 + 20 * k, 30]).collect();
+        let paused = of(|t| if (90..150).contains(&t) { vec![] } else { column(t) });
+        assert!(paused > 0.9, "{paused}");
+    }
+
+    #[test]
+    fn what_is_asked_is_the_stretch_in_which_most_moves() {
+        let recording = recorded(4000, |t| if t >= 3500 { vec![[t % 140, 30]] } else { vec![] });
+        let common: Vec<FramePair> = (0..4000).map(|i| FramePair { a: i, b: i }).collect();
+        assert_eq!(busiest([&recording; 2], &common), 1000..4000);
+        let always = recorded(3200, |t| vec![[t % 140, 30]]);
+        assert_eq!(busiest([&always; 2], &common[..3200]), 100..3100);
+        assert_eq!(busiest([&always; 2], &common[..200]), 0..200);
     }
 
     #[test]

@@ -118,11 +118,13 @@ fn with_cameras(z: f64, contradiction: f64) -> f64 {
 
 /// Normal deviate of the difference in score between two geometries, from sums over blocks of frames.
 ///
-/// What one frame says its neighbours repeat, so blocks, not frames, are the independent pieces.
+/// What one frame says its neighbours repeat, so blocks, not frames, are the independent pieces; those in which nothing speaks for either
+/// geometry, as nobody is there, are none.
 pub fn paired_z(winner: &[f64], rival: &[f64], block: usize) -> f64 {
     let differences: Vec<f64> = winner
         .chunks(block.max(1))
         .zip(rival.chunks(block.max(1)))
+        .filter(|(p, q)| p.iter().chain(*q).any(|score| *score != 0.0))
         .map(|(p, q)| p.iter().sum::<f64>() - q.iter().sum::<f64>())
         .collect();
     let n = differences.len() as f64;

@@ -146,6 +146,12 @@ impl ShiftCurve {
         self.scores.iter().map(|s| (s.shift, 0.5 * s.score.total()))
     }
 
+    /// Whether there are enough shifts that differ to say anything by those of the frames tested alone.
+    pub fn can_say(&self) -> bool {
+        let rest = self.scores.len().saturating_sub(1);
+        rest >= MIN_SHIFTS && reaches(self.apart.min(rest as f64) - 1.0, 2.0)
+    }
+
     /// How unlikely it is by chance that `of` is as large as at no shift, as a normal deviate; 0 where there are too few
     /// shifts to say.
     ///

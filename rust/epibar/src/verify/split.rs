@@ -86,20 +86,36 @@ fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
 
 /// Correlation of all barcodes with themselves `lag` frames later, about the mean of each; 0 where nothing changes.
 pub(super) fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
-    let n = (barcodes.frames - lag) as f64;
+    correlation(barcodes, lag, barcodes.frames, barcodes.frames - lag)
+}
+
+/// The same over those of the frames, a bit each, at which, and `lag` frames later, something moves; 0 where these are less than so
+/// large a share of them.
+pub(super) fn autocorrelation_among(barcodes: &Barcodes, busy: &[u64], lag: usize, least: f64) -> f64 {
+    let frames = busy.iter().map(|w| w.count_ones() as usize).sum();
+    let both = ones_that_return(busy, lag);
+    if (both as f64) < least * frames as f64 { 0.0 } else { correlation(barcodes, lag, frames, both) }
+}
+
+/// How many bits are set that are so again `lag` bits later. Beyond the last all are nought, so that nothing is counted twice.
+fn ones_that_return(row: &[u64], lag: usize) -> usize {
+    let later = |k: usize| {
+        let (word, bit) = ((k * 64 + lag) / 64, lag % 64);
+        let low = row.get(word).map_or(0, |w| w >> bit);
+        let high = if bit == 0 { 0 } else { row.get(word + 1).map_or(0, |w| w << (64 - bit)) };
+        low | high
+    };
+    (0..row.len()).map(|k| (row[k] & later(k)).count_ones() as usize).sum()
+}
+
+/// Of barcodes of so many frames, so many of which are compared.
+fn correlation(barcodes: &Barcodes, lag: usize, frames: usize, compared: usize) -> f64 {
+    let n = compared as f64;
     let (mut covariance, mut variance) = (0.0, 0.0);
     for i in 0..barcodes.count {
-        let row = barcodes.row(i);
-        let later = |k: usize| {
-            let (word, bit) = ((k * 64 + lag) / 64, lag % 64);
-            let low = row.get(word).map_or(0, |w| w >> bit);
-            let high = if bit == 0 { 0 } else { row.get(word + 1).map_or(0, |w| w << (64 - bit)) };
-            low | high
-        };
-        // Beyond the last frame all bits are nought, so that nothing is counted twice.
-        let common: u32 = (0..row.len()).map(|k| (row[k] & later(k)).count_ones()).sum();
-        let mean = f64::from(barcodes.ones(i)) / barcodes.frames as f64;
-        covariance += f64::from(common) / n - mean * mean;
+        let common = ones_that_return(barcodes.row(i), lag);
+        let mean = f64::from(barcodes.ones(i)) / frames as f64;
+        covariance += common as f64 / n - mean * mean;
         variance += mean * (1.0 - mean);
     }
     if variance > 0.0 { covariance / variance } else { 0.0 }

@@ -15,7 +15,8 @@ use super::tangents::{EITHER, LANES, NONE, Sides, Tangents, fill, partner};
 use crate::frontier::views::View;
 use crate::geometry::Fundamental;
 
-/// About so many frames decide the sign of the map of rays, and no more than one in [`SIGN_STEP`].
+/// About so many frames in which both cameras see something decide the sign of the map of rays, and no more than one in [`SIGN_STEP`] of these;
+/// all of them where nothing meets in those.
 const SIGN_FRAMES: usize = 24;
 const SIGN_STEP: usize = 4;
 
@@ -163,10 +164,37 @@ impl Buffers {
     /// Whether rays go by `F` or by `−F`.
     #[inline(always)]
     fn sign<S: Simd>(&mut self, simd: S, sides: Sides, shift: usize, radius: f64) -> f64 {
-        let frames = self.a[0].frames();
+        let some = |busy: usize| (busy / SIGN_FRAMES).max(SIGN_STEP);
+        let mut votes = self.votes(simd, sides, shift, radius, some);
+        if votes[0] == votes[1] {
+            votes = self.votes(simd, sides, shift, radius, |_| 1);
+        }
+        if votes[1] > votes[0] { -1.0 } else { 1.0 }
+    }
+
+    /// What meets by `F` and by `−F` in one of so many of the frames in which there is something to meet; `step`: of their number.
+    #[inline(always)]
+    fn votes<S: Simd>(
+        &mut self,
+        simd: S,
+        sides: Sides,
+        shift: usize,
+        radius: f64,
+        step: impl Fn(usize) -> usize,
+    ) -> [f64; 2] {
         let mut votes = [0.0; 2];
         for side in 0..2 {
-            for frame in (0..frames).step_by((frames / SIGN_FRAMES).max(SIGN_STEP)) {
+            let frames = self.a[side].frames();
+            let busy = (0..frames).filter(|&frame| self.is_busy(side, sides, frame, shift)).count();
+            let (step, mut passed) = (step(busy), 0_usize);
+            for frame in 0..frames {
+                if !self.is_busy(side, sides, frame, shift) {
+                    continue;
+                }
+                passed += 1;
+                if !(passed - 1).is_multiple_of(step) {
+                    continue;
+                }
                 for (vote, sign) in votes.iter_mut().zip([1.0, -1.0]) {
                     self.meet_frame(simd, sides, side, frame, shift, sign);
                     for i in self.a[side].of(frame) {
@@ -175,7 +203,14 @@ impl Buffers {
                 }
             }
         }
-        if votes[1] > votes[0] { -1.0 } else { 1.0 }
+        votes
+    }
+
+    /// Whether A has tangents of a side in a frame, and B any that these may meet.
+    #[inline(always)]
+    fn is_busy(&self, side: usize, sides: Sides, frame: usize, shift: usize) -> bool {
+        let b = &self.b[partner(side, sides)];
+        !self.a[side].of(frame).is_empty() && !b.of((frame + shift) % b.frames()).is_empty()
     }
 
     /// For each tangent of A in a frame the nearest of B that it may meet, if that has none nearer.
