@@ -124,6 +124,46 @@ def test_networks_of_before_have_neither_breadth_nor_level_error(tmp_path):
     assert net.scaled(person_height=1.75).unit == "metre"
 
 
+def test_lengths_count_on_where_they_are_kept(tmp_path):
+    net = made_up()
+    lengths = [("cam1", "cam2", 7.0, 0.2)]
+    at_once = net.scaled(distance=lengths, person_height=1.75, camera_height=("cam2", 4.0, 0.1))
+    step = net.scaled(person_height=1.75).scaled(distance=lengths, keep=True)
+    step.save(tmp_path / "network.json")
+    step = epibar.Network.load(tmp_path / "network.json")
+    step = step.scaled(camera_height=("cam2", 4.0, 0.1), keep=True)
+    for name in ("cam1", "cam2"):
+        place = at_once.cameras[name].position
+        np.testing.assert_allclose(step.cameras[name].position, place, rtol=1e-12, atol=1e-12)
+    assert step.scale.error == pytest.approx(at_once.scale.error, rel=1e-12)
+    assert sorted(step.scale.sources) == sorted(at_once.scale.sources)
+    # The same again corrects it, whichever camera is named first.
+    again = step.scaled(distance=("cam2", "cam1", 7.1, 0.2), keep=True)
+    assert len(again.scale.lengths) == 3
+    assert "7.1 m between cam2 and cam1" in " ".join(again.scale.sources)
+    assert len(step.scaled(distance=lengths).scale.lengths) == 1
+
+
+def test_a_length_that_contradicts_what_was_given_before(tmp_path):
+    net = made_up().scaled(person_height=1.75)
+    more = {"distance": ("cam1", "cam2", 40.0), "keep": True}
+    with pytest.raises(EpibarError, match=r"of people and the distance .* contradict .*--forget"):
+        net.scaled(**more)
+    # Files of before have words alone.
+    net.save(tmp_path / "network.json")
+    content = json.loads((tmp_path / "network.json").read_text())
+    del content["scale"]["lengths"]
+    (tmp_path / "network.json").write_text(json.dumps(content))
+    old = epibar.Network.load(tmp_path / "network.json")
+    assert old.scale.lengths == ()
+    with pytest.raises(EpibarError, match=r"1.75 m of people and the distance .* contradict"):
+        old.scaled(**more)
+    content["scale"]["lengths"] = [{"what": "a stick", "of": ["distance"], "ratio": 0, "error": 0.1}]
+    (tmp_path / "network.json").write_text(json.dumps(content))
+    with pytest.raises(EpibarError, match=r"damaged .*says nothing"):
+        epibar.Network.load(tmp_path / "network.json")
+
+
 def test_contradictions_are_named():
     with pytest.raises(EpibarError, match=r"2 m between cam1 and cam2 and the height of 1.75 m of people"):
         made_up().scaled(distance=("cam1", "cam2", 2.0), person_height=1.75)

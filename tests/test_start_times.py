@@ -3,12 +3,14 @@
 import csv
 import json
 import math
+import os
 import shlex
 import shutil
 import subprocess
 from dataclasses import replace
 
 import cv2
+import imageio_ffmpeg
 import numpy as np
 import pytest
 from network_input import made_up
@@ -265,7 +267,16 @@ def test_a_name_that_leads_elsewhere_is_refused(run, capsys):
     assert "no name of a camera" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+@pytest.fixture
+def ffmpeg(tmp_path, monkeypatch):
+    """The machine's own, or the one that comes with imageio-ffmpeg."""
+    folder = tmp_path / "programs"
+    folder.mkdir()
+    (folder / "ffmpeg").symlink_to(shutil.which("ffmpeg") or imageio_ffmpeg.get_ffmpeg_exe())
+    monkeypatch.setenv("PATH", f"{folder}{os.pathsep}{os.environ['PATH']}")
+
+
+@pytest.mark.usefixtures("ffmpeg")
 def test_ffmpeg_cuts_to_the_frame(run, capsys, tmp_path_factory):
     """The commands as a shell runs them, one after the other from a pipe: the right frames, and as many."""
     assert main(["sync", str(run), "--commands"]) == 0

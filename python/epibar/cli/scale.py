@@ -12,7 +12,8 @@ __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 NAME = "scale"
 HELP = "give a calibrated network its metres, after the fact"
 DESCRIPTION = (
-    "Bring the network in DIR to metres, by all lengths that are given, weighted by their accuracy. Rewrites "
+    "Bring the network in DIR to metres, by all lengths that are given, now and before, weighted by their "
+    "accuracy; the same one given again replaces the one before. Rewrites "
     "network.json, cameras.toml, tracks.csv, report.html and the network in calibration.json; pairs stay as "
     "they are."
 )
@@ -22,6 +23,12 @@ def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
     command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
     add_length_options(command)
+    command.add_argument(
+        "--forget",
+        action="store_true",
+        help="take these lengths alone: when what was given before was wrong, which is combined with them "
+        "otherwise",
+    )
     add_output_options(command)
 
 
@@ -50,7 +57,7 @@ def run(args: Namespace) -> int:
         folder.refuse_foreign([path])
         before = Network.load(path)
         tracks = tracks_of(folder, before)
-        network = before.scaled(**given)
+        network = before.scaled(**given, keep=not args.forget)
         content = {**read_json(result), "network": network.as_dict()}
         for text in write_network(folder, network, None, found.lenses(), found.intrinsics)[1]:
             console.warning(text)

@@ -16,7 +16,7 @@ import numpy as np
 from .. import _core
 from ..arguments import is_number
 from ..errors import EpibarError
-from .parts import Ground, NetworkCamera, NetworkParts, Scale
+from .parts import METRE, Ground, KnownLength, NetworkCamera, NetworkParts, Scale
 
 __all__ = ["check_lengths", "rescaled"]
 
@@ -51,6 +51,7 @@ class Length:
     """A length in metres and in units of the network, with the relative error of what it says of the unit."""
 
     what: str
+    of: tuple[str, ...]
     metres: float
     units: float
     error: float
@@ -60,9 +61,13 @@ class Length:
         """Metres that a unit measures."""
         return self.metres / self.units
 
+    def known(self) -> KnownLength:
+        """What it says of the unit that the network has."""
+        return KnownLength(self.what, self.of, self.unit, self.error)
+
 
 def rescaled(
-    network: NetworkParts, distance: Any, person_height: Any, camera_height: Any
+    network: NetworkParts, distance: Any, person_height: Any, camera_height: Any, keep: bool
 ) -> tuple[dict[str, NetworkCamera], Ground, Scale]:
     """Return cameras and ground in metres, and what these rest on; see :meth:`epibar.Network.scaled`."""
     lengths = [_distance(network, one) for one in _several(distance)]
@@ -74,23 +79,39 @@ def rescaled(
     for one in lengths:
         if not math.isfinite(one.error):
             raise EpibarError(f"{one.what} says nothing: the network does not say how well it is known there")
-    for one, other in combinations(lengths, 2):
-        off = abs(math.log(one.unit / other.unit)) / math.hypot(one.error, other.error)
+    before = _given_before(network, lengths) if keep else []
+    known = [*before, *(one.known() for one in lengths)]
+    for one, other in combinations(known, 2):
+        off = abs(math.log(one.ratio / other.ratio)) / math.hypot(one.error, other.error)
         if off > CONTRADICTION:
             raise EpibarError(
                 f"{one.what} and {other.what} contradict each other: they differ by "
-                f"{100 * abs(one.unit / other.unit - 1):.1f} %, {off:.1f} standard deviations; check both"
+                f"{100 * abs(one.ratio / other.ratio - 1):.1f} %, {off:.1f} standard deviations; check both"
+                + (", or forget what was given before (--forget)" if one in before else "")
             )
-    weights = np.array([one.error**-2 for one in lengths])
-    factor = math.exp(float(np.average([math.log(one.unit) for one in lengths], weights=weights)))
+    weights = np.array([one.error**-2 for one in known])
+    factor = math.exp(float(np.average([math.log(one.ratio) for one in known], weights=weights)))
     error = float(1 / np.sqrt(weights.sum()))
-    scale = Scale(NINE_IN_TEN * error, tuple(one.what for one in lengths))
+    known = [replace(one, ratio=one.ratio / factor) for one in known]
+    scale = Scale(NINE_IN_TEN * error, tuple(one.what for one in known), tuple(known))
     ground = network.ground
     if ground.height is not None:
         level_error = None if ground.level_error is None else factor * ground.level_error
         ground = replace(ground, height=factor * ground.height, level_error=level_error)
     cameras = {name: _scaled_camera(camera, factor) for name, camera in network.cameras.items()}
     return cameras, ground, scale
+
+
+def _given_before(network: NetworkParts, lengths: list[Length]) -> list[KnownLength]:
+    """Lengths that the metres of a network rest on, but for those that are given anew."""
+    if network.unit != METRE or network.scale is None:
+        return []
+    known = network.scale.lengths
+    if not known:
+        said = " and ".join(network.scale.sources) or "what was given before"
+        known = (KnownLength(said, (), 1.0, network.scale.error / NINE_IN_TEN),)
+    anew = [one.of for one in lengths]
+    return [one for one in known if one.of not in anew]
 
 
 def _scaled_camera(camera: NetworkCamera, factor: float) -> NetworkCamera:
@@ -197,7 +218,8 @@ def _distance(network: NetworkParts, given: Any) -> Length:
     if units == 0:
         raise EpibarError(f"{what} says nothing: in this network both stand in one place")
     placed = math.hypot(_deviation(one), _deviation(other)) / units
-    return Length(what, metres, units, math.hypot(error / metres, placed))
+    of = ("distance", *sorted((first, second)))
+    return Length(what, of, metres, units, math.hypot(error / metres, placed))
 
 
 def _camera_height(network: NetworkParts, given: Any) -> Length:
@@ -215,7 +237,7 @@ def _camera_height(network: NetworkParts, given: Any) -> Length:
     reach = float(np.linalg.norm((position - np.mean(standing, axis=0))[:2]))
     lean = math.radians(network.ground.vertical_error or 0.0) * reach
     placed = math.hypot(_deviation(camera), lean, network.ground.level_error or 0.0) / units
-    return Length(what, metres, units, math.hypot(error / metres, placed))
+    return Length(what, ("camera_height", name), metres, units, math.hypot(error / metres, placed))
 
 
 def _person_height(network: NetworkParts, given: Any) -> Length:
@@ -233,7 +255,7 @@ def _person_height(network: NetworkParts, given: Any) -> Length:
         raise EpibarError(f"{what}: no camera is accepted: {network.reason}")
     stated = isinstance(given, (tuple, list))
     relative = math.hypot(error / metres, FIGURES) if stated else error / metres
-    return Length(what, metres, network.ground.height, relative)
+    return Length(what, ("person_height",), metres, network.ground.height, relative)
 
 
 def _check_floor(network: NetworkParts, what: str) -> None:

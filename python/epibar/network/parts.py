@@ -301,6 +301,28 @@ class Ground:
 
 
 @dataclass(frozen=True)
+class KnownLength:
+    """A length that was given, and what it says of the metres of a network.
+
+    Attributes
+    ----------
+    what : str
+        In words.
+    of : tuple of str
+        "distance" and two cameras, "camera_height" and one, or "person_height".
+    ratio : float
+        What a metre of the network measures by this length alone, metres.
+    error : float
+        Relative standard error of that.
+    """
+
+    what: str
+    of: tuple[str, ...]
+    ratio: float
+    error: float
+
+
+@dataclass(frozen=True)
 class Scale:
     """What metres rest on.
 
@@ -310,10 +332,13 @@ class Scale:
         Relative error of all lengths, which the true one is below nine times in ten.
     sources : tuple of str
         What was measured, in words.
+    lengths : tuple of KnownLength
+        The same in numbers; none in networks of before there were any.
     """
 
     error: float
     sources: tuple[str, ...]
+    lengths: tuple[KnownLength, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)

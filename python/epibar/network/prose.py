@@ -75,6 +75,8 @@ def network_notes(network: NetworkParts) -> list[str]:
             f"the unit of length is the distance between {standing[0]} and {standing[1]}; for metres give "
             + ("--person-height or --distance" if people else "--distance")
         )
+        if ground.source == "floor" and ground.not_people is not None:
+            notes.append(f"what moves gives no metres by its height: {ground.not_people}")
     elif network.scale is not None:
         notes.append(
             f"metres to {100 * network.scale.error:.2g} % nine times in ten, by "

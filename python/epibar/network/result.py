@@ -70,10 +70,12 @@ class Network(NetworkParts):
         """Names of the cameras that are not accepted, which no export holds."""
         return [name for name, camera in self.cameras.items() if not camera.accepted]
 
-    def scaled(self, *, distance: Any = (), person_height: Any = None, camera_height: Any = ()) -> Network:
+    def scaled(
+        self, *, distance: Any = (), person_height: Any = None, camera_height: Any = (), keep: bool = False
+    ) -> Network:
         """Return the same network in metres.
 
-        All that is given is combined by its accuracy. It replaces what an earlier scale rested on.
+        All that is given is combined by its accuracy, and replaces or keeps what an earlier scale rested on.
 
         Parameters
         ----------
@@ -85,6 +87,9 @@ class Network(NetworkParts):
             value, metres.
         camera_height : tuple (str, float) or list of such
             Metres of a camera above the floor; as good as a distance, or to the third value, metres.
+        keep : bool
+            Combine it with what an earlier scale rested on, too, and refuse what contradicts that. The same
+            length given again replaces the one before.
 
         Returns
         -------
@@ -97,7 +102,7 @@ class Network(NetworkParts):
             Nothing is given; a camera is unknown or not accepted; there is no floor that people stand on; or
             two of the lengths contradict each other.
         """
-        cameras, ground, scale = rescaled(self, distance, person_height, camera_height)
+        cameras, ground, scale = rescaled(self, distance, person_height, camera_height, keep)
         return replace(self, cameras=cameras, ground=ground, unit=METRE, scale=scale)
 
     def check(

@@ -16,6 +16,7 @@ from .parts import (
     BASELINE,
     METRE,
     Ground,
+    KnownLength,
     NetworkCamera,
     NetworkClock,
     NetworkPair,
@@ -54,7 +55,14 @@ def as_dict(network: NetworkParts) -> dict[str, Any]:
         "radius": network.radius,
         "scale": None
         if network.scale is None
-        else {"error": network.scale.error, "sources": list(network.scale.sources)},
+        else {
+            "error": network.scale.error,
+            "sources": list(network.scale.sources),
+            "lengths": [
+                {"what": one.what, "of": list(one.of), "ratio": one.ratio, "error": one.error}
+                for one in network.scale.lengths
+            ],
+        },
         "ground": {
             "source": network.ground.source,
             "height": network.ground.height,
@@ -173,7 +181,15 @@ def _scale(scale: Mapping[str, Any]) -> Scale:
     error = _size(scale, "error")
     if error is None:
         raise EpibarError("scale has no error")
-    return Scale(error, tuple(str(source) for source in _list(scale, "sources")))
+    lengths = _list(scale, "lengths") if "lengths" in scale else []
+    return Scale(error, tuple(map(str, _list(scale, "sources"))), tuple(map(_known_length, lengths)))
+
+
+def _known_length(one: Mapping[str, Any]) -> KnownLength:
+    ratio, error = _size(one, "ratio"), _size(one, "error")
+    if not ratio or not error:
+        raise EpibarError("a length of the scale says nothing")
+    return KnownLength(_word(one, "what"), tuple(map(str, _list(one, "of"))), ratio, error)
 
 
 def _camera(one: Mapping[str, Any]) -> NetworkCamera:

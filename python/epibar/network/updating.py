@@ -35,8 +35,8 @@ def moved_parts(network: NetworkParts, check: NetworkCheck) -> tuple[dict[str, N
         now = network.cameras[name].position if name in network.cameras else None
         if now is None or not np.allclose(now, position, rtol=1e-9, atol=1e-9):
             raise EpibarError(
-                f"{name} does not stand where it did when the network was checked: it has other metres, or was "
-                "updated, since; check again"
+                f"{name} does not stand where it did when the network was checked: it was updated or got "
+                "other metres since; check again"
             )
     standing = [
         camera
