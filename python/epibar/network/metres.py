@@ -81,13 +81,14 @@ def rescaled(
             raise EpibarError(f"{one.what} says nothing: the network does not say how well it is known there")
     before = _given_before(network, lengths) if keep else []
     known = [*before, *(one.known() for one in lengths)]
-    for one, other in combinations(known, 2):
-        off = abs(math.log(one.ratio / other.ratio)) / math.hypot(one.error, other.error)
+    for first, second in combinations(known, 2):
+        off = abs(math.log(first.ratio / second.ratio)) / math.hypot(first.error, second.error)
         if off > CONTRADICTION:
             raise EpibarError(
-                f"{one.what} and {other.what} contradict each other: they differ by "
-                f"{100 * abs(one.ratio / other.ratio - 1):.1f} %, {off:.1f} standard deviations; check both"
-                + (", or forget what was given before (--forget)" if one in before else "")
+                f"{first.what} and {second.what} contradict each other: they differ by "
+                f"{100 * abs(first.ratio / second.ratio - 1):.1f} %, {off:.1f} standard deviations; check "
+                "both"
+                + (", or forget what was given before (--forget)" if first in before else "")
             )
     weights = np.array([one.error**-2 for one in known])
     factor = math.exp(float(np.average([math.log(one.ratio) for one in known], weights=weights)))
