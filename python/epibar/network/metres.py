@@ -87,8 +87,7 @@ def rescaled(
             raise EpibarError(
                 f"{first.what} and {second.what} contradict each other: they differ by "
                 f"{100 * abs(first.ratio / second.ratio - 1):.1f} %, {off:.1f} standard deviations; check "
-                "both"
-                + (", or forget what was given before (--forget)" if first in before else "")
+                "both" + (", or forget what was given before (--forget)" if first in before else "")
             )
     weights = np.array([one.error**-2 for one in known])
     factor = math.exp(float(np.average([math.log(one.ratio) for one in known], weights=weights)))
