@@ -48,7 +48,13 @@ pub struct ShiftCurve {
     pub elsewhere: Vec<Vec<FrontierScore>>,
     /// How many of the shifts are farther from one another than motion stays.
     pub apart: f64,
+    /// How many looks at the recording are summed.
+    pub looks: usize,
 }
+
+/// Of so many sets of frames, each of two looks that overlap, as many as two thirds are independent: by simulation 3.3 of five sets that
+/// cover every frame twice.
+const OF_TWO_LOOKS: f64 = 2.0 / 3.0;
 
 /// Scores `f` on the frames tested at no shift and at about `count` others, none within `stay` frames of it.
 ///
@@ -91,6 +97,7 @@ pub fn shift_curve(held_out: &HeldOut, f: &Fundamental, count: usize) -> ShiftCu
         scores: shifts.iter().zip(&scores).map(|(&shift, of)| AtShift { shift, score: of[0] }).collect(),
         elsewhere: (1..sets.len()).map(|k| scores[1..].iter().map(|of| of[k]).collect()).collect(),
         apart: span as f64 / (2 * stay) as f64,
+        looks: 1,
     }
 }
 
@@ -138,6 +145,7 @@ impl ShiftCurve {
         for (sums, parts) in self.elsewhere.iter_mut().zip(&other.elsewhere) {
             sums.iter_mut().zip(parts).for_each(|(sum, part)| *sum += *part);
         }
+        self.looks += other.looks;
         self
     }
 
@@ -168,7 +176,8 @@ impl ShiftCurve {
         // One part by itself is too short to tell.
         let shown = if sets.len() > 1 { independent(&sets) } else { None };
         let independent = shown.map_or(self.apart, |shown| shown.max(self.apart)).min(rest.len() as f64);
-        let freedom = (independent - 1.0) * sets.len() as f64;
+        let of_sets = if sets.len() > 1 && self.looks > 1 { OF_TWO_LOOKS } else { 1.0 };
+        let freedom = (independent - 1.0) * of_sets * sets.len() as f64;
         if rest.len() < MIN_SHIFTS || !reaches(freedom, 1.0) {
             return 0.0;
         }
@@ -198,5 +207,28 @@ impl ShiftCurve {
             explained_by_chance: rest.iter().map(|s| share(&s.score)).sum::<f64>() / rest.len().max(1) as f64,
             ..Evidence::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_looks_that_overlap_are_not_worth_two() {
+        let of = |excess: f64| {
+            let mut score = FrontierScore::default();
+            score.tops.excess = excess;
+            score
+        };
+        let noise = |k: usize| ((k * 7919) % 101) as f64 - 50.0;
+        let scores =
+            (0..40).map(|k| AtShift { shift: 10 * k, score: of(if k == 0 { 250.0 } else { noise(k) }) });
+        let sets = (1..5).map(|set| (1..40).map(|k| of(noise(100 * set + k))).collect());
+        let one = ShiftCurve { scores: scores.collect(), elsewhere: sets.collect(), apart: 3.0, looks: 1 };
+        let two = ShiftCurve { looks: 2, ..one.clone() };
+        let (z, less) = (one.evidence().z_tops, two.evidence().z_tops);
+        assert!(less > 2.0 && less < z - 0.05, "{less} {z}");
+        assert_eq!(one.clone().with(&one).looks, 2);
     }
 }
