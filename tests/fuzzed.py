@@ -179,7 +179,8 @@ def network(data):
     assert repr(found)
     for camera in found.cameras.values():
         assert not camera.accepted or np.isfinite(camera.matrix).all()
-    _read(lambda _: found.scaled(person_height=1.7), None)
+    for keep in (False, True):
+        _read(lambda _, keep=keep: found.scaled(person_height=1.7, keep=keep), None)
     for kind in ("anipose", "opencv", "npz"):
         _read(lambda path, kind=kind: found.export(path, kind), Path(_folder.name) / "exported")
     path = Path(_folder.name) / "again.json"

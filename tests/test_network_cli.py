@@ -352,6 +352,17 @@ def test_a_failure_loses_no_pair(stage, masks, again, monkeypatch, capsys):
     assert read(again)["network"]["accepted"]
 
 
+def test_a_length_counts_on_until_it_is_forgotten(again, capsys):
+    scale = ["scale", str(again)]
+    assert main([*scale, "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0
+    assert main([*scale, "--distance", "cam1", "cam3", "40"]) == 2
+    assert "contradict each other" in capsys.readouterr().err
+    kept = epibar.Network.load(again / "network.json").scale
+    assert len(kept.lengths) == 1
+    assert main([*scale, "--distance", "cam1", "cam3", "40", "--forget", "--quiet"]) == 0
+    assert "40 m between cam1 and cam3" in " ".join(epibar.Network.load(again / "network.json").scale.sources)
+
+
 def test_a_network_that_cannot_be_written_is_an_error(masks, again, capsys):
     """What is still of an earlier one is named."""
     assert main(["scale", str(again), "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0

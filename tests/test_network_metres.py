@@ -158,10 +158,18 @@ def test_a_length_that_contradicts_what_was_given_before(tmp_path):
     assert old.scale.lengths == ()
     with pytest.raises(EpibarError, match=r"1.75 m of people and the distance .* contradict"):
         old.scaled(**more)
-    content["scale"]["lengths"] = [{"what": "a stick", "of": ["distance"], "ratio": 0, "error": 0.1}]
+    # One that says that it is known exactly.
+    content["scale"]["error"] = 0
     (tmp_path / "network.json").write_text(json.dumps(content))
-    with pytest.raises(EpibarError, match=r"damaged .*says nothing"):
-        epibar.Network.load(tmp_path / "network.json")
+    with pytest.raises(EpibarError, match=r"contradict"):
+        epibar.Network.load(tmp_path / "network.json").scaled(**more)
+    for ratio, error in ((0, 0.1), (1.0, 0), (1.0, 1e-200)):
+        content["scale"]["lengths"] = [
+            {"what": "a stick", "of": ["distance"], "ratio": ratio, "error": error}
+        ]
+        (tmp_path / "network.json").write_text(json.dumps(content))
+        with pytest.raises(EpibarError, match=r"damaged .*says nothing"):
+            epibar.Network.load(tmp_path / "network.json")
 
 
 def test_contradictions_are_named():

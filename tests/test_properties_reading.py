@@ -166,7 +166,8 @@ def test_a_network_json_with_other_values(place, value, folder):
     if network is not None:
         assert repr(network)
         assert all(np.isfinite(one.matrix).all() for one in network.cameras.values() if one.accepted)
-        load(lambda _: network.scaled(person_height=1.7), None)
+        for keep in (False, True):
+            load(lambda _, keep=keep: network.scaled(person_height=1.7, keep=keep), None)
         for kind in ("anipose", "opencv", "npz"):
             load(lambda path, kind=kind: network.export(path, kind), folder / "exported")
 

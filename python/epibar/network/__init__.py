@@ -12,7 +12,7 @@ from .knowledge import KnownCamera
 from .offsets import ClockOffsets, find_offsets
 from .pair_choice import pairs_to_search
 from .pair_search import search_pairs
-from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, Scale
+from .parts import Ground, KnownLength, NetworkCamera, NetworkClock, NetworkPair, Scale
 from .result import Network
 from .sightings import WalkerSightings
 from .start_times import StartTime
@@ -23,6 +23,7 @@ __all__ = [
     "ClockOffsets",
     "Ground",
     "KnownCamera",
+    "KnownLength",
     "Network",
     "NetworkCamera",
     "NetworkCheck",

@@ -87,7 +87,8 @@ def rescaled(
             raise EpibarError(
                 f"{first.what} and {second.what} contradict each other: they differ by "
                 f"{100 * abs(first.ratio / second.ratio - 1):.1f} %, {off:.1f} standard deviations; check "
-                "both" + (", or forget what was given before (--forget)" if first in before else "")
+                "both"
+                + (", or forget what was given before (--forget; keep=False)" if first in before else "")
             )
     weights = np.array([one.error**-2 for one in known])
     factor = math.exp(float(np.average([math.log(one.ratio) for one in known], weights=weights)))
@@ -109,7 +110,7 @@ def _given_before(network: NetworkParts, lengths: list[Length]) -> list[KnownLen
     known = network.scale.lengths
     if not known:
         said = " and ".join(network.scale.sources) or "what was given before"
-        known = (KnownLength(said, (), 1.0, network.scale.error / NINE_IN_TEN),)
+        known = (KnownLength(said, (), 1.0, max(network.scale.error / NINE_IN_TEN, SHARPEST)),)
     anew = [one.of for one in lengths]
     return [one for one in known if one.of not in anew]
 

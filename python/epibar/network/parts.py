@@ -19,6 +19,7 @@ __all__ = [
     "BASELINE",
     "METRE",
     "Ground",
+    "KnownLength",
     "NetworkCamera",
     "NetworkClock",
     "NetworkPair",

@@ -34,6 +34,9 @@ CONVENTION = (
     "pixels; t seconds of the first camera are t + offset + 1e-6 drift t here"
 )
 
+LEAST_ERROR = 1e-10
+"""No length is known better, as a share of it."""
+
 SHOWN = 300
 """Characters of what is wrong that an error shows."""
 
@@ -134,7 +137,7 @@ def network_from(kind: type[N], content: Mapping[str, Any], where: str) -> N:
         return _network(kind, content)
     except KeyError as error:
         raise EpibarError(f"{where}: damaged ({str(error)[:SHOWN]} is missing)") from error
-    except (EpibarError, TypeError, ValueError, AttributeError, OverflowError) as error:
+    except (EpibarError, TypeError, ValueError, AttributeError, IndexError, OverflowError) as error:
         raise EpibarError(f"{where}: damaged ({str(error)[:SHOWN]})") from error
 
 
@@ -187,7 +190,7 @@ def _scale(scale: Mapping[str, Any]) -> Scale:
 
 def _known_length(one: Mapping[str, Any]) -> KnownLength:
     ratio, error = _size(one, "ratio"), _size(one, "error")
-    if not ratio or not error:
+    if not ratio or not error or error < LEAST_ERROR:
         raise EpibarError("a length of the scale says nothing")
     return KnownLength(_word(one, "what"), tuple(map(str, _list(one, "of"))), ratio, error)
 
@@ -247,6 +250,8 @@ def _pair(one: Mapping[str, Any], names: Sequence[str]) -> NetworkPair:
 
 
 def _evidence(one: Mapping[str, Any]) -> dict[str, float]:
+    if not isinstance(one["evidence"], Mapping):
+        raise EpibarError(f"evidence is {one['evidence']!r}, expected numbers by name")
     found = {str(key): _finite(one["evidence"], key) for key in one["evidence"]}
     return {key: value for key, value in found.items() if value is not None}
 

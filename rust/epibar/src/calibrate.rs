@@ -116,14 +116,17 @@ impl<'a> Pair<'a> {
         let (a, b) = (aligned.a(), aligned.b());
         let busy = busy_frames(a, b, &common, None);
         // About the time in which something moves: whether anybody is there says nothing of how long motion stays.
-        let stay = split::stay(a, b, &busy);
+        let stay = split::in_common_frames(split::stay(a, b, &busy), &common, &busy);
         Self { aligned, options, common, busy, stay }
     }
 
     /// Common frames a second: where A films faster than B not all of its frames are. NaN where unknown.
     fn frame_rate(&self) -> f64 {
-        let (a, [first, .., last]) = (self.aligned.a(), &self.common[..]) else { return f64::NAN };
-        a.frame_rate() * (self.common.len() - 1) as f64 / f64::from(last.a - first.a)
+        // The median, as frames may lack for a while.
+        let mut steps: Vec<u32> = self.common.windows(2).map(|p| p[1].a - p[0].a).collect();
+        steps.sort_unstable();
+        let step = steps.get(steps.len() / 2).map_or(f64::NAN, |step| f64::from(*step).max(1.0));
+        self.aligned.a().frame_rate() / step
     }
 
     /// Found by some frames and tested on others, and what is worth a second look at it, if anything is.

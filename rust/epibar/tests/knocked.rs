@@ -19,14 +19,20 @@ const MOVING: usize = 300;
 /// Frames in which nothing does.
 const IDLE: usize = 300;
 
-/// What a camera films that looks another way from some frame on, where things move in some frames only.
-fn filmed([before, after]: [&Camera; 2], turned_at: usize, moving: Range<usize>, frames: usize) -> Recording {
+/// What a camera films that looks another way from some frame on, where things move in some frames only, of which it shows some.
+fn filmed(
+    [before, after]: [&Camera; 2],
+    turned_at: usize,
+    moving: &Range<usize>,
+    shown: &Range<usize>,
+    frames: usize,
+) -> Recording {
     let scene = Scene::new(5, MOVING, 21);
     let options = RecorderOptions::new().lines(600).seed(before.size.width() as u64);
     let mut recorder = Recorder::new(before.size, options).unwrap();
     for frame in 0..frames {
         let camera = if frame < turned_at { before } else { after };
-        let mask = if moving.contains(&frame) {
+        let mask = if moving.contains(&frame) && shown.contains(&frame) {
             scene.seen_by(camera, (frame - moving.start) as f64)
         } else {
             vec![0; camera.size.pixels()]
@@ -38,10 +44,21 @@ fn filmed([before, after]: [&Camera; 2], turned_at: usize, moving: Range<usize>,
 
 /// What all film, the third turned by some degrees from a frame on.
 fn all_filmed(degrees: f64, turned_at: usize, moving: &Range<usize>, frames: usize) -> Vec<Recording> {
+    all_filmed_but(degrees, turned_at, moving, moving, frames)
+}
+
+/// The same, and the third shows a part of what moves.
+fn all_filmed_but(
+    degrees: f64,
+    turned_at: usize,
+    moving: &Range<usize>,
+    shown: &Range<usize>,
+    frames: usize,
+) -> Vec<Recording> {
     let turn = Rotation3::new(Vector3::new(0.3, 1.0, 0.2).normalize() * degrees.to_radians());
     let film = |(c, camera): (usize, Camera)| {
         let after = if c == 2 { camera.clone().turned(&turn) } else { camera.clone() };
-        filmed([&camera, &after], turned_at, moving.clone(), frames)
+        filmed([&camera, &after], turned_at, moving, if c == 2 { shown } else { moving }, frames)
     };
     cameras().into_iter().enumerate().map(film).collect()
 }
@@ -85,6 +102,15 @@ fn when_a_camera_moved_is_told_in_seconds_of_its_film_though_nobody_moves_at_fir
     assert_eq!(found[2].status, CheckStatus::Moved, "{found:#?}");
     let since = found[2].since.expect("it was filmed");
     assert!((since - 18.0).abs() < 1.0, "{since} s, {}", found[2].reason);
+}
+
+#[test]
+fn a_camera_that_sees_anything_for_a_part_of_the_time_is_found_too() {
+    let found = checked(&all_filmed_but(1.5, 0, &(0..MOVING), &(180..MOVING), MOVING));
+    let status: Vec<CheckStatus> = found.iter().map(|c| c.status).collect();
+    let unmoved = CheckStatus::Unmoved;
+    assert_eq!(status, [unmoved, unmoved, CheckStatus::Moved, unmoved], "{found:#?}");
+    assert_eq!(found[2].since, None, "{}", found[2].reason);
 }
 
 #[test]

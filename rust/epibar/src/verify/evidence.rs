@@ -16,8 +16,8 @@ pub struct Evidence {
     pub z_whole: f64,
     /// Share of the silhouettes that met with both ends, or with one though the other shows as well, on frames kept aside.
     pub both_ends: f64,
-    /// The deviates of tops, bottoms and whole silhouettes are of all frames, cross-validated: one was faint on those
-    /// kept aside.
+    /// Of tops, bottoms and whole silhouettes some deviate is of all frames, cross-validated, as it was faint on those kept
+    /// aside.
     pub on_all_frames: bool,
     /// Share of both cameras' tangents that meet one of the other camera, on frames kept aside.
     pub explained: f64,

@@ -154,7 +154,8 @@ impl ShiftCurve {
         self.scores.iter().map(|s| (s.shift, 0.5 * s.score.total()))
     }
 
-    /// Whether there are enough shifts that differ to say anything by those of the frames tested alone.
+    /// Whether there are enough shifts that differ to say anything by those of the frames tested alone: two degrees of freedom, as with one
+    /// even nine deviations are no more than two of a normal one.
     pub fn can_say(&self) -> bool {
         let rest = self.scores.len().saturating_sub(1);
         rest >= MIN_SHIFTS && reaches(self.apart.min(rest as f64) - 1.0, 2.0)

@@ -70,6 +70,15 @@ pub fn stay(a: &Recording, b: &Recording, common: &[FramePair]) -> usize {
     stay_in(a, &frames_a).max(stay_in(b, &frames_b))
 }
 
+/// As many busy frames in common ones: the median over the recording, as others may lie between them.
+pub fn in_common_frames(stay: usize, common: &[FramePair], busy: &[FramePair]) -> usize {
+    let place = |i: usize| common.partition_point(|p| p.a < busy[i].a);
+    let mut spans: Vec<usize> =
+        (0..busy.len().saturating_sub(stay)).map(|i| place(i + stay) - place(i)).collect();
+    spans.sort_unstable();
+    spans.get(spans.len() / 2).map_or(stay, |span| stay.max(*span))
+}
+
 /// Barcodes of some lines on which things move, over some frames.
 pub(super) fn moving_lines(recording: &Recording, frames: &[u32]) -> Barcodes {
     let barcodes = &recording.barcodes;
@@ -86,7 +95,8 @@ fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
 
 /// Correlation of all barcodes with themselves `lag` frames later, about the mean of each; 0 where nothing changes.
 pub(super) fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
-    correlation(barcodes, lag, barcodes.frames, barcodes.frames - lag)
+    let all = vec![u64::MAX; barcodes.frames.div_ceil(64)];
+    correlation(barcodes, &all, lag, (barcodes.frames, barcodes.frames - lag))
 }
 
 /// The same over those of the frames, a bit each, at which, and `lag` frames later, something moves; 0 where these are less than so
@@ -94,7 +104,7 @@ pub(super) fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
 pub(super) fn autocorrelation_among(barcodes: &Barcodes, busy: &[u64], lag: usize, least: f64) -> f64 {
     let frames = busy.iter().map(|w| w.count_ones() as usize).sum();
     let both = ones_that_return(busy, lag);
-    if (both as f64) < least * frames as f64 { 0.0 } else { correlation(barcodes, lag, frames, both) }
+    if (both as f64) < least * frames as f64 { 0.0 } else { correlation(barcodes, busy, lag, (frames, both)) }
 }
 
 /// How many bits are set that are so again `lag` bits later. Beyond the last all are nought, so that nothing is counted twice.
@@ -108,13 +118,14 @@ fn ones_that_return(row: &[u64], lag: usize) -> usize {
     (0..row.len()).map(|k| (row[k] & later(k)).count_ones() as usize).sum()
 }
 
-/// Of barcodes of so many frames, so many of which are compared.
-fn correlation(barcodes: &Barcodes, lag: usize, frames: usize, compared: usize) -> f64 {
+/// Of barcodes in some of their frames, a bit each; so many of these are compared. What moves in others is specks.
+fn correlation(barcodes: &Barcodes, among: &[u64], lag: usize, (frames, compared): (usize, usize)) -> f64 {
     let n = compared as f64;
     let (mut covariance, mut variance) = (0.0, 0.0);
     for i in 0..barcodes.count {
-        let common = ones_that_return(barcodes.row(i), lag);
-        let mean = f64::from(barcodes.ones(i)) / frames as f64;
+        let row: Vec<u64> = barcodes.row(i).iter().zip(among).map(|(word, among)| word & among).collect();
+        let common = ones_that_return(&row, lag);
+        let mean = row.iter().map(|w| f64::from(w.count_ones())).sum::<f64>() / frames as f64;
         covariance += common as f64 / n - mean * mean;
         variance += mean * (1.0 - mean);
     }
@@ -162,6 +173,28 @@ mod tests {
             Split::new(&common, &common, 20, Fold::First).tested.len()
         };
         assert_eq!([300, 500, 2000].map(stretches), [1, 2, 3]);
+    }
+
+    #[test]
+    fn frames_between_busy_ones_count() {
+        let common = pairs(0..400);
+        assert_eq!(in_common_frames(20, &common, &common), 20);
+        // Every second frame; and a pause, which says nothing.
+        assert_eq!(in_common_frames(20, &common, &pairs((0..400).step_by(2))), 40);
+        assert_eq!(in_common_frames(20, &common, &pairs((0..120).chain(280..400))), 20);
+        assert_eq!([in_common_frames(5, &common, &[]), in_common_frames(0, &common, &common)], [5, 0]);
+    }
+
+    #[test]
+    fn specks_while_nobody_is_there_are_no_motion() {
+        let on = |line: usize, frame: usize| frame >= 128 || (frame / (3 + line)).is_multiple_of(2);
+        let busy = [u64::MAX, u64::MAX, 0, 0];
+        let first = Barcodes::from_fn(3, 128, on);
+        let all = Barcodes::from_fn(3, 256, on);
+        for lag in [1, 7, 40] {
+            let among = autocorrelation_among(&all, &busy, lag, 0.0);
+            assert!((among - autocorrelation(&first, lag)).abs() < 1e-12, "{lag}");
+        }
     }
 
     #[test]

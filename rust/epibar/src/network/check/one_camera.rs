@@ -8,7 +8,8 @@ use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::{Belief, Beliefs, JointProblem};
-use crate::network::observations::survey::{Survey, summed};
+use crate::network::observations::survey::Survey;
+use crate::network::observations::time_parts::TimeParts;
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::{Settled, settle};
 use crate::network::thresholds as limits;
@@ -47,11 +48,13 @@ pub struct Move {
     pub gain: f64,
     /// How much better, as evidence.
     pub better: f64,
-    /// Part of the stretch from which on it does.
+    /// Part of the time of its own pairs from which on it does.
     pub from: usize,
+    /// The same as a part of the time of all pairs.
+    pub from_of_all: usize,
     /// When that part begins, the network's time.
     pub since: f64,
-    /// What is compared before that, as a share of all.
+    /// What is compared with it before that, as a share of all that is.
     pub before: f64,
 }
 
@@ -73,6 +76,7 @@ impl Move {
             gain: 0.0,
             better: 0.0,
             from: 0,
+            from_of_all: 0,
             since: f64::NEG_INFINITY,
             before: 0.0,
         }
@@ -120,8 +124,6 @@ pub struct StretchCase<'a> {
     pub beliefs: &'a [Beliefs],
     /// The cameras, where each is held while another is asked for.
     pub network: &'a Placed,
-    /// Evidence of every pair as they stand.
-    pub standing: &'a Standing,
 }
 
 /// Evidence of the pairs of a network, part by part.
@@ -136,12 +138,6 @@ impl Standing {
         let pairs = network.pairs();
         let parts = stretch.all.excess_of_pairs(&network.cameras, &pairs, limits::COMPARED, &stretch.parts);
         Self { pairs, parts }
-    }
-
-    /// The sum over the pairs of a camera.
-    fn of_camera(&self, camera: usize) -> [f64; PARTS] {
-        let own = self.pairs.iter().zip(&self.parts).filter(|((a, b), _)| *a == camera || *b == camera);
-        summed(own.map(|(_, parts)| parts))
     }
 }
 
@@ -204,7 +200,7 @@ impl StretchCase<'_> {
 
     /// Whether much less speaks for a camera where it is stored at the end than at the start.
     pub fn fades(&self, camera: usize) -> bool {
-        let parts = self.standing.of_camera(camera);
+        let parts = self.parts(camera, self.network.cameras[camera], &self.own_time(camera));
         let sum = |parts: &[f64]| parts.iter().sum::<f64>();
         let (start, end) = (sum(&parts[..PARTS / 3]), sum(&parts[PARTS - PARTS / 3..]));
         end < limits::FADES * start
@@ -264,10 +260,15 @@ impl StretchCase<'_> {
         covariance(&problem, &settled.cameras, &vec![0.0; settled.cameras.len()])
     }
 
+    /// Parts of the time in which a camera is compared with others: it may have filmed, or seen anything, for a part of theirs alone.
+    pub fn own_time(&self, camera: usize) -> TimeParts {
+        self.stretch.all.time_parts(&self.network.cameras, &self.pairs_of(camera), PARTS)
+    }
+
     /// Excess over chance of the pairs of a camera that is at some place, part by part.
-    pub fn parts(&self, camera: usize, at: Camera) -> [f64; PARTS] {
-        let Stretch { all, parts, .. } = self.stretch;
-        all.excess_by_part(&self.with(camera, at), &self.pairs_of(camera), limits::COMPARED, parts)
+    pub fn parts(&self, camera: usize, at: Camera, time: &TimeParts) -> [f64; PARTS] {
+        let pairs = self.pairs_of(camera);
+        self.stretch.all.excess_by_part(&self.with(camera, at), &pairs, limits::COMPARED, time)
     }
 
     /// How much better the footage agrees with a camera that moved, and from when on.
@@ -275,14 +276,17 @@ impl StretchCase<'_> {
         // By the same clock and inset, which are of the footage and not of the pose.
         let Camera { offset, drift, inset, .. } = found.camera;
         let held = Camera { offset, drift, inset, ..self.network.cameras[camera] };
-        let old = self.standing.of_camera(camera);
-        let (stored, new) = (self.parts(camera, held), self.parts(camera, found.camera));
+        let time = self.own_time(camera);
+        let [old, stored, new] =
+            [self.network.cameras[camera], held, found.camera].map(|at| self.parts(camera, at, &time));
         let better: Vec<f64> = (0..PARTS).map(|k| new[k] - old[k].max(stored[k])).collect();
         // Where the sum from here on is greatest it began.
         let tail = |from: usize| better[from..].iter().sum::<f64>();
         let from = (0..PARTS).max_by(|&p, &q| tail(p).total_cmp(&tail(q)).then(q.cmp(&p))).unwrap_or(0);
-        let (since, before) = (self.stretch.parts.start(from), self.stretch.before_part(from));
-        Move { gain: deviates(&better[from..]), better: tail(from), from, since, before, ..*found }
+        let (since, before) = (time.start(from), self.stretch.before_part(from));
+        let from_of_all = if from == 0 { 0 } else { self.stretch.parts.of(since) };
+        let gain = deviates(&better[from..]);
+        Move { gain, better: tail(from), from, from_of_all, since, before, ..*found }
     }
 }
 

@@ -57,6 +57,8 @@ struct Explanation {
     network: Placed,
     /// Evidence of every pair, part by part.
     parts: Vec<[f64; PARTS]>,
+    /// In which parts the camera is compared with any other.
+    seen: Vec<bool>,
 }
 
 /// What was found of the cameras that did not move yet, and what each explains, if any moved.
@@ -138,13 +140,7 @@ impl Footage<'_> {
         let n = self.beliefs.len();
         let end = stretch.end();
         let standing = Standing::of(stretch, &so_far.now);
-        let whole = StretchCase {
-            stretch,
-            fitted: stretch,
-            beliefs: self.beliefs,
-            network: &so_far.now,
-            standing: &standing,
-        };
+        let whole = StretchCase { stretch, fitted: stretch, beliefs: self.beliefs, network: &so_far.now };
         let at_end = StretchCase { fitted: &end, ..whole };
         let rounds = so_far.moved.iter().filter(|m| **m).count();
         let mut found = Vec::new();
@@ -169,22 +165,18 @@ impl Footage<'_> {
         let network = self.without(stretch, &so_far.now, camera);
         let standing = Standing::of(stretch, &network);
         let fitted = since(found, stretch);
-        let case = StretchCase {
-            stretch,
-            fitted: &fitted,
-            beliefs: self.beliefs,
-            network: &network,
-            standing: &standing,
-        };
+        let case = StretchCase { stretch, fitted: &fitted, beliefs: self.beliefs, network: &network };
         let start = Camera { log_focal: network.cameras[camera].log_focal, ..found.camera };
         let posed = case.measured(camera, start, &case.beliefs_free(camera));
         let found = posed.map_or(*found, |posed| case.zoomed(camera, &posed));
         let there = case.with(camera, found.camera);
         let new =
             stretch.all.excess_of_pairs::<PARTS>(&there, &standing.pairs, limits::COMPARED, &stretch.parts);
-        let part = |p: usize, k: usize| if k >= found.from { new[p][k] } else { standing.parts[p][k] };
+        let part = |p: usize, k: usize| if k >= found.from_of_all { new[p][k] } else { standing.parts[p][k] };
         let parts = (0..new.len()).map(|p| std::array::from_fn(|k| part(p, k))).collect();
-        Explanation { camera, found, network, parts }
+        let times = stretch.all.times(&network.cameras, &case.pairs_of(camera));
+        let seen = stretch.parts.occupied(&times);
+        Explanation { camera, found, network, parts, seen }
     }
 
     /// A network with clocks and insets by the pairs that a camera has no part in.
@@ -247,18 +239,23 @@ impl Round {
 
     /// Whether so much more speaks for one explanation that the other is not the true one.
     fn rules_out(&self, best: &Explanation, other: &Explanation) -> bool {
-        let from = best.found.from.min(other.found.from);
-        let more = |of: &dyn Fn(&(usize, usize)) -> bool| -> Vec<f64> {
+        let from = best.found.from_of_all.min(other.found.from_of_all);
+        let more = |of: &dyn Fn(&(usize, usize)) -> bool| -> Vec<(usize, f64)> {
             let chosen = |e: &Explanation| -> [f64; PARTS] {
                 summed(self.pairs.iter().zip(&e.parts).filter(|(pair, _)| of(pair)).map(|(_, parts)| parts))
             };
             let (one, two) = (chosen(best), chosen(other));
-            (from..PARTS).map(|k| one[k] - two[k]).collect()
+            (from..PARTS).map(|k| (k, one[k] - two[k])).collect()
         };
         // Pairs that stand whatever happened to the best: another that had moved would have spoiled its own.
         let (all, stand) = (more(&|_| true), more(&|&(a, b)| a != best.camera && b != best.camera));
-        let share = |parts: &[f64]| parts.iter().sum::<f64>() / best.found.better;
-        let clearly = |parts: &[f64], least: f64| deviates(parts) > limits::RULED_OUT && share(parts) > least;
+        let clearly = |parts: &[(usize, f64)], least: f64| {
+            let sum: f64 = parts.iter().map(|(_, more)| more).sum();
+            // Where the best is not seen it explains nothing more, though it may be seen for a small part of the time.
+            let seen = parts.iter().filter(|(k, _)| best.seen[*k]).map(|(_, more)| *more).collect::<Vec<_>>();
+            let all = parts.iter().map(|(_, more)| *more).collect::<Vec<_>>();
+            deviates(&seen).max(deviates(&all)) > limits::RULED_OUT && sum / best.found.better > least
+        };
         clearly(&stand, limits::SPOILED_SHARE) || clearly(&all, limits::RULED_OUT_SHARE)
     }
 }

@@ -50,7 +50,8 @@ impl StretchCase<'_> {
     /// Which of a pose, a focal length, and both explains the footage and is no more than what it takes.
     fn simplest(&self, camera: usize, posed: &Move, only: &Move, both: &Move) -> Move {
         let measured = Move { focal: both.focal, focal_error: both.focal_error, ..*posed };
-        let of = |found: &Move| self.parts(camera, found.camera);
+        let time = self.own_time(camera);
+        let of = |found: &Move| self.parts(camera, found.camera, &time);
         let (by_both, by_pose, by_focal) = (of(both), of(posed), of(only));
         let more = |one: &[f64; PARTS], than: &[f64; PARTS]| -> Vec<f64> {
             one.iter().zip(than).skip(both.from).map(|(p, q)| p - q).collect()

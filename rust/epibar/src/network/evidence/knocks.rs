@@ -53,31 +53,38 @@ impl Kept {
     }
 }
 
-/// Evidence of each part of the network's time, as camera A of the pair has it, pair by pair.
-fn parts(
-    survey: &Survey,
-    network: &Placed,
-    pairs: &[(usize, usize)],
-    times: &TimeParts,
-) -> Vec<[Part; PARTS]> {
+/// Evidence at each moment, with the network's time, as camera A of the pair has it, pair by pair.
+fn moments(survey: &Survey, network: &Placed, pairs: &[(usize, usize)]) -> Vec<Vec<(f64, Part)>> {
     let rays = survey.all_rays(&network.cameras);
     let of_pair = |&(a, b): &(usize, usize)| {
         let tangents = survey.tangents(&network.cameras, &rays, a, b);
         let scorer = tangents.scorer(limits::COMPARED * survey.scale(a, b));
-        let mut parts = [Part::default(); PARTS];
+        let time = |k: usize| (tangents.time(k), Part::default());
+        let mut moments: Vec<(f64, Part)> = (0..tangents.moments()).map(time).collect();
         for shift in 0..=SHIFTS {
             let scores = scorer.by_moment(shift * tangents.moments() / (SHIFTS + 1));
             for (k, score) in scores.iter().enumerate() {
-                let part = &mut parts[times.of(tangents.time(k))];
+                let part = &mut moments[k].1;
                 part.excess += beyond_chance(score.excess, shift);
                 if shift == 0 {
                     part.ends += score.ends as f64;
                 }
             }
         }
-        parts
+        moments
     };
     pairs.par_iter().map(of_pair).collect()
+}
+
+/// Of one pair in parts of some time.
+fn parts(moments: &[(f64, Part)], time: &TimeParts) -> [Part; PARTS] {
+    let mut parts = [Part::default(); PARTS];
+    for (at, moment) in moments {
+        let part = &mut parts[time.of(*at)];
+        part.excess += moment.excess;
+        part.ends += moment.ends;
+    }
+    parts
 }
 
 /// The network's time at which a camera was knocked, about, of each that sees what the others see only before or only
@@ -85,9 +92,16 @@ fn parts(
 /// that it has no part in.
 pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) -> Vec<Option<f64>> {
     let pairs = network.pairs();
-    let times = survey.time_parts(&network.cameras, &pairs, PARTS);
-    let parts = parts(survey, network, &pairs, &times);
+    let moments = moments(survey, network, &pairs);
     let of_camera = |c: usize| {
+        // It may have filmed, or seen anything, for a part of the others' time alone.
+        let own = |&&(a, b): &&(usize, usize)| a == c || b == c;
+        let time = survey.time_parts(
+            &network.cameras,
+            &pairs.iter().filter(own).copied().collect::<Vec<_>>(),
+            PARTS,
+        );
+        let parts: Vec<[Part; PARTS]> = moments.iter().map(|moments| parts(moments, &time)).collect();
         let kept = |own: bool, moment: usize| {
             let chosen = pairs.iter().zip(&parts).filter(|(p, _)| (p.0 == c || p.1 == c) == own);
             Kept::of(chosen.map(|(_, parts)| parts), moment)
@@ -104,7 +118,7 @@ pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) 
                 worst = Some((own.share(), moment));
             }
         }
-        worst.map(|(_, moment)| times.start(moment))
+        worst.map(|(_, moment)| time.start(moment))
     };
     (0..network.cameras.len()).map(of_camera).collect()
 }

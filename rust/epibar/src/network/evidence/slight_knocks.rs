@@ -1,4 +1,4 @@
-//! Was a camera turned a little at half time?
+//! Was a camera turned a little while it filmed?
 //!
 //! Where it was turned far its pairs agree in one half only. Where it was turned by a degree they still agree in both, and all cameras
 //! stand where that is a compromise: too far to one side in the first half and to the other in the second. That shows in the residuals:

@@ -26,6 +26,7 @@ const NEIGHBOURS: usize = 3;
 const VOUCHED: usize = 2;
 /// More pairs that are asked for, at the most, for each camera where too little vouches for some.
 const MOST_BEYOND: usize = 15;
+
 /// Pairs of `count` cameras whose offsets are asked for first: all of few cameras, neighbours in the list of more.
 pub fn asked(count: usize) -> Vec<(usize, usize)> {
     all_pairs(count).filter(|&(a, b)| count <= ALL_PAIRS || apart(count, a, b) <= NEIGHBOURS).collect()

@@ -120,7 +120,12 @@ pub fn pair_offsets(
     };
     let mut found = Vec::new();
     for beyond in [false, true] {
-        let pairs = if beyond { asked_beyond(count, &found) } else { asked(count) };
+        let pairs = match beyond {
+            false => asked(count),
+            // Cameras that have nothing in common, in two halls say, would outvote those that started together.
+            true if started_together(count, &found) => Vec::new(),
+            true => asked_beyond(count, &found),
+        };
         // Of more cameras the second half may have nothing to do.
         let before = if beyond { 0.5 } else { 0.0 };
         let of_all = if count <= ALL_PAIRS { 1.0 } else { 0.5 };

@@ -65,7 +65,8 @@ const FRAMES: usize = 400;
 const RADIUS: f64 = 4.0;
 
 impl PairFound {
-    /// Geometries of cameras `a < b` with clocks that run alike and started together, for which nothing speaks yet.
+    /// Geometries of cameras `a < b` with clocks that run alike and started together, for which nothing speaks yet: of two cameras alone
+    /// none is accepted without a [`verdict`](Self::verdict) of their pair.
     ///
     /// # Errors
     /// [`Error::Argument`] where `a` is not the smaller, and without a geometry.

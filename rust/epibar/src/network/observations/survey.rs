@@ -172,11 +172,15 @@ impl<'a> Survey<'a> {
             .collect()
     }
 
+    /// The network's times at which some pairs are compared, pair by pair.
+    pub fn times(&self, cameras: &[Camera], pairs: &[(usize, usize)]) -> Vec<f64> {
+        let of = |c: usize| (&self.observed[c], &cameras[c]);
+        pairs.iter().flat_map(|&(a, b)| common_times(of(a), of(b), &self.frames[a])).collect()
+    }
+
     /// So many parts of the time in which some pairs are compared.
     pub fn time_parts(&self, cameras: &[Camera], pairs: &[(usize, usize)], parts: usize) -> TimeParts {
-        let of = |c: usize| (&self.observed[c], &cameras[c]);
-        let times = pairs.iter().flat_map(|&(a, b)| common_times(of(a), of(b), &self.frames[a]));
-        TimeParts::new(times.collect(), parts)
+        TimeParts::new(self.times(cameras, pairs), parts)
     }
 
     /// Evidence of some pairs at a radius, pixels of a 640×480 image, in each part of the time.

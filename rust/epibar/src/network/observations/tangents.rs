@@ -26,14 +26,15 @@ fn common_moments(a: &CameraView, b: &CameraView, frames: &[u32]) -> Vec<(u32, M
     frames.iter().filter_map(|&frame| Some((frame, moment(frame)?))).collect()
 }
 
-/// The network's times of frames of A at which B filmed too.
+/// The network's times of frames of A at which B saw anything too.
 pub fn common_times(
     (a, camera_a): (&Observed, &Camera),
     (b, camera_b): (&Observed, &Camera),
     frames: &[u32],
 ) -> Vec<f64> {
     let times = frames.iter().map(|&frame| camera_a.time_of(a.times[frame as usize]));
-    times.filter(|time| b.moment(camera_b.clock_at(*time)).is_some()).collect()
+    let sees = |moment: Moment| !b.of_frame(moment.frame).is_empty();
+    times.filter(|time| b.moment(camera_b.clock_at(*time)).is_some_and(sees)).collect()
 }
 
 /// Ends of both cameras of a pair, and the moments that they have in common.

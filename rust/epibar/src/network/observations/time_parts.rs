@@ -23,6 +23,15 @@ impl TimeParts {
         self.starts.partition_point(|start| *start <= time).saturating_sub(1)
     }
 
+    /// Which parts have any of some moments.
+    pub fn occupied(&self, times: &[f64]) -> Vec<bool> {
+        let mut found = vec![false; self.starts.len()];
+        for time in times {
+            found[self.of(*time)] = true;
+        }
+        found
+    }
+
     /// When a part begins.
     pub fn start(&self, part: usize) -> f64 {
         self.starts[part]
@@ -48,8 +57,10 @@ mod tests {
     }
 
     #[test]
-    fn nothing_has_one_part() {
+    fn moments_at_one_time_are_in_one_part() {
         assert_eq!(TimeParts::new(Vec::new(), 3).of(1.0), 2);
-        assert_eq!(TimeParts::new(vec![2.0; 5], 3).of(2.0), 2);
+        let parts = TimeParts::new(vec![2.0; 5], 3);
+        assert_eq!(parts.of(2.0), 2);
+        assert_eq!(parts.occupied(&[2.0, 9.0]), [false, false, true]);
     }
 }

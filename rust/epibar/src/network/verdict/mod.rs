@@ -50,15 +50,16 @@ impl NetworkCase<'_> {
             }),
         };
         let sound = |c: &usize| network.placed[*c] && status(*c, false) != CameraStatus::Contradicted;
+        let stand: Vec<usize> = (0..self.count()).filter(|c| network.placed[*c]).collect();
         let sound: Vec<usize> = (0..self.count()).filter(sound).collect();
-        let pair_refused = self.is_refused_pair(&sound);
+        let refused = [stand, sound].into_iter().find(|two| self.is_refused_pair(two, &network.cameras));
         let cameras: Vec<NetworkCamera> = (0..self.count())
             .map(|c| {
                 let found = out.iter().find(|o| o.camera == c);
                 let stands = network.placed[c];
                 let contradicted = self.contradicted(finished, c);
                 let expected = expected(c);
-                let status = status(c, pair_refused && sound.contains(&c));
+                let status = status(c, refused.as_ref().is_some_and(|two| two.contains(&c)));
                 let mut camera = NetworkCamera {
                     camera: stands.then_some(placed[c]),
                     expected: stands.then_some(expected),
@@ -85,11 +86,14 @@ impl NetworkCase<'_> {
         Network { cameras, pairs, accepted, reason, ground, radius }
     }
 
-    /// Whether these are two cameras, whose pair was refused by itself. Nothing else speaks for them: whether one was knocked and whether all
+    /// Whether these are two cameras, whose pair was not accepted by itself with the geometry that they have here. Nothing else speaks for them: whether one was knocked and whether all
     /// moved in one plane is asked of the pair, and of a network by what more cameras see.
-    fn is_refused_pair(&self, cameras: &[usize]) -> bool {
-        let accepted = |a: usize, b: usize| self.pairs.iter().any(|p| (p.a, p.b) == (a, b) && p.accepted);
-        matches!(*cameras, [a, b] if !accepted(a, b))
+    fn is_refused_pair(&self, two: &[usize], cameras: &[Camera]) -> bool {
+        let accepted = |a: usize, b: usize| {
+            self.pairs.iter().any(|p| (p.a, p.b) == (a, b) && p.accepted)
+                && !self.contradicts(a, b, &cameras[a], &cameras[b])
+        };
+        matches!(*two, [a, b] if !accepted(a, b))
     }
 
     /// What was given of a camera and is contradicted by what moves, in words; or what was given of it as of several that are contradicted.

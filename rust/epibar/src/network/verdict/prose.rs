@@ -69,7 +69,7 @@ pub(in crate::network) fn of_camera(
         }
         CameraStatus::Contradicted => "what is given of it contradicts what moves".to_owned(),
         CameraStatus::PairRefused => {
-            "two cameras stand, of which nothing but their pair speaks, and that was refused: its verdict says why, and what to do. Or add a camera that sees the same".to_owned()
+            "two cameras stand, of which nothing but their pair speaks, and that was not accepted by itself with this geometry: its verdict says why, and what to do (where lenses bend, with the lens taken out first). Or add a camera that sees the same".to_owned()
         }
         CameraStatus::TooFew => {
             "two cameras determine a network only with known focal lengths: give intrinsics, or add a third camera".to_owned()
