@@ -26,14 +26,14 @@ STAGES = {
     "clocks": ("runner", "find_clocks"),
     "pairs": ("runner", "calibrate_pair"),
     "network": ("runner", "join_cameras"),
-    "tables": ("results", "write_tables"),
-    "report": ("results", "Results.write_report"),
+    "tables": ("result_files", "write_tables"),
+    "report": ("result_files", "Results.write_report"),
 }
 
 HANGING = """
 import hashlib, pathlib, sys
 from epibar import cli
-from epibar.jobs import results, runner
+from epibar.jobs import result_files, runner
 
 place = {module}
 usual = place.{name}
