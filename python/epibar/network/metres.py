@@ -7,7 +7,7 @@ averaged with the inverses of their variances as weights.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -46,26 +46,6 @@ CONTRADICTION = 3.0
 """Standard deviations of the difference by which two lengths may disagree."""
 
 
-@dataclass(frozen=True)
-class Length:
-    """A length in metres and in units of the network, with the relative error of what it says of the unit."""
-
-    what: str
-    of: tuple[str, ...]
-    metres: float
-    units: float
-    error: float
-
-    @property
-    def unit(self) -> float:
-        """Metres that a unit measures."""
-        return self.metres / self.units
-
-    def known(self) -> KnownLength:
-        """What it says of the unit that the network has."""
-        return KnownLength(self.what, self.of, self.unit, self.error)
-
-
 def rescaled(
     network: NetworkParts, distance: Any, person_height: Any, camera_height: Any, keep: bool
 ) -> tuple[dict[str, NetworkCamera], Ground, Scale]:
@@ -80,7 +60,7 @@ def rescaled(
         if not math.isfinite(one.error):
             raise EpibarError(f"{one.what} says nothing: the network does not say how well it is known there")
     before = _given_before(network, lengths) if keep else []
-    known = [*before, *(one.known() for one in lengths)]
+    known = [*before, *lengths]
     for first, second in combinations(known, 2):
         off = abs(math.log(first.ratio / second.ratio)) / math.hypot(first.error, second.error)
         if off > CONTRADICTION:
@@ -103,7 +83,7 @@ def rescaled(
     return cameras, ground, scale
 
 
-def _given_before(network: NetworkParts, lengths: list[Length]) -> list[KnownLength]:
+def _given_before(network: NetworkParts, lengths: list[KnownLength]) -> list[KnownLength]:
     """Lengths that the metres of a network rest on, but for those that are given anew."""
     if network.unit != METRE or network.scale is None:
         return []
@@ -209,7 +189,7 @@ def _deviation(camera: NetworkCamera) -> float:
     return camera.expected["position"] / IN_SPACE
 
 
-def _distance(network: NetworkParts, given: Any) -> Length:
+def _distance(network: NetworkParts, given: Any) -> KnownLength:
     (first, second), metres, error = _parsed(given, 2, "distance", list(network.cameras))
     what = f"the distance of {metres:g} m between {first} and {second}"
     one, other = (_accepted(network, name, what) for name in (first, second))
@@ -220,10 +200,10 @@ def _distance(network: NetworkParts, given: Any) -> Length:
         raise EpibarError(f"{what} says nothing: in this network both stand in one place")
     placed = math.hypot(_deviation(one), _deviation(other)) / units
     of = ("distance", *sorted((first, second)))
-    return Length(what, of, metres, units, math.hypot(error / metres, placed))
+    return KnownLength(what, of, metres / units, math.hypot(error / metres, placed))
 
 
-def _camera_height(network: NetworkParts, given: Any) -> Length:
+def _camera_height(network: NetworkParts, given: Any) -> KnownLength:
     (name,), metres, error = _parsed(given, 1, "camera_height", list(network.cameras))
     what = f"the height of {metres:g} m of {name}"
     camera = _accepted(network, name, what)
@@ -238,10 +218,10 @@ def _camera_height(network: NetworkParts, given: Any) -> Length:
     reach = float(np.linalg.norm((position - np.mean(standing, axis=0))[:2]))
     lean = math.radians(network.ground.vertical_error or 0.0) * reach
     placed = math.hypot(_deviation(camera), lean, network.ground.level_error or 0.0) / units
-    return Length(what, ("camera_height", name), metres, units, math.hypot(error / metres, placed))
+    return KnownLength(what, ("camera_height", name), metres / units, math.hypot(error / metres, placed))
 
 
-def _person_height(network: NetworkParts, given: Any) -> Length:
+def _person_height(network: NetworkParts, given: Any) -> KnownLength:
     metres, error = _metres("person_height", given, STATURE, 0.0)
     what = f"the height of {metres:g} m of people"
     _check_floor(network, what)
@@ -256,7 +236,7 @@ def _person_height(network: NetworkParts, given: Any) -> Length:
         raise EpibarError(f"{what}: no camera is accepted: {network.reason}")
     stated = isinstance(given, (tuple, list))
     relative = math.hypot(error / metres, FIGURES) if stated else error / metres
-    return Length(what, ("person_height",), metres, network.ground.height, relative)
+    return KnownLength(what, ("person_height",), metres / network.ground.height, relative)
 
 
 def _check_floor(network: NetworkParts, what: str) -> None:

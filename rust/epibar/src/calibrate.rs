@@ -8,6 +8,7 @@ use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, Shif
 use crate::clock::{Aligned, Clocks, TimeOffset, Timing};
 use crate::error::Result;
 use crate::frontier::{Views, busy_frames};
+use crate::geometry::median::median;
 use crate::hypotheses::{Draws, LineModel};
 use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
@@ -123,10 +124,8 @@ impl<'a> Pair<'a> {
     /// Common frames a second: where A films faster than B not all of its frames are. NaN where unknown.
     fn frame_rate(&self) -> f64 {
         // The median, as frames may lack for a while.
-        let mut steps: Vec<u32> = self.common.windows(2).map(|p| p[1].a - p[0].a).collect();
-        steps.sort_unstable();
-        let step = steps.get(steps.len() / 2).map_or(f64::NAN, |step| f64::from(*step).max(1.0));
-        self.aligned.a().frame_rate() / step
+        let step = median(self.common.windows(2).map(|p| f64::from(p[1].a - p[0].a)));
+        self.aligned.a().frame_rate() / step.map_or(f64::NAN, |step| step.max(1.0))
     }
 
     /// Found by some frames and tested on others, and what is worth a second look at it, if anything is.

@@ -6,7 +6,7 @@ use super::clock::common_frames;
 use super::timing::RunnerUp;
 use crate::error::{Error, Result};
 use crate::matching::mutual_matches;
-use crate::recording::{Barcodes, Informative, Recording};
+use crate::recording::{Barcodes, Informative, Recording, fullest};
 use crate::watch::{Stage, Watch, report};
 
 /// What the barcodes say of the offset.
@@ -220,16 +220,7 @@ fn thinned(recording: &Recording, rows: Vec<u32>, limit: usize) -> Barcodes {
 
 /// The stretch of at most [`FRAMES`] frames in which most frames show something that moves.
 fn busiest(recording: &Recording) -> std::ops::Range<u32> {
-    let frames = recording.frames();
-    let length = frames.min(FRAMES);
-    let busy = |frame: usize| usize::from(!recording.silhouettes.hulls(frame).is_empty());
-    let mut count: usize = (0..length).map(busy).sum();
-    let (mut most, mut start) = (count, 0);
-    for first in 1..=frames - length {
-        count = count + busy(first + length - 1) - busy(first - 1);
-        if count > most {
-            (most, start) = (count, first);
-        }
-    }
-    start as u32..(start + length) as u32
+    let busy: Vec<bool> = (0..recording.frames() as u32).map(|frame| recording.shows(frame)).collect();
+    let found = fullest(&busy, FRAMES, 0);
+    found.start as u32..found.end as u32
 }

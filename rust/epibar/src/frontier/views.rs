@@ -259,7 +259,7 @@ pub fn busy_frames(
     frame_pairs: &[FramePair],
     limit: Option<usize>,
 ) -> Vec<FramePair> {
-    let moving = |recording: &Recording, frame: u32| !recording.silhouettes.hulls(frame as usize).is_empty();
+    let moving = |recording: &Recording, frame: u32| recording.shows(frame);
     let busy: Vec<_> = frame_pairs.iter().copied().filter(|p| moving(a, p.a) && moving(b, p.b)).collect();
     match limit {
         Some(limit) if busy.len() > limit => (0..limit).map(|k| busy[k * busy.len() / limit]).collect(),

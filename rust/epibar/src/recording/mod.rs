@@ -8,7 +8,7 @@
 //! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 512 frames into one cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
-//! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends.
+//! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends, [`mod@fullest`] in which stretch most moves.
 //!
 //! Points are `(x, y)` in pixels, pixel centres at integers; bit `i` of a barcode is frame `i`.
 
@@ -16,6 +16,7 @@ pub mod barcode;
 pub mod barcode_words;
 pub mod components;
 pub mod fill;
+pub mod fullest;
 pub mod hull;
 pub mod lens_corners;
 pub mod parts;
@@ -30,6 +31,7 @@ pub mod traversal;
 pub mod visible;
 
 pub use barcode::{Barcodes, Informative};
+pub(crate) use fullest::fullest;
 pub use parts::RecordingParts;
 pub use recorder::{Recorder, RecorderOptions};
 pub(crate) use recording::LONG_STEP;

@@ -58,6 +58,11 @@ impl Recording {
         self.size
     }
 
+    /// Whether anything moves in a frame that is larger than specks.
+    pub(crate) fn shows(&self, frame: u32) -> bool {
+        !self.silhouettes.hulls(frame as usize).is_empty()
+    }
+
     /// Number of frames, at least 1.
     pub fn frames(&self) -> usize {
         self.times.len()

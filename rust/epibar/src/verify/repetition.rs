@@ -7,9 +7,9 @@
 
 use std::ops::Range;
 
-use super::split::{autocorrelation_among, moving_lines};
+use super::split::{among, autocorrelation_among, moving_lines};
 use crate::recording::tracker::{Links, Outline};
-use crate::recording::{Barcodes, FramePair, LONG_STEP, Recording};
+use crate::recording::{Barcodes, FramePair, LONG_STEP, Recording, fullest};
 
 /// Common frames of which it is asked.
 const FRAMES: usize = 3000;
@@ -39,9 +39,9 @@ pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     let common = &common[busiest(recordings, common)];
     let frames =
         [common.iter().map(|p| p.a).collect::<Vec<u32>>(), common.iter().map(|p| p.b).collect::<Vec<u32>>()];
-    let lines: [Barcodes; 2] = [0, 1].map(|k| moving_lines(recordings[k], &frames[k]));
     // That nobody is there for a while, and then somebody is again, is no likeness.
     let busy = [0, 1].map(|k| busy_bits(recordings[k], &frames[k]));
+    let lines: [Barcodes; 2] = [0, 1].map(|k| among(&moving_lines(recordings[k], &frames[k]), &busy[k]));
     let alike = |lag: usize| {
         let of = |k: usize| autocorrelation_among(&lines[k], &busy[k], lag, 1.0 - LATEST);
         of(0).min(of(1))
@@ -65,25 +65,16 @@ pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
 
 /// The stretch of at most [`FRAMES`] common frames in which most show something in both cameras; of equals that closest to the middle.
 fn busiest(recordings: [&Recording; 2], common: &[FramePair]) -> Range<usize> {
-    let length = common.len().min(FRAMES);
-    let shows = |k: usize, frame: u32| !recordings[k].silhouettes.hulls(frame as usize).is_empty();
-    let busy: Vec<usize> = common.iter().map(|p| usize::from(shows(0, p.a) && shows(1, p.b))).collect();
-    let middle = (common.len() - length) / 2;
-    let mut count: usize = busy[..length].iter().sum();
-    let mut best = (count, std::cmp::Reverse(middle), 0);
-    for first in 1..=common.len() - length {
-        count = count + busy[first + length - 1] - busy[first - 1];
-        best = best.max((count, std::cmp::Reverse(first.abs_diff(middle)), first));
-    }
-    best.2..best.2 + length
+    let shows = |p: &FramePair| recordings[0].shows(p.a) && recordings[1].shows(p.b);
+    let busy: Vec<bool> = common.iter().map(shows).collect();
+    fullest(&busy, FRAMES, common.len().saturating_sub(FRAMES) / 2)
 }
 
 /// A bit for each frame: whether anything moves.
 fn busy_bits(recording: &Recording, frames: &[u32]) -> Vec<u64> {
     let mut bits = vec![0; frames.len().div_ceil(64)];
     for (i, &frame) in frames.iter().enumerate() {
-        let shows = !recording.silhouettes.hulls(frame as usize).is_empty();
-        bits[i / 64] |= u64::from(shows) << (i % 64);
+        bits[i / 64] |= u64::from(recording.shows(frame)) << (i % 64);
     }
     bits
 }

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use crate::geometry::median::median;
 use crate::recording::{Barcodes, FramePair, Informative, Recording};
 
 /// Share of the frames that test.
@@ -73,10 +74,8 @@ pub fn stay(a: &Recording, b: &Recording, common: &[FramePair]) -> usize {
 /// As many busy frames in common ones: the median over the recording, as others may lie between them.
 pub fn in_common_frames(stay: usize, common: &[FramePair], busy: &[FramePair]) -> usize {
     let place = |i: usize| common.partition_point(|p| p.a < busy[i].a);
-    let mut spans: Vec<usize> =
-        (0..busy.len().saturating_sub(stay)).map(|i| place(i + stay) - place(i)).collect();
-    spans.sort_unstable();
-    spans.get(spans.len() / 2).map_or(stay, |span| stay.max(*span))
+    let spans = (0..busy.len().saturating_sub(stay)).map(|i| (place(i + stay) - place(i)) as f64);
+    median(spans).map_or(stay, |span| stay.max(span as usize))
 }
 
 /// Barcodes of some lines on which things move, over some frames.
@@ -95,16 +94,22 @@ fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
 
 /// Correlation of all barcodes with themselves `lag` frames later, about the mean of each; 0 where nothing changes.
 pub(super) fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
-    let all = vec![u64::MAX; barcodes.frames.div_ceil(64)];
-    correlation(barcodes, &all, lag, (barcodes.frames, barcodes.frames - lag))
+    correlation(barcodes, lag, (barcodes.frames, barcodes.frames - lag))
 }
 
 /// The same over those of the frames, a bit each, at which, and `lag` frames later, something moves; 0 where these are less than so
-/// large a share of them.
+/// large a share of them. `barcodes`: where nothing moves, nothing either ([`among`]).
 pub(super) fn autocorrelation_among(barcodes: &Barcodes, busy: &[u64], lag: usize, least: f64) -> f64 {
     let frames = busy.iter().map(|w| w.count_ones() as usize).sum();
     let both = ones_that_return(busy, lag);
-    if (both as f64) < least * frames as f64 { 0.0 } else { correlation(barcodes, busy, lag, (frames, both)) }
+    if (both as f64) < least * frames as f64 { 0.0 } else { correlation(barcodes, lag, (frames, both)) }
+}
+
+/// Barcodes in some of their frames, a bit each, and nought in the others: what moves there is specks.
+pub(super) fn among(barcodes: &Barcodes, busy: &[u64]) -> Barcodes {
+    let is_busy = |frame: usize| busy[frame / 64] >> (frame % 64) & 1 == 1;
+    let moves = |line: usize, frame: usize| barcodes.row(line)[frame / 64] >> (frame % 64) & 1 == 1;
+    Barcodes::from_fn(barcodes.count, barcodes.frames, |line, frame| is_busy(frame) && moves(line, frame))
 }
 
 /// How many bits are set that are so again `lag` bits later. Beyond the last all are nought, so that nothing is counted twice.
@@ -118,14 +123,13 @@ fn ones_that_return(row: &[u64], lag: usize) -> usize {
     (0..row.len()).map(|k| (row[k] & later(k)).count_ones() as usize).sum()
 }
 
-/// Of barcodes in some of their frames, a bit each; so many of these are compared. What moves in others is specks.
-fn correlation(barcodes: &Barcodes, among: &[u64], lag: usize, (frames, compared): (usize, usize)) -> f64 {
+/// Of barcodes that are those of so many frames, so many of which are compared.
+fn correlation(barcodes: &Barcodes, lag: usize, (frames, compared): (usize, usize)) -> f64 {
     let n = compared as f64;
     let (mut covariance, mut variance) = (0.0, 0.0);
     for i in 0..barcodes.count {
-        let row: Vec<u64> = barcodes.row(i).iter().zip(among).map(|(word, among)| word & among).collect();
-        let common = ones_that_return(&row, lag);
-        let mean = row.iter().map(|w| f64::from(w.count_ones())).sum::<f64>() / frames as f64;
+        let common = ones_that_return(barcodes.row(i), lag);
+        let mean = f64::from(barcodes.ones(i)) / frames as f64;
         covariance += common as f64 / n - mean * mean;
         variance += mean * (1.0 - mean);
     }
@@ -192,7 +196,7 @@ mod tests {
         let first = Barcodes::from_fn(3, 128, on);
         let all = Barcodes::from_fn(3, 256, on);
         for lag in [1, 7, 40] {
-            let among = autocorrelation_among(&all, &busy, lag, 0.0);
+            let among = autocorrelation_among(&among(&all, &busy), &busy, lag, 0.0);
             assert!((among - autocorrelation(&first, lag)).abs() < 1e-12, "{lag}");
         }
     }

@@ -185,16 +185,9 @@ impl Buffers {
         let mut votes = [0.0; 2];
         for side in 0..2 {
             let frames = self.a[side].frames();
-            let busy = (0..frames).filter(|&frame| self.is_busy(side, sides, frame, shift)).count();
-            let (step, mut passed) = (step(busy), 0_usize);
-            for frame in 0..frames {
-                if !self.is_busy(side, sides, frame, shift) {
-                    continue;
-                }
-                passed += 1;
-                if !(passed - 1).is_multiple_of(step) {
-                    continue;
-                }
+            let busy: Vec<usize> =
+                (0..frames).filter(|&frame| self.is_busy(side, sides, frame, shift)).collect();
+            for &frame in busy.iter().step_by(step(busy.len())) {
                 for (vote, sign) in votes.iter_mut().zip([1.0, -1.0]) {
                     self.meet_frame(simd, sides, side, frame, shift, sign);
                     for i in self.a[side].of(frame) {

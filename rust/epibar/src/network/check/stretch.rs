@@ -1,5 +1,6 @@
 //! Footage from some moment on, and fewer of its frames.
 
+use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
@@ -42,7 +43,7 @@ impl<'a> Stretch<'a> {
     fn from(observed: &'a [Observed], cameras: Vec<Camera>, begins: f64, before: f64) -> Self {
         let [all, some, few] = [FRAMES, SOME, FEW]
             .map(|limit| Survey::among(observed, limit, |c, seconds| cameras[c].time_of(seconds) >= begins));
-        let pairs = Placed { cameras: cameras.clone(), placed: vec![true; cameras.len()] }.pairs();
+        let pairs: Vec<(usize, usize)> = all_pairs(cameras.len()).collect();
         let parts = all.time_parts(&cameras, &pairs, PARTS);
         Self { observed, cameras, begins, before, parts, all, some, few }
     }
