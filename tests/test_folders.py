@@ -106,6 +106,23 @@ def test_a_damaged_list(masks, again):
             epibar.calibrate_all(masks[:2], again, **FAST)
 
 
+def test_a_file_whose_noting_was_interrupted_is_noted_the_next_time(tmp_path, monkeypatch):
+    def interrupted(path, text):
+        raise KeyboardInterrupt
+
+    file = tmp_path / "cam1_cam2.png"
+    with Folder(tmp_path) as folder:
+        with monkeypatch.context() as patch:
+            patch.setattr("epibar.jobs.folder.write_text", interrupted)
+            with pytest.raises(KeyboardInterrupt):
+                folder.will_write(file)
+        assert not folder.owns(file)
+        folder.will_write(file)
+        file.touch()
+    with Folder(tmp_path) as folder:
+        folder.refuse_foreign([file])
+
+
 def test_results_do_not_go_among_the_images_of_a_camera(masks, tmp_path):
     cv2 = pytest.importorskip("cv2")
     for name in ("left", "right"):

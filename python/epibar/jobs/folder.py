@@ -194,11 +194,10 @@ class Folder:
         EpibarError
             The list cannot be written.
         """
-        names = {self._name(path) for path in paths}
-        if not names <= self._written:
-            self._written |= names
-            text = json.dumps({"format": FORMAT, "files": sorted(self._written)}, indent=1)
-            write_text(self._list, text)
+        written = self._written | {self._name(path) for path in paths}
+        if written != self._written:
+            write_text(self._list, json.dumps({"format": FORMAT, "files": sorted(written)}, indent=1))
+            self._written = written  # only now: what was interrupted before is noted the next time
 
     def remove(self, *paths: Path) -> None:
         """Remove those of some files that a run has written; what is missing stays so.
