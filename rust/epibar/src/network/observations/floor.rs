@@ -43,6 +43,11 @@ const LEAST_TRIANGLE: f64 = 0.05;
 const PLACE: f64 = 1.0;
 /// Rounds of least squares.
 const REFITS: usize = 5;
+/// The share of the bottoms within reach of a floor that are taken for feet that stand: of 16 made-up networks of development the vertical
+/// by 0.4 to 0.8 of them was 0.09 to 0.11 degrees off in the median, with 400 figures each, and by all 0.15; the level 1.1 cm, and 1.3.
+const STANDING: f64 = 0.7;
+/// Rounds of least squares of those that are nearest to the plane of the round before, at most.
+const TRIMMED: usize = 30;
 
 impl Floor {
     /// The floor of figures in space; `None` where they are too few, or have none in common.
@@ -57,8 +62,8 @@ impl Floor {
         for _ in 0..REFITS {
             (up, level) = refitted(figures, up, level, limits::ON_FLOOR * height)?;
         }
-        let up = if up.dot(&mean_up) < 0.0 { -up } else { up };
-        let level = median(figures.iter().map(|f| up.dot(&f.bottom)))?;
+        let (up, level) = trimmed(figures, up, level, 2.0 * limits::ON_FLOOR * height)?;
+        let (up, level) = if up.dot(&mean_up) < 0.0 { (-up, -level) } else { (up, level) };
         let on_it = |f: &&Upright| (up.dot(&f.bottom) - level).abs() < 2.0 * limits::ON_FLOOR * height;
         let standing: Vec<&Upright> = figures.iter().filter(on_it).collect();
         if standing.len() < limits::FLOOR_FIGURES {
@@ -146,6 +151,36 @@ fn errors(standing: &[&Upright], up: &Vector3<f64>, middle: &Vector3<f64>, tall:
 fn refitted(figures: &[Upright], up: Vector3<f64>, level: f64, reach: f64) -> Option<(Vector3<f64>, f64)> {
     let near: Vec<Vector3<f64>> =
         figures.iter().map(|f| f.bottom).filter(|b| (up.dot(b) - level).abs() < reach).collect();
+    fitted(&near, &up)
+}
+
+/// The plane about which [`STANDING`] of the bottoms scatter least, of those within reach of one.
+///
+/// A foot that swings is touched above the floor and none below it, so the mean of all is too high, by other amounts in other places. Those that
+/// scatter least about a plane of their own are feet that stand: least trimmed squares (Rousseeuw, JASA 1984), by concentration
+/// steps (Rousseeuw and Van Driessen 2006) from the middle of the shortest interval that holds as many.
+fn trimmed(figures: &[Upright], up: Vector3<f64>, level: f64, reach: f64) -> Option<(Vector3<f64>, f64)> {
+    let mut near: Vec<Vector3<f64>> =
+        figures.iter().map(|f| f.bottom).filter(|b| (up.dot(b) - level).abs() < reach).collect();
+    let mut levels: Vec<f64> = near.iter().map(|b| up.dot(b)).collect();
+    levels.sort_unstable_by(f64::total_cmp);
+    let count = (STANDING * near.len() as f64) as usize;
+    let shortest = (0..near.len() - count)
+        .min_by(|&i, &j| (levels[i + count] - levels[i]).total_cmp(&(levels[j + count] - levels[j])))?;
+    let mut plane = (up, 0.5 * (levels[shortest] + levels[shortest + count]));
+    for _ in 0..TRIMMED {
+        let (up, level) = plane;
+        near.sort_by(|p, q| (up.dot(p) - level).abs().total_cmp(&(up.dot(q) - level).abs()));
+        plane = fitted(&near[..count], &up)?;
+        if plane == (up, level) {
+            break;
+        }
+    }
+    Some(plane)
+}
+
+/// The plane by least squares of some bottoms, its normal on the side of another one; `None` of few.
+fn fitted(near: &[Vector3<f64>], up: &Vector3<f64>) -> Option<(Vector3<f64>, f64)> {
     if near.len() < limits::FLOOR_FIGURES / 2 {
         return None;
     }
@@ -154,7 +189,7 @@ fn refitted(figures: &[Upright], up: Vector3<f64>, level: f64, reach: f64) -> Op
     let eigen = scatter.symmetric_eigen();
     let least = eigen.eigenvalues.imin();
     let normal = eigen.eigenvectors.column(least).into_owned();
-    let normal = if normal.dot(&up) < 0.0 { -normal } else { normal };
+    let normal = if normal.dot(up) < 0.0 { -normal } else { normal };
     Some((normal, normal.dot(&mean)))
 }
 
@@ -205,6 +240,22 @@ mod tests {
         }
         assert!((0.3..1.5).contains(&squares[0]), "{squares:?}");
         assert!(squares[1] > 10.0, "{squares:?}");
+    }
+
+    #[test]
+    fn feet_that_swing_do_not_lift_or_tilt_the_floor() {
+        let mut found = figures(40, 3.0, [0.0, 0.005], 2);
+        for (k, figure) in found.iter_mut().enumerate() {
+            // A quarter is touched up to 6 % of the height above it, on one side of the room alone.
+            if k % 2 == 0 && figure.bottom.x > 0.0 {
+                figure.bottom.z += 0.06 * (k % 10) as f64 / 10.0;
+            }
+        }
+        let floor = Floor::of(&found).unwrap();
+        let mean = found.iter().map(|f| f.bottom.z).sum::<f64>() / found.len() as f64;
+        assert!(mean > 0.005, "{mean}");
+        assert!(floor.level.abs() < 0.002, "{}", floor.level);
+        assert!(floor.up.angle(&Vector3::z()) < 0.001, "{}", floor.up);
     }
 
     #[test]
