@@ -2,6 +2,7 @@
 
 use super::evidence::contradictions::Contradiction;
 use super::evidence::doubts::Doubt;
+use super::evidence::floor_errors::FloorErrors;
 use super::evidence::stated_errors::Expected;
 use super::evidence::support::{Deviates, Support};
 use super::given::clocks::Offsets;
@@ -9,10 +10,10 @@ use super::given::input::{Aspect, CameraInput, IntrinsicKind};
 use super::given::pair::{PairFound, PairHypotheses};
 use super::model::camera::Camera;
 use super::model::joint::Beliefs;
-use super::observations::floor::Floor;
 use super::observations::observed::Observed;
 use super::result::CameraStatus;
 use super::solve::networks::Solved;
+use super::solve::world::FloorFound;
 
 /// What is given.
 pub(super) struct NetworkCase<'a> {
@@ -84,7 +85,8 @@ pub(super) struct Finished {
     pub(super) support: Support,
     pub(super) expected: Vec<Expected>,
     pub(super) offsets: Vec<f64>,
-    pub(super) floor: Option<Floor>,
+    pub(super) floor: Option<FloorFound>,
+    pub(super) floor_errors: FloorErrors,
     /// Silhouettes of shapes that stand for something else ask for other principal points than those believed in.
     pub(super) strained: bool,
     /// What was given, was contradicted by what moves, and was solved for.

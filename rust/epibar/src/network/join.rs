@@ -8,6 +8,7 @@ use super::evidence::alternatives::alternatives;
 use super::evidence::contradictions::{Contradiction, contradictions};
 use super::evidence::covariance::{Covariance, covariance_with_principal_points};
 use super::evidence::doubts::{Doubt, doubts, with_doubts};
+use super::evidence::floor_errors::{FloorErrors, floor_errors};
 use super::evidence::outlines::{Shapes, outline_errors};
 use super::evidence::stated_errors::{Expected, expected};
 use super::evidence::support::Support;
@@ -223,16 +224,20 @@ impl NetworkCase<'_> {
         let floor = world::floor(many, &solved.network, solved.settled.radius.max(FIGURES_WITHIN));
         let outlines = outline_errors(&solved.settled, shapes);
         let errors = covariance_with_principal_points(&solved, &likely, &outlines);
-        let (expected, offsets) = match errors.and_then(|errors| with_doubts(errors, &doubts)) {
+        let errors = errors.and_then(|errors| with_doubts(errors, &doubts));
+        let (expected, offsets) = match &errors {
             Some(errors) => {
                 let offsets = (0..self.count()).map(|c| errors.deviation(c, CLOCK)).collect();
-                let Covariance { active, matrix, .. } = &errors;
+                let Covariance { active, matrix, .. } = errors;
                 (expected(&solved.network.cameras, &solved.network.placed, active, matrix), offsets)
             }
             None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
         };
+        let by_cameras = floor.as_ref().zip(errors.as_ref());
+        let by_cameras = by_cameras.and_then(|(floor, errors)| floor_errors(&solved.network, floor, errors));
+        let floor_errors = by_cameras.unwrap_or(FloorErrors::UNKNOWN);
         let strained = shapes == Shapes::Strained;
-        Finished { solved, support, expected, offsets, floor, strained, contradicted, doubts }
+        Finished { solved, support, expected, offsets, floor, floor_errors, strained, contradicted, doubts }
     }
 }
 

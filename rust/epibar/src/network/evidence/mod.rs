@@ -5,6 +5,7 @@
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
 //! * `stated_errors`: errors to expect of each camera.
+//! * `floor_errors`: by how much the floor is wrong since cameras are.
 //! * `alternatives`: networks in which something that was given is solved for after all.
 //! * `contradictions`: does what was given of a camera agree with what moves?
 //! * `doubts`: how much what was given may be wrong without being contradicted.
@@ -13,6 +14,7 @@ pub mod alternatives;
 pub mod contradictions;
 pub mod covariance;
 pub mod doubts;
+pub mod floor_errors;
 pub mod knocks;
 pub mod outlines;
 pub mod slight_knocks;

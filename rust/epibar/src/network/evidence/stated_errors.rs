@@ -89,6 +89,16 @@ pub const NINE_IN_TEN: f64 = 1.645;
 /// Nine in ten normal vectors in space, alike in every direction, are shorter than so many.
 pub const NINE_IN_TEN_IN_SPACE: f64 = 2.5;
 
+/// Covariances of what is left after the similarity that fits best, by either way of comparing networks.
+pub(in crate::network) fn ways_to_align(
+    cameras: &[Camera],
+    placed: &[bool],
+    active: &[(usize, usize)],
+    covariance: &DMatrix<f64>,
+) -> [DMatrix<f64>; 2] {
+    BY_POSITIONS.map(|share| aligned(cameras, placed, active, covariance, share))
+}
+
 /// Errors of every camera after the best similarity, from a covariance of the active parameters.
 pub fn expected(
     cameras: &[Camera],
@@ -97,7 +107,7 @@ pub fn expected(
     covariance: &DMatrix<f64>,
 ) -> Vec<Expected> {
     let n = cameras.len();
-    let ways = BY_POSITIONS.map(|share| aligned(cameras, placed, active, covariance, share));
+    let ways = ways_to_align(cameras, placed, active, covariance);
     let of_camera = |camera: usize, aligned: &DMatrix<f64>| {
         let block = |from: usize| {
             let places: Vec<Option<usize>> =

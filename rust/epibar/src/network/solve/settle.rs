@@ -228,7 +228,7 @@ pub(in crate::network) mod tests {
     use crate::random::generator;
 
     /// On a circle about the origin, looking at it.
-    fn around(angle: f64, focal: f64) -> Camera {
+    pub fn around(angle: f64, focal: f64) -> Camera {
         let position = Vector3::new(6.0 * angle.cos(), 6.0 * angle.sin(), 2.5);
         let forward = -position.normalize();
         let right = forward.cross(&Vector3::z()).normalize();

@@ -51,18 +51,45 @@ impl Ground {
 /// Figures looked at of all pairs.
 const FIGURES: usize = 4000;
 
+/// Where a figure stands, as two cameras see it.
+#[derive(Debug, Clone, Copy)]
+pub struct Bottom {
+    /// Index of camera A.
+    pub a: usize,
+    /// Index of camera B.
+    pub b: usize,
+    /// Raw pixels in A and in B.
+    pub pixels: [[f64; 2]; 2],
+    /// In the network.
+    pub place: Vector3<f64>,
+}
+
+/// A floor, and the bottoms of figures on it.
+#[derive(Debug, Clone)]
+pub struct FloorFound {
+    /// The floor.
+    pub floor: Floor,
+    /// The bottoms of those that stand on it.
+    pub bottoms: Vec<Bottom>,
+}
+
 /// The floor under a network's figures; `None` where they stand on none.
-pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<Floor> {
+pub fn floor(survey: &Survey, network: &Placed, radius: f64) -> Option<FloorFound> {
     let pairs = network.pairs();
     let most = (FIGURES / pairs.len().max(1)).max(20);
-    let mut upright = Vec::new();
+    let (mut upright, mut bottoms) = (Vec::new(), Vec::new());
     for found in survey.figures(&network.cameras, &pairs, radius) {
         let (a, b) = (&network.cameras[found.a], &network.cameras[found.b]);
-        let some = evenly(found.figures.len(), most).map(|k| &found.figures[k]);
-        upright.extend(some.filter_map(|figure| figures::upright(a, b, figure)));
+        for figure in evenly(found.figures.len(), most).map(|k| &found.figures[k]) {
+            let Some(seen) = figures::upright(a, b, figure) else { continue };
+            bottoms.push(Bottom { a: found.a, b: found.b, pixels: figure.bottom, place: seen.bottom });
+            upright.push(seen);
+        }
     }
     let floor = Floor::of(&upright)?;
-    (floor.unevenness < limits::FLOOR_UNEVEN && floor.lean < limits::FLOOR_LEANING).then_some(floor)
+    bottoms.retain(|b| (floor.up.dot(&b.place) - floor.level).abs() < limits::ON_FLOOR * floor.height);
+    (floor.unevenness < limits::FLOOR_UNEVEN && floor.lean < limits::FLOOR_LEANING)
+        .then_some(FloorFound { floor, bottoms })
 }
 
 /// Cameras in a world of their own.
@@ -79,8 +106,8 @@ pub struct World {
 
 /// Cameras in a world with z up, the first that stands over the origin and the second towards x, one unit from it.
 ///
-/// `turned` is by how many radians a camera may be turned against the others, a standard deviation: so may be the floor that they see.
-pub fn placed(network: &Placed, floor: Option<&Floor>, turned: f64) -> World {
+/// `[vertical, level]` are standard errors of the floor since cameras are wrong, radians and the unit of the network.
+pub fn placed(network: &Placed, floor: Option<&Floor>, [vertical, level_by_cameras]: [f64; 2]) -> World {
     let stand: Vec<usize> = (0..network.cameras.len()).filter(|&c| network.placed[c]).collect();
     let of = |c: usize| &network.cameras[stand[c]];
     let up = floor.map_or_else(
@@ -118,17 +145,13 @@ pub fn placed(network: &Placed, floor: Option<&Floor>, turned: f64) -> World {
             ..*c
         })
         .collect();
-    let ground = floor.map_or(Ground::Cameras, |floor| {
-        let away: f64 = stand.iter().map(|&c| (network.cameras[c].position - floor.middle).norm()).sum();
-        let lifted = turned * away / stand.len() as f64;
-        Ground::Floor {
-            height: floor.height / unit,
-            vertical_error: floor.vertical_error.hypot(turned),
-            level_error: floor.level_error.hypot(lifted) / unit,
-            figures: floor.figures,
-            diversity: floor.diversity,
-            breadth: floor.breadth,
-        }
+    let ground = floor.map_or(Ground::Cameras, |floor| Ground::Floor {
+        height: floor.height / unit,
+        vertical_error: floor.vertical_error.hypot(vertical),
+        level_error: floor.level_error.hypot(level_by_cameras) / unit,
+        figures: floor.figures,
+        diversity: floor.diversity,
+        breadth: floor.breadth,
     });
     World { cameras, ground, turn, unit }
 }

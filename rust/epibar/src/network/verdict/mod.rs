@@ -7,10 +7,10 @@ pub mod decide;
 pub mod prose;
 
 use self::decide::CameraFindings;
-use crate::geometry::median::median;
 use crate::image::ImageSize;
 use crate::network::case::{Finished, NetworkCase, Out};
-use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN_IN_SPACE};
+use crate::network::evidence::floor_errors::FloorErrors;
+use crate::network::evidence::stated_errors::Expected;
 use crate::network::evidence::support::{Deviates, Support};
 use crate::network::given::input::IntrinsicKind;
 use crate::network::given::pair::PairFound;
@@ -31,11 +31,9 @@ impl NetworkCase<'_> {
     /// What is said of a network.
     pub(super) fn network(&self, finished: &Finished, out: &[Out], rivalled: bool) -> Network {
         let network = &finished.solved.network;
-        let rotations = finished.expected.iter().zip(&network.placed).filter(|(_, stands)| **stands);
-        let turned =
-            median(rotations.map(|(e, _)| e.rotation / NINE_IN_TEN_IN_SPACE)).unwrap_or(f64::INFINITY);
-        let World { cameras: placed, ground, turn, unit } =
-            world::placed(network, finished.floor.as_ref(), turned);
+        let FloorErrors { vertical, level } = finished.floor_errors;
+        let floor = finished.floor.as_ref().map(|found| &found.floor);
+        let World { cameras: placed, ground, turn, unit } = world::placed(network, floor, [vertical, level]);
         let rig = rig(&placed, &network.pairs());
         let expected = |c: usize| finished.expected[c].in_world(&turn, unit);
         let status = |c: usize, pair_refused: bool| match out.iter().find(|o| o.camera == c) {
