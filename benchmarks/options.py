@@ -18,7 +18,8 @@ METHODS: dict[str, tuple[Method, ...]] = {
 NETWORKS = (
     *("network", "network_plain", "network_off_centre", "network_fisheye", "network_large"),
     *("network_stranger", "network_reversed", "network_shifted", "network_knocked", "network_split"),
-    "network_false_pair",
+    *("network_false_pair", "network_unrelated", "network_no_baseline", "network_one_path"),
+    *("network_one_path_strays", "network_one_plane", "network_pure_floor", "network_one_mover_standing"),
 )
 """Families of made-up networks of unknown cameras."""
 

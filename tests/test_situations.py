@@ -244,6 +244,21 @@ def test_a_false_pair_agrees_on_a_geometry_of_its_own():
     assert min(excess[:2]) > 3 * max(excess[2], 10.0)
 
 
+def test_networks_that_no_motion_determines():
+    made = synthetic.situation(2, "network_no_baseline")
+    places = np.array([camera.centre for camera in made.cameras])
+    assert np.linalg.norm(places - places[0], axis=1).max() < 0.011
+    assert len({tuple(np.round(camera.R[2], 3)) for camera in made.cameras}) == len(made.cameras)
+    assert [film.camera for film in made.films] == made.cameras
+    for family in ("network_no_baseline", "network_one_plane", "network_unrelated"):
+        situation = synthetic.situation(2, family)
+        assert not any(situation.answer(a, b).exists for a, b in situation.pairs())
+    assert len(set(synthetic.situation(2, "network_unrelated").groups)) > 2
+    off = synthetic.situation(3, "network_one_plane").volume_points
+    off = np.linalg.svd(off - off.mean(axis=0), compute_uv=False) / np.sqrt(len(off))
+    assert off[2] < 0.03 < 0.3 < off[1]
+
+
 def test_mirrored():
     made = synthetic.situation(4, "mirrored")
     plain = replace(made.films[1], mirrored=False)

@@ -24,6 +24,7 @@ VERDICTS = {
     "position": "Left out: position open",
     "ambiguous": "Left out: ambiguous",
     "contradicted": "Left out: what was given contradicts what moves",
+    "no_baseline": "Left out: no baseline",
     "pair_refused": "Left out: its one pair was refused",
     "too_few": "Left out: too few cameras",
 }

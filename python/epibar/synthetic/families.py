@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from . import casts, networks
+from .open_networks import NETWORKS_WITHOUT_ANSWER
 from .rigs import Rig
 from .settings import Setting, dirty, draw, ragged
 from .situations import Situation
@@ -59,6 +60,7 @@ FAMILIES: dict[str, Callable[[int, str], Situation]] = {
     **dict.fromkeys(WITH_ANSWER, lambda seed, family: draw(seed, family, WITH_ANSWER[family])),
     **WITHOUT_ANSWER,
     **networks.NETWORKS,
+    **NETWORKS_WITHOUT_ANSWER,
 }
 
 

@@ -10,6 +10,7 @@ use super::evidence::covariance::{Covariance, covariance_with_principal_points};
 use super::evidence::doubts::{Doubt, doubts, with_doubts};
 use super::evidence::floor_errors::{FloorErrors, floor_errors};
 use super::evidence::outlines::{Shapes, outline_errors};
+use super::evidence::parallax::parallax;
 use super::evidence::stated_errors::{Expected, expected};
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
@@ -236,8 +237,19 @@ impl NetworkCase<'_> {
         let by_cameras = floor.as_ref().zip(errors.as_ref());
         let by_cameras = by_cameras.and_then(|(floor, errors)| floor_errors(&solved.network, floor, errors));
         let floor_errors = by_cameras.unwrap_or(FloorErrors::UNKNOWN);
-        let strained = shapes == Shapes::Strained;
-        Finished { solved, support, expected, offsets, floor, floor_errors, strained, contradicted, doubts }
+        let (strained, parallax) = (shapes == Shapes::Strained, parallax(&solved.settled));
+        Finished {
+            solved,
+            support,
+            expected,
+            offsets,
+            parallax,
+            floor,
+            floor_errors,
+            strained,
+            contradicted,
+            doubts,
+        }
     }
 }
 

@@ -48,6 +48,8 @@ pub enum CameraStatus {
     Ambiguous,
     /// What was given of it is contradicted by what moves.
     Contradicted,
+    /// All cameras that it has something in common with stand where it does.
+    NoBaseline,
     /// Two cameras stand, and the verdict on their pair by itself was no.
     PairRefused,
     /// There are too few cameras, or too little is known of two.
@@ -67,6 +69,7 @@ impl CameraStatus {
             Self::Position => "position",
             Self::Ambiguous => "ambiguous",
             Self::Contradicted => "contradicted",
+            Self::NoBaseline => "no_baseline",
             Self::PairRefused => "pair_refused",
             Self::TooFew => "too_few",
         }

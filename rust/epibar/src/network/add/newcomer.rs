@@ -11,6 +11,7 @@ use crate::network::evidence::covariance::covariance_with_principal_points;
 use crate::network::evidence::doubts::{doubts, with_doubts};
 use crate::network::evidence::knocks::knocked;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
+use crate::network::evidence::parallax::parallax;
 use crate::network::evidence::slight_knocks;
 use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::support::{Deviates, Support};
@@ -69,12 +70,13 @@ impl<'a> Newcomer<'a> {
     ) -> Result<(NetworkCamera, Vec<NetworkPair>)> {
         let found = self.found(tell)?;
         let (status, out) = match &found {
-            Ok(FoundCamera { contradicted, expected, rig, .. }) => {
+            Ok(found @ FoundCamera { contradicted, expected, rig, .. }) => {
                 let contradicted = contradicted.is_some();
                 (
                     status(&CameraFindings {
                         rivalled: false,
                         contradicted,
+                        parallax: parallax(&found.solved.settled)[self.camera],
                         pair_refused: false,
                         expected,
                         rig: *rig,

@@ -5,6 +5,8 @@
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
 //! * `stated_errors`: errors to expect of each camera.
+//! * `planes`: where all keeps to a plane, is it the same to all pairs?
+//! * `parallax`: do rays of a camera meet those of others at an angle?
 //! * `floor_errors`: by how much the floor is wrong since cameras are.
 //! * `alternatives`: networks in which something that was given is solved for after all.
 //! * `contradictions`: does what was given of a camera agree with what moves?
@@ -17,6 +19,8 @@ pub mod doubts;
 pub mod floor_errors;
 pub mod knocks;
 pub mod outlines;
+pub mod parallax;
+pub mod planes;
 pub mod slight_knocks;
 pub mod stated_errors;
 pub mod support;

@@ -1,5 +1,6 @@
 //! From the geometries of pairs to networks: starts, tangents found anew, cameras tried elsewhere.
 
+use super::collapse::collapsed;
 use super::relocate::{Placed, relocate};
 use super::settle::{Settled, settle};
 use super::start::{Started, Starter};
@@ -91,7 +92,8 @@ impl<'a> Solver<'a> {
     pub fn settled(&self, network: Placed, beliefs: &[Beliefs], from: Option<f64>) -> Solved {
         let pairs = network.pairs();
         let mut solved = settled(&self.some, network, beliefs, &pairs, from);
-        solved.excess = excess(&self.some, &solved.network);
+        let empty = collapsed(&solved.settled);
+        solved.excess = excess(&self.some, &solved.network, &empty);
         solved
     }
 
@@ -131,9 +133,10 @@ fn is_part_of(one: &Placed, other: &Placed) -> bool {
     one.placed.iter().zip(&other.placed).all(|(p, q)| !p || *q) && one.turns(other).all(|turn| turn < ALIKE)
 }
 
-/// Excess over chance of a network, less that of shifted clocks.
-fn excess(survey: &Survey, network: &Placed) -> f64 {
-    survey.scores(&network.cameras, &network.pairs(), limits::COMPARED, 3).iter().map(|s| s.excess).sum()
+/// Excess over chance of a network, less that of shifted clocks, but for pairs that say nothing.
+fn excess(survey: &Survey, network: &Placed, empty: &[(usize, usize)]) -> f64 {
+    let pairs: Vec<(usize, usize)> = network.pairs().into_iter().filter(|p| !empty.contains(p)).collect();
+    survey.scores(&network.cameras, &pairs, limits::COMPARED, 3).iter().map(|s| s.excess).sum()
 }
 
 /// By which share of the evidence of some pairs a network is better than another, and by how many standard deviations over parts

@@ -2,12 +2,14 @@
 
 use crate::network::case::Out;
 use crate::network::evidence::knocks::knocked;
+use crate::network::evidence::planes;
 use crate::network::evidence::slight_knocks;
 use crate::network::evidence::stated_errors::Expected;
 use crate::network::evidence::support::Support;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
 use crate::network::result::CameraStatus;
+use crate::network::solve::collapse::collapsed;
 use crate::network::solve::networks::{Solved, gain};
 use crate::network::solve::relocate::Placed;
 use crate::network::thresholds as limits;
@@ -27,8 +29,10 @@ pub(in crate::network) struct NetworkFindings<'a> {
 type NetworkTest = fn(&NetworkFindings) -> Vec<Out>;
 
 /// Tests of the cameras of a network by name, in their order.
-pub(in crate::network) const NETWORK_TESTS: [(&str, NetworkTest); 4] = [
+pub(in crate::network) const NETWORK_TESTS: [(&str, NetworkTest); 6] = [
     ("enough speaks for each camera", least_supported),
+    ("cameras stand apart that see from different sides", at_one_place),
+    ("pairs that see a plane see the same", off_plane),
     ("confirmed pairs join all cameras", apart),
     ("no camera was knocked far", knocked_far),
     ("no camera was knocked a little", knocked_a_little),
@@ -64,6 +68,22 @@ fn least_supported(f: &NetworkFindings) -> Vec<Out> {
     let deviate = |c: usize| f.support.cameras[c].tangents;
     let least = stand.into_iter().filter(|&c| !enough(c)).min_by(|&c, &d| deviate(c).total_cmp(&deviate(d)));
     least.map(|camera| f.out(camera, CameraStatus::NothingInCommon, None)).into_iter().collect()
+}
+
+/// Of two that were put at one place, though their rays meet at an angle, the one for which less speaks.
+fn at_one_place(f: &NetworkFindings) -> Vec<Out> {
+    let stands = |c: usize| f.solved.network.placed[c];
+    let pairs = collapsed(&f.solved.settled);
+    let together = pairs.into_iter().filter(|&(a, b)| stands(a) && stands(b)).flat_map(|(a, b)| [a, b]);
+    let deviate = |c: usize| f.support.cameras[c].tangents;
+    let least = together.min_by(|&c, &d| deviate(c).total_cmp(&deviate(d)));
+    least.map(|camera| f.out(camera, CameraStatus::Ambiguous, None)).into_iter().collect()
+}
+
+/// Where all that moves keeps to one plane, the camera with which it is not the same one to all pairs.
+fn off_plane(f: &NetworkFindings) -> Vec<Out> {
+    let found = planes::off_plane(&f.solved.settled, &f.solved.network.placed);
+    found.map(|camera| f.out(camera, CameraStatus::Ambiguous, None)).into_iter().collect()
 }
 
 /// All groups but the largest, if nothing joins them.
@@ -142,6 +162,8 @@ pub(in crate::network) struct CameraFindings<'a> {
     pub(in crate::network) rivalled: bool,
     /// What was given of it is contradicted by what moves.
     pub(in crate::network) contradicted: bool,
+    /// At which angle its rays meet those of others, pixels of a 640×480 image.
+    pub(in crate::network) parallax: f64,
     /// It and one other are all that is sound, and their pair was refused by itself.
     pub(in crate::network) pair_refused: bool,
     pub(in crate::network) expected: &'a Expected,
@@ -153,9 +175,10 @@ pub(in crate::network) struct CameraFindings<'a> {
 type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
 
 /// Tests of a camera that stands by name, in their order.
-pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 6] = [
+pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 7] = [
     ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
     ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
+    ("cameras stand apart", |f| unless(f.parallax >= limits::PARALLAX, CameraStatus::NoBaseline)),
     ("of two the pair was accepted", |f| f.pair_refused.then_some(CameraStatus::PairRefused)),
     ("focal length known", |f| unless(f.expected.focal <= limits::MAX_FOCAL, CameraStatus::FocalLength)),
     ("rotation known", |f| unless(f.expected.rotation <= limits::MAX_ROTATION, CameraStatus::Rotation)),
@@ -197,6 +220,7 @@ mod tests {
             status(&CameraFindings {
                 rivalled: false,
                 contradicted: false,
+                parallax: limits::PARALLAX,
                 pair_refused: false,
                 expected,
                 rig,
@@ -214,6 +238,7 @@ mod tests {
         let unknown = CameraFindings {
             rivalled: true,
             contradicted: true,
+            parallax: f64::NAN,
             pair_refused: true,
             expected: &Expected::UNKNOWN,
             rig: 1.0,
@@ -221,7 +246,9 @@ mod tests {
         assert_eq!(status(&unknown), CameraStatus::Ambiguous);
         let contradicted = CameraFindings { rivalled: false, ..unknown };
         assert_eq!(status(&contradicted), CameraStatus::Contradicted);
-        let refused = CameraFindings { contradicted: false, ..contradicted };
+        let at_one_place = CameraFindings { contradicted: false, ..contradicted };
+        assert_eq!(status(&at_one_place), CameraStatus::NoBaseline);
+        let refused = CameraFindings { parallax: limits::PARALLAX, ..at_one_place };
         assert_eq!(status(&refused), CameraStatus::PairRefused);
         assert_eq!(status(&CameraFindings { pair_refused: false, ..refused }), CameraStatus::FocalLength);
     }

@@ -42,6 +42,7 @@ impl NetworkCase<'_> {
             None => decide::status(&CameraFindings {
                 rivalled,
                 contradicted: self.contradicted(finished, c).is_some(),
+                parallax: finished.parallax[c],
                 pair_refused,
                 expected: &expected(c),
                 rig,

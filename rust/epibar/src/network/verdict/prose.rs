@@ -68,6 +68,9 @@ pub(in crate::network) fn of_camera(
             "it may as well stand elsewhere: another network explains what moves nearly as well. Film for longer, with movers everywhere in the images".to_owned()
         }
         CameraStatus::Contradicted => "what is given of it contradicts what moves".to_owned(),
+        CameraStatus::NoBaseline => {
+            "seen from here all that moves is in the same directions as from the other cameras, so they stand at one place, or what moves is too far away for them to stand apart: nothing tells how far, and which way. Place cameras at different sides of what moves".to_owned()
+        }
         CameraStatus::PairRefused => {
             "two cameras stand, of which nothing but their pair speaks, and that was not accepted by itself with this geometry: its verdict says why, and what to do (where lenses bend, with the lens taken out first). Or add a camera that sees the same".to_owned()
         }
