@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 use rand::RngExt;
 
 use crate::geometry::median::median;
+use crate::network::model::joint::PairMeetings;
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::figures::triangulated;
 use crate::network::solve::settle::Settled;
@@ -16,76 +17,90 @@ use crate::random::generator;
 
 /// Points that are looked at of each pair.
 const POINTS: usize = 200;
+/// Pairs whose planes are held against what all others see.
+const MOST_PLANES: usize = 40;
 /// The share of what a pair sees that is near its plane: of walkers either bottoms or tops may be half and more.
 const MOST: f64 = 0.8;
 /// Planes through three of them that are tried.
 const PLANES: usize = 300;
 
+/// A plane through a point.
+#[derive(Clone, Copy)]
+struct Plane {
+    normal: Vector3<f64>,
+    through: Vector3<f64>,
+}
+
+impl Plane {
+    /// How near most of some points are; `None` of none, or where one is nowhere.
+    fn off(&self, points: &[Vector3<f64>]) -> Option<f64> {
+        within(points.iter().map(|x| self.normal.dot(&(x - self.through)).abs()))
+    }
+}
+
 /// What a pair sees.
 struct Seen {
     cameras: [usize; 2],
     points: Vec<Vector3<f64>>,
-    /// From a plane of their own, as a share of the extent.
+    /// How far half of them are from their middle.
+    extent: f64,
+    /// Of the planes through three of them the one that most are nearest to.
+    plane: Plane,
+    /// How near, over the extent.
     thickness: f64,
 }
 
-/// The camera with most of the pairs that see another plane than the others do, where what the pairs see keeps to one.
+/// The camera with most of the pairs that see another plane than the others do, where what most pairs see keeps to one.
 pub fn off_plane(settled: &Settled, placed: &[bool]) -> Option<usize> {
-    let pairs: Vec<Seen> = settled
-        .pairs
-        .iter()
-        .filter(|p| placed[p.a] && placed[p.b])
-        .filter_map(|p| {
-            let (a, b) = (&settled.cameras[p.a], &settled.cameras[p.b]);
-            let some = evenly(p.meetings.len(), POINTS).map(|k| &p.meetings[k]);
-            let points: Vec<_> = some.filter_map(|m| triangulated(a, b, [m.a, m.b])).collect();
-            let thickness = thinnest(&points, &[&points])?.0;
-            Some(Seen { cameras: [p.a, p.b], points, thickness })
-        })
-        .collect();
+    let stand = settled.pairs.iter().filter(|p| placed[p.a] && placed[p.b]);
+    let pairs: Vec<Seen> = stand.filter_map(|p| Seen::of(settled, p)).collect();
     if median(pairs.iter().map(|p| p.thickness))? >= limits::PLANAR {
         return None;
     }
-    let points: Vec<&[Vector3<f64>]> = pairs.iter().map(|p| p.points.as_slice()).collect();
-    let is_off = |(pair, off): &(&Seen, f64)| {
-        *off > limits::PLANES_APART && *off > limits::PLANES_DIFFER * pair.thickness
-    };
-    // By the plane of each pair in turn: how many others see another one, whichever camera were taken out.
-    let planes = points.iter().filter_map(|of_pair| thinnest(of_pair, &points));
-    let blamed = planes.flat_map(|(mean, off)| {
-        let off: Vec<[usize; 2]> = pairs.iter().zip(off).filter(is_off).map(|(p, _)| p.cameras).collect();
-        let left = |c: usize| off.iter().filter(|cameras| !cameras.contains(&c)).count();
-        let of_all = (0..placed.len()).filter(|&c| placed[c]);
-        of_all.map(|c| (left(c), off.len(), mean, c)).collect::<Vec<_>>()
-    });
-    let by = |p: &(usize, usize, f64, usize), q: &(usize, usize, f64, usize)| {
-        (p.0, p.1).cmp(&(q.0, q.1)).then(p.2.total_cmp(&q.2))
-    };
-    blamed.min_by(by).filter(|(_, off, ..)| *off > 0).map(|(.., camera)| camera)
-}
-
-/// Of the planes through three of some points the one to which what all pairs see is nearest: the mean, and each, of how far most of what a pair
-/// sees is from it, over how far half is from its middle. `None` of few.
-fn thinnest(from: &[Vector3<f64>], pairs: &[&[Vector3<f64>]]) -> Option<(f64, Vec<f64>)> {
-    if from.len() < limits::LEAST_MEETINGS {
-        return None;
-    }
-    let extents: Vec<f64> = pairs.iter().map(|points| extent(points)).collect::<Option<_>>()?;
-    let own = extent(from)?;
-    let mut rng = generator(11, 0);
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    for _ in 0..PLANES {
-        let [p, q, r] = std::array::from_fn(|_| from[rng.random_range(0..from.len())]);
-        let Some(normal) = (q - p).cross(&(r - p)).try_normalize(1e-3 * own * own) else { continue };
-        let off = |points: &&[Vector3<f64>]| within(points.iter().map(|x| normal.dot(&(x - p)).abs()));
-        let off: Vec<f64> =
-            pairs.iter().zip(&extents).map(|(p, extent)| Some(off(p)? / extent)).collect::<Option<_>>()?;
-        let mean = off.iter().sum::<f64>() / off.len() as f64;
-        if best.as_ref().is_none_or(|b| mean < b.0) {
-            best = Some((mean, off));
+    // By the plane of one pair after the other: how many others see another one, whichever camera were taken out.
+    let mut blamed: Option<(usize, usize, usize)> = None;
+    for k in evenly(pairs.len(), MOST_PLANES) {
+        let is_off = |p: &&Seen| {
+            let off = pairs[k].plane.off(&p.points).map_or(f64::INFINITY, |off| off / p.extent);
+            off > limits::PLANES_APART && off > limits::PLANES_DIFFER * p.thickness
+        };
+        let off: Vec<[usize; 2]> = pairs.iter().filter(is_off).map(|p| p.cameras).collect();
+        for camera in (0..placed.len()).filter(|&c| placed[c]) {
+            let left = off.iter().filter(|cameras| !cameras.contains(&camera)).count();
+            if blamed.is_none_or(|b| (left, off.len()) < (b.0, b.1)) {
+                blamed = Some((left, off.len(), camera));
+            }
         }
     }
-    best
+    blamed.filter(|(_, off, _)| *off > 0).map(|(.., camera)| camera)
+}
+
+impl Seen {
+    /// `None` where a pair sees little.
+    fn of(settled: &Settled, pair: &PairMeetings) -> Option<Self> {
+        let (a, b) = (&settled.cameras[pair.a], &settled.cameras[pair.b]);
+        let some = evenly(pair.meetings.len(), POINTS).map(|k| &pair.meetings[k]);
+        let points: Vec<_> = some.filter_map(|m| triangulated(a, b, [m.a, m.b])).collect();
+        if points.len() < limits::LEAST_MEETINGS {
+            return None;
+        }
+        let middle = |k: usize| median(points.iter().map(|p| p[k]));
+        let middle = Vector3::new(middle(0)?, middle(1)?, middle(2)?);
+        let extent = median(points.iter().map(|p| (p - middle).norm()))?;
+        let mut rng = generator(11, 0);
+        let mut best: Option<(f64, Plane)> = None;
+        for _ in 0..PLANES {
+            let [p, q, r] = std::array::from_fn(|_| points[rng.random_range(0..points.len())]);
+            let normal = (q - p).cross(&(r - p)).try_normalize(1e-3 * extent * extent);
+            let Some(plane) = normal.map(|normal| Plane { normal, through: p }) else { continue };
+            let off = plane.off(&points)?;
+            if best.is_none_or(|b| off < b.0) {
+                best = Some((off, plane));
+            }
+        }
+        let (off, plane) = best?;
+        Some(Self { cameras: [pair.a, pair.b], points, extent, plane, thickness: off / extent })
+    }
 }
 
 /// Below which most of some numbers are; `None` of none, or where one is no number.
@@ -96,13 +111,6 @@ fn within(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     }
     let most = (MOST * all.len() as f64) as usize;
     Some(*all.select_nth_unstable_by(most, f64::total_cmp).1)
-}
-
-/// How far half of some points are from their middle.
-fn extent(points: &[Vector3<f64>]) -> Option<f64> {
-    let middle = |k: usize| median(points.iter().map(|p| p[k]));
-    let middle = Vector3::new(middle(0)?, middle(1)?, middle(2)?);
-    median(points.iter().map(|p| (p - middle).norm()))
 }
 
 #[cfg(test)]
