@@ -11,6 +11,7 @@ use super::evidence::doubts::{Doubt, doubts, with_doubts};
 use super::evidence::floor_errors::{FloorErrors, floor_errors};
 use super::evidence::outlines::{Shapes, outline_errors};
 use super::evidence::parallax::parallax;
+use super::evidence::planes::off_plane;
 use super::evidence::stated_errors::{Expected, expected};
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
@@ -20,6 +21,7 @@ use super::model::camera::CLOCK;
 use super::model::joint::standing;
 use super::observations::survey::{Survey, shared};
 use super::result::{CameraStatus, Network};
+use super::solve::collapse::collapsed;
 use super::solve::networks::{FRAMES_IN_THE_END, Solved, Solver, settled};
 use super::solve::principal::{self, Likely};
 use super::solve::relocate::Placed;
@@ -75,6 +77,7 @@ pub fn join(
     };
     report(watch, Stage::Network, 0.7)?;
     let finished = case.agreed(&solver, sifted);
+    let rivalled = rivalled || is_mixed(&finished);
     report(watch, Stage::Network, 0.9)?;
     Ok(case.network(&finished, &out, rivalled))
 }
@@ -90,6 +93,12 @@ fn check(cameras: usize, pairs: &[PairFound], clocks: &Offsets) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Whether over all frames two cameras have come together, or pairs see different planes.
+fn is_mixed(Finished { solved, support, .. }: &Finished) -> bool {
+    let off = off_plane(&solved.settled, &solved.network.placed, &support.confirmed());
+    off.is_some() || !collapsed(&solved.settled).is_empty()
 }
 
 /// A network for every camera of which enough speaks.

@@ -95,11 +95,13 @@ pub const PLANAR: f64 = 0.2;
 /// A pair sees another plane than others do where it is further from theirs than this share: 0.53 to 0.97 where cameras stood wrongly, 0.03 to 0.14
 /// where they stood right.
 pub const PLANES_APART: f64 = 0.3;
+/// And turned from it by more than this, radians: 20°. Levels of a building are not.
+pub const PLANES_TURNED: f64 = 20.0 * std::f64::consts::PI / 180.0;
 /// And so many times as far as from its own: 3.2 to 12 where cameras stood wrongly, 0.9 to 1.3 where they stood right.
 pub const PLANES_DIFFER: f64 = 2.5;
 /// Two cameras were put at one place by a solution where their rays meet nearer to them than this share of how far away those of other pairs do. It
-/// was below 1e-6 where one did, on scenes in one plane.
-pub const COLLAPSED: f64 = 0.05;
+/// was below 1e-6 where one did, on scenes in one plane; of two heads on one pole that look different ways, and meet by chance, 0.015.
+pub const COLLAPSED: f64 = 1e-3;
 /// Rays of a camera and of others, in the pair in which that is most, meet at so many pixels of a 640×480 image at least. Outlines are wrong alike by
 /// 0.25 to 0.5 pixels, so below this a position would not be known to [`MAX_POSITION`].
 pub const PARALLAX: f64 = 8.0;

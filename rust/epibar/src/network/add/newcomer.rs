@@ -12,6 +12,7 @@ use crate::network::evidence::doubts::{doubts, with_doubts};
 use crate::network::evidence::knocks::knocked;
 use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::parallax::parallax;
+use crate::network::evidence::planes::off_plane;
 use crate::network::evidence::slight_knocks;
 use crate::network::evidence::stated_errors::{Expected, NINE_IN_TEN, length_quantile};
 use crate::network::evidence::support::{Deviates, Support};
@@ -20,6 +21,7 @@ use crate::network::model::camera::{CLOCK, Camera, FOCAL, POSITION, ROTATION};
 use crate::network::model::joint::Beliefs;
 use crate::network::observations::survey::{Survey, shared};
 use crate::network::result::{CameraStatus, NetworkCamera, NetworkPair};
+use crate::network::solve::collapse::collapsed;
 use crate::network::solve::networks::{FRAMES, FRAMES_IN_THE_END, Solved, settled};
 use crate::network::solve::principal;
 use crate::network::solve::relocate::{Placed, Tries, places};
@@ -155,6 +157,11 @@ impl<'a> Newcomer<'a> {
         let out = |status, at| Some(self.out(status, at, deviates));
         if !self.is_confirmed(support) {
             return out(CameraStatus::NothingInCommon, None);
+        }
+        let together = collapsed(&now.settled).iter().any(|&(a, b)| a == self.camera || b == self.camera);
+        let all = vec![true; self.camera + 1];
+        if together || off_plane(&now.settled, &all, &support.confirmed()) == Some(self.camera) {
+            return out(CameraStatus::Ambiguous, None);
         }
         let film = |time: f64| now.network.cameras[self.camera].clock_at(time);
         if let Some(at) = knocked(some, &now.network, limits::KNOCKED)[self.camera] {

@@ -31,6 +31,18 @@ impl FloorErrors {
 /// Differences of parameters for derivatives: log focal length, pixels of a principal point, and so on to position.
 const DIFFERENCE: f64 = 1e-5;
 
+/// Of a variance, which may be less than nothing by rounding; infinite where it is none.
+fn deviation(variance: f64) -> f64 {
+    match variance {
+        v if v >= 0.0 => v.sqrt(),
+        v if v > -ROUNDING => 0.0,
+        _ => f64::INFINITY,
+    }
+}
+
+/// Variances, of radians and of the unit, that are nothing but rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Errors of a floor by a covariance of the cameras; `None` where the bottoms tell no plane.
 pub fn floor_errors(network: &Placed, found: &FloorFound, covariance: &Covariance) -> Option<FloorErrors> {
     let (up, middle) = (found.floor.up, found.floor.middle);
@@ -65,9 +77,7 @@ pub fn floor_errors(network: &Placed, found: &FloorFound, covariance: &Covarianc
         let plane = &changes * aligned * changes.transpose();
         let plane = Matrix3::from_fn(|i, j| plane[(i, j)]);
         let level = (plane * normal_matrix).trace() / found.bottoms.len() as f64;
-        // What is nothing may be less by rounding.
-        let [vertical, level] =
-            [plane[(1, 1)] + plane[(2, 2)], level].map(|v| if v < 0.0 { 0.0 } else { v.sqrt() });
+        let [vertical, level] = [plane[(1, 1)] + plane[(2, 2)], level].map(deviation);
         FloorErrors { vertical, level }
     };
     let [one, other] = ways.map(of_way);

@@ -50,6 +50,7 @@ mod tests {
             let [a, b] = [settled.cameras[0].ray(m.a), settled.cameras[1].ray(m.b)].map(Option::unwrap);
             a.angle(&b) < 0.01
         });
+        assert!(settled.pairs[0].meetings.len() > 20);
         let found = parallax(&settled);
         assert!(found[0] < 1.0 && found[0] == found[1] && found[2..] == [0.0; 2], "{found:?}");
     }

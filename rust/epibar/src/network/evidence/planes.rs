@@ -50,9 +50,10 @@ struct Seen {
     thickness: f64,
 }
 
-/// The camera with most of the pairs that see another plane than the others do, where what most pairs see keeps to one.
-pub fn off_plane(settled: &Settled, placed: &[bool]) -> Option<usize> {
-    let stand = settled.pairs.iter().filter(|p| placed[p.a] && placed[p.b]);
+/// The camera with most of those of some pairs that see another plane than the others do, where what most of them see keeps to one.
+pub fn off_plane(settled: &Settled, placed: &[bool], confirmed: &[(usize, usize)]) -> Option<usize> {
+    let stands = |p: &&PairMeetings| placed[p.a] && placed[p.b] && confirmed.contains(&(p.a, p.b));
+    let stand = settled.pairs.iter().filter(stands);
     let pairs: Vec<Seen> = stand.filter_map(|p| Seen::of(settled, p)).collect();
     if median(pairs.iter().map(|p| p.thickness))? >= limits::PLANAR {
         return None;
@@ -62,7 +63,10 @@ pub fn off_plane(settled: &Settled, placed: &[bool]) -> Option<usize> {
     for k in evenly(pairs.len(), MOST_PLANES) {
         let is_off = |p: &&Seen| {
             let off = pairs[k].plane.off(&p.points).map_or(f64::INFINITY, |off| off / p.extent);
-            off > limits::PLANES_APART && off > limits::PLANES_DIFFER * p.thickness
+            let turned = pairs[k].plane.normal.cross(&p.plane.normal).norm().min(1.0).asin();
+            off > limits::PLANES_APART
+                && off > limits::PLANES_DIFFER * p.thickness
+                && turned > limits::PLANES_TURNED
         };
         let off: Vec<[usize; 2]> = pairs.iter().filter(is_off).map(|p| p.cameras).collect();
         for camera in (0..placed.len()).filter(|&c| placed[c]) {
@@ -138,13 +142,16 @@ mod tests {
 
     #[test]
     fn a_camera_that_sees_another_plane_is_named() {
-        assert_eq!(off_plane(&of_plane(false), &[true; 4]), None);
-        assert_eq!(off_plane(&of_plane(true), &[true; 4]), Some(3));
-        assert_eq!(off_plane(&of_plane(true), &[true, true, true, false]), None);
+        let all = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+        assert_eq!(off_plane(&of_plane(false), &[true; 4], &all), None);
+        assert_eq!(off_plane(&of_plane(true), &[true; 4], &all), Some(3));
+        assert_eq!(off_plane(&of_plane(true), &[true, true, true, false], &all), None);
+        assert_eq!(off_plane(&of_plane(true), &[true; 4], &[(0, 1), (0, 2), (1, 2)]), None);
     }
 
     #[test]
     fn what_has_depth_keeps_to_no_plane() {
-        assert_eq!(off_plane(&seen([0.3; 4]), &[true; 4]), None);
+        let all = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+        assert_eq!(off_plane(&seen([0.3; 4]), &[true; 4], &all), None);
     }
 }

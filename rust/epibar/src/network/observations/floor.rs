@@ -52,7 +52,7 @@ const STANDING_DEVIATE: f64 = 1.036;
 const STANDS_WITHIN: f64 = 2.5;
 /// Bottoms pass the distance within which they are counted, as the floor moves, that are within so much of it, as a share.
 const PASSING: f64 = 0.25;
-/// The share of the normal equations that holds, at least: of normal deviates 0.55 does.
+/// The share of the normal equations that holds, at least: of normal deviates 0.91 does.
 const LEAST_HELD: f64 = 0.1;
 /// Rounds of least squares of those that are nearest to the plane of the round before, at most.
 const TRIMMED: usize = 30;
@@ -307,7 +307,7 @@ mod tests {
     fn feet_that_swing_do_not_lift_or_tilt_the_floor() {
         let mut found = figures(40, 3.0, [0.0, 0.005], 2);
         for (k, figure) in found.iter_mut().enumerate() {
-            // A quarter is touched up to 6 % of the height above it, on one side of the room alone.
+            // A quarter is touched up to 5 % of the height above it, on one side of the room alone.
             if k % 2 == 0 && figure.bottom.x > 0.0 {
                 figure.bottom.z += 0.06 * (k % 10) as f64 / 10.0;
             }

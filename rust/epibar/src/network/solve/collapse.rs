@@ -36,7 +36,7 @@ mod tests {
         let mut settled = seen([0.3; 4]);
         assert!(collapsed(&settled).is_empty());
         let place = settled.cameras[1].position;
-        settled.cameras[2].position = place + (settled.cameras[2].position - place) * 1e-3;
+        settled.cameras[2].position = place + (settled.cameras[2].position - place) * 1e-5;
         assert_eq!(collapsed(&settled), [(1, 2)]);
         settled.pairs.clear();
         assert!(collapsed(&settled).is_empty());

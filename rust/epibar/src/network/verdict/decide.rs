@@ -31,7 +31,7 @@ type NetworkTest = fn(&NetworkFindings) -> Vec<Out>;
 /// Tests of the cameras of a network by name, in their order.
 pub(in crate::network) const NETWORK_TESTS: [(&str, NetworkTest); 6] = [
     ("enough speaks for each camera", least_supported),
-    ("cameras stand apart that see from different sides", at_one_place),
+    ("no two were put at one place", put_together),
     ("pairs that see a plane see the same", off_plane),
     ("confirmed pairs join all cameras", apart),
     ("no camera was knocked far", knocked_far),
@@ -70,11 +70,11 @@ fn least_supported(f: &NetworkFindings) -> Vec<Out> {
     least.map(|camera| f.out(camera, CameraStatus::NothingInCommon, None)).into_iter().collect()
 }
 
-/// Of two that were put at one place, though their rays meet at an angle, the one for which less speaks.
-fn at_one_place(f: &NetworkFindings) -> Vec<Out> {
-    let stands = |c: usize| f.solved.network.placed[c];
-    let pairs = collapsed(&f.solved.settled);
-    let together = pairs.into_iter().filter(|&(a, b)| stands(a) && stands(b)).flat_map(|(a, b)| [a, b]);
+/// Of two that the solution put at one place, the one for which less speaks.
+fn put_together(f: &NetworkFindings) -> Vec<Out> {
+    let confirmed = f.support.confirmed();
+    let pairs = collapsed(&f.solved.settled).into_iter().filter(|pair| confirmed.contains(pair));
+    let together = pairs.flat_map(|(a, b)| [a, b]);
     let deviate = |c: usize| f.support.cameras[c].tangents;
     let least = together.min_by(|&c, &d| deviate(c).total_cmp(&deviate(d)));
     least.map(|camera| f.out(camera, CameraStatus::Ambiguous, None)).into_iter().collect()
@@ -82,7 +82,7 @@ fn at_one_place(f: &NetworkFindings) -> Vec<Out> {
 
 /// Where all that moves keeps to one plane, the camera with which it is not the same one to all pairs.
 fn off_plane(f: &NetworkFindings) -> Vec<Out> {
-    let found = planes::off_plane(&f.solved.settled, &f.solved.network.placed);
+    let found = planes::off_plane(&f.solved.settled, &f.solved.network.placed, &f.support.confirmed());
     found.map(|camera| f.out(camera, CameraStatus::Ambiguous, None)).into_iter().collect()
 }
 
@@ -178,7 +178,7 @@ type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
 pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 7] = [
     ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
     ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
-    ("cameras stand apart", |f| unless(f.parallax >= limits::PARALLAX, CameraStatus::NoBaseline)),
+    ("rays meet at an angle", |f| unless(f.parallax >= limits::PARALLAX, CameraStatus::NoBaseline)),
     ("of two the pair was accepted", |f| f.pair_refused.then_some(CameraStatus::PairRefused)),
     ("focal length known", |f| unless(f.expected.focal <= limits::MAX_FOCAL, CameraStatus::FocalLength)),
     ("rotation known", |f| unless(f.expected.rotation <= limits::MAX_ROTATION, CameraStatus::Rotation)),
