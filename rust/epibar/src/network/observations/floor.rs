@@ -17,7 +17,7 @@ pub struct Floor {
     pub level: f64,
     /// Height of those who walk on it, their median.
     pub height: f64,
-    /// Robust standard deviation of bottoms from the floor, over the height.
+    /// Robust standard deviation of all bottoms from the floor, over the height: of those that are near it is small by itself.
     pub unevenness: f64,
     /// Robust standard deviation of heights over their median.
     pub diversity: f64,
@@ -88,7 +88,7 @@ impl Floor {
             up,
             level,
             height: tall,
-            unevenness: deviation(standing.iter().map(|f| (up.dot(&f.bottom) - level) / tall))?,
+            unevenness: deviation(figures.iter().map(|f| (up.dot(&f.bottom) - level) / tall))?,
             diversity: deviation(standing.iter().map(|f| (up.dot(&f.top) - level) / tall - 1.0))?,
             breadth: median(standing.iter().filter_map(|f| f.breadth)),
             lean: mean.normalize().dot(&up).clamp(-1.0, 1.0).acos(),
@@ -317,6 +317,17 @@ mod tests {
         assert!(mean > 0.005, "{mean}");
         assert!(floor.level.abs() < 0.002, "{}", floor.level);
         assert!(floor.up.angle(&Vector3::z()) < 0.001, "{}", floor.up);
+    }
+
+    #[test]
+    fn what_flies_is_uneven() {
+        let mut found = figures(40, 3.0, [0.0, 0.01], 4);
+        assert!(Floor::of(&found).unwrap().unevenness < limits::FLOOR_UNEVEN);
+        for (k, figure) in found.iter_mut().enumerate() {
+            figure.bottom.z += 4.0 * (k % 40) as f64 / 40.0;
+            figure.top.z = figure.bottom.z + 1.0;
+        }
+        assert!(Floor::of(&found).is_none_or(|floor| floor.unevenness > limits::FLOOR_UNEVEN));
     }
 
     #[test]
