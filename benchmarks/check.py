@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from fresh_seeds import sizes_asked_for
-from networks import outcomes_of
+from networks import distortions, outcomes_of
 from options import natural, numbers
 from tables import table
 from verdicts import upper_bound
@@ -111,7 +111,7 @@ def true_network(made: Any) -> Any:
     cameras = {
         c.name: NetworkCamera(
             *(c.name, c.size, True, "accepted", "true", c.K),
-            *(np.resize(c.distortions or (0.0,), 5), c.R, c.t, nothing),
+            *(distortions(c), c.R, c.t, nothing),
         )
         for c in made.cameras
     }

@@ -65,10 +65,7 @@ def run(family: str, seed: int, lines: int, known: bool = False) -> list[dict[st
     def stage(name: str, _: float) -> None:
         stages.setdefault(name, time.perf_counter())
 
-    lenses = {
-        c.name: epibar.KnownCamera(matrix=c.K, distortions=np.resize([*c.distortions, *[0.0] * 5], 5))
-        for c in situation.cameras
-    }
+    lenses = {c.name: epibar.KnownCamera(matrix=c.K, distortions=distortions(c)) for c in situation.cameras}
     network = epibar.calibrate_network(
         recordings, seed=seed % 2**32, progress=stage, known=lenses if known else None
     )
@@ -98,6 +95,11 @@ def run(family: str, seed: int, lines: int, known: bool = False) -> list[dict[st
         ],
     }
     return [outcome]
+
+
+def distortions(camera: Any) -> np.ndarray:
+    """Return the five distortion coefficients of a true camera."""
+    return np.array([*camera.distortions, *[0.0] * 5][:5])
 
 
 def errors(situation: Any, network: Any) -> dict[str, list[float]]:

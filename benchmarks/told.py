@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 from fresh_seeds import networks_asked_for
-from networks import errors, outcomes_of, shares_held, wrong_cameras
+from networks import distortions, errors, outcomes_of, shares_held, wrong_cameras
 from options import add_networks
 from tables import table
 
@@ -29,19 +29,16 @@ def tellings(cameras: dict[str, Any]) -> dict[str, tuple[dict[str, Any], set[str
 
     last = list(cameras)[-1]
 
-    def bent(camera: Any) -> np.ndarray:
-        return np.resize([*camera.distortions, *[0.0] * 5], 5)
-
     def whole(camera: Any, focal: float = 1.0, shift: float = 0.0) -> KnownCamera:
         matrix = np.array(camera.K) * [[focal, 1, 1], [1, focal, 1], [1, 1, 1]]
         matrix[0, 2] += shift * camera.size[0]
-        return KnownCamera(matrix=matrix, distortions=bent(camera))
+        return KnownCamera(matrix=matrix, distortions=distortions(camera))
 
     def of_all(tell: Callable[[Any], KnownCamera]) -> dict[str, KnownCamera]:
         return {name: tell(camera) for name, camera in cameras.items()}
 
     true = of_all(whole)
-    unbent = {name for name, camera in cameras.items() if np.any(bent(camera))}
+    unbent = {name for name, camera in cameras.items() if np.any(distortions(camera))}
     return {
         "nothing": ({}, set()),
         "true matrices and lenses": (true, set()),
@@ -49,7 +46,7 @@ def tellings(cameras: dict[str, Any]) -> dict[str, tuple[dict[str, Any], set[str
             of_all(lambda c: KnownCamera(focal=float(c.K[0, 0]), focal_error=FOCAL_ERROR)),
             set(),
         ),
-        "true lenses": (of_all(lambda c: KnownCamera(distortions=bent(c))), set()),
+        "true lenses": (of_all(lambda c: KnownCamera(distortions=distortions(c))), set()),
         "true principal points": (of_all(lambda c: KnownCamera(principal_point=c.K[:2, 2])), set()),
         "one focal length 5 % long": ({**true, last: whole(cameras[last], focal=1.05)}, {last}),
         "one focal length 15 % long": ({**true, last: whole(cameras[last], focal=1.15)}, {last}),

@@ -152,7 +152,9 @@ def noise(seed: int, family: str) -> Situation:
 # --- motion that leaves the geometry open ---
 
 
-def _open(setting: Setting, reason: str) -> Callable[[int, str], Situation]:
+def undetermined(setting: Setting, reason: str) -> Callable[[int, str], Situation]:
+    """Make a family of which the motion leaves the geometry open."""
+
     def make(seed: int, family: str) -> Situation:
         return replace(draw(seed, family, setting), undetermined=reason)
 
@@ -270,14 +272,16 @@ WITHOUT_ANSWER: dict[str, Callable[[int, str], Situation]] = {
     "unrelated": unrelated,
     "reversed": reversed_time,
     "shifted": shifted,
-    "one_path": _open(PATH, "one path"),
-    "one_path_strays": _open(replace(PATH, movers=path_and_strays), "one path, a few strays"),
-    "one_plane": _open(
+    "one_path": undetermined(PATH, "one path"),
+    "one_path_strays": undetermined(replace(PATH, movers=path_and_strays), "one path, a few strays"),
+    "one_plane": undetermined(
         replace(PAIR, movers=in_one_plane, area=((4.0, 8.0), (2.0, 6.0)), rig=PLANE_RIG), "one plane"
     ),
-    "pure_floor": _open(replace(PAIR, movers=on_the_floor, area=((4.0, 10.0), (4.0, 10.0))), "pure floor"),
+    "pure_floor": undetermined(
+        replace(PAIR, movers=on_the_floor, area=((4.0, 10.0), (4.0, 10.0))), "pure floor"
+    ),
     "no_baseline": no_baseline,
-    "one_mover_standing": _open(
+    "one_mover_standing": undetermined(
         replace(PAIR, movers=one_standing, area=((3.0, 6.0), (3.0, 6.0))), "one mover, standing"
     ),
     "lamps": lamps,

@@ -3,6 +3,7 @@
 //! Equation and convention of the whole crate: `x_bᵀ F x_a = 0`; `F x_a` is a line in B, `Fᵀ x_b` a
 //! line in A; `F e = 0` and `Fᵀ e' = 0` (Hartley and Zisserman, *Multiple View Geometry*, ch. 9).
 
+pub mod across;
 pub mod area;
 pub mod cameras;
 pub mod distance;

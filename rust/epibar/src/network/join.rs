@@ -6,13 +6,13 @@
 use super::case::{Finished, NetworkCase, Out};
 use super::evidence::alternatives::alternatives;
 use super::evidence::contradictions::{Contradiction, contradictions};
-use super::evidence::covariance::{Covariance, covariance_with_principal_points};
+use super::evidence::covariance::covariance_with_principal_points;
 use super::evidence::doubts::{Doubt, doubts, with_doubts};
 use super::evidence::floor_errors::{FloorErrors, floor_errors};
 use super::evidence::outlines::{Shapes, outline_errors};
 use super::evidence::parallax::parallax;
 use super::evidence::planes::off_plane;
-use super::evidence::stated_errors::{Expected, expected};
+use super::evidence::stated_errors::{Expected, expected, ways_to_align};
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::{AS_SOLD, CameraInput, PRINCIPAL_LEVELS};
@@ -234,18 +234,17 @@ impl NetworkCase<'_> {
         let floor = world::floor(many, &solved.network, solved.settled.radius.max(FIGURES_WITHIN));
         let outlines = outline_errors(&solved.settled, shapes);
         let errors = covariance_with_principal_points(&solved, &likely, &outlines);
-        let errors = errors.and_then(|errors| with_doubts(errors, &doubts));
-        let (expected, offsets) = match &errors {
-            Some(errors) => {
-                let offsets = (0..self.count()).map(|c| errors.deviation(c, CLOCK)).collect();
-                let Covariance { active, matrix, .. } = errors;
-                (expected(&solved.network.cameras, &solved.network.placed, active, matrix), offsets)
-            }
-            None => (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()]),
-        };
-        let by_cameras = floor.as_ref().zip(errors.as_ref());
-        let by_cameras = by_cameras.and_then(|(floor, errors)| floor_errors(&solved.network, floor, errors));
-        let floor_errors = by_cameras.unwrap_or(FloorErrors::UNKNOWN);
+        let Placed { cameras, placed } = &solved.network;
+        let stated = errors.and_then(|errors| with_doubts(errors, &doubts)).map(|errors| {
+            let ways = ways_to_align(cameras, placed, &errors.active, &errors.matrix);
+            let offsets: Vec<f64> = (0..self.count()).map(|c| errors.deviation(c, CLOCK)).collect();
+            let of_floor = |floor| floor_errors(&solved.network, floor, &errors.active, &ways);
+            let of_floor = floor.as_ref().and_then(of_floor).unwrap_or(FloorErrors::UNKNOWN);
+            (expected(self.count(), &errors.active, &ways), offsets, of_floor)
+        });
+        let unknown =
+            || (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()], FloorErrors::UNKNOWN);
+        let (expected, offsets, floor_errors) = stated.unwrap_or_else(unknown);
         let (strained, parallax) = (shapes == Shapes::Strained, parallax(&solved.settled));
         Finished {
             solved,

@@ -81,14 +81,6 @@ pub const PAIR_DEVIATES: f64 = 3.0;
 /// Pairs that must confirm a camera among more than two: two directions are needed for its place.
 pub const CONFIRMED_PAIRS: usize = 2;
 
-// --- errors and rivals ---
-
-/// The largest expected error, nine times in ten below, with which a focal length is still of use, relative.
-pub const MAX_FOCAL: f64 = 0.08;
-/// The largest expected error with which a rotation is still of use, radians: 2°.
-pub const MAX_ROTATION: f64 = 2.0 * std::f64::consts::PI / 180.0;
-/// The largest expected error with which a position is still of use, as a share of the largest distance between two cameras.
-pub const MAX_POSITION: f64 = 0.05;
 /// What a pair sees keeps to a plane from which four fifths of it are nearer than this share of how far half is from the middle. What most pairs of
 /// things in one plane see had 0.04 to 0.12, and of crowds 0.27 at least (six networks of development).
 pub const PLANAR: f64 = 0.2;
@@ -102,6 +94,15 @@ pub const PLANES_DIFFER: f64 = 2.5;
 /// Two cameras were put at one place by a solution where their rays meet nearer to them than this share of how far away those of other pairs do. It
 /// was below 1e-6 where one did, on scenes in one plane; of two heads on one pole that look different ways, and meet by chance, 0.015.
 pub const COLLAPSED: f64 = 1e-3;
+
+// --- errors and rivals ---
+
+/// The largest expected error, nine times in ten below, with which a focal length is still of use, relative.
+pub const MAX_FOCAL: f64 = 0.08;
+/// The largest expected error with which a rotation is still of use, radians: 2°.
+pub const MAX_ROTATION: f64 = 2.0 * std::f64::consts::PI / 180.0;
+/// The largest expected error with which a position is still of use, as a share of the largest distance between two cameras.
+pub const MAX_POSITION: f64 = 0.05;
 /// Rays of a camera and of others, in the pair in which that is most, meet at so many pixels of a 640×480 image at least. Outlines are wrong alike by
 /// 0.25 to 0.5 pixels, so below this a position would not be known to [`MAX_POSITION`].
 pub const PARALLAX: f64 = 8.0;
@@ -207,5 +208,5 @@ pub const FLOOR_LEANING: f64 = 0.6;
 /// development with the geometry of their pairs given, floors were 0.1 to 4 cm off, and 6 to 18 cm where cameras were turned too.
 pub const FOOT_ABOVE: f64 = 0.012;
 /// Standard deviation of how much more that is one standard deviation of the bottoms further on: the vertical of 16 made-up networks of
-/// development was 0.02 to 0.6 degrees off, and below 1.645 times what is stated with this in all.
+/// development, by which it was chosen, was 0.02 to 0.6 degrees off, and below 1.645 times what is stated with this in all.
 pub const FOOT_LEANING: f64 = 0.0015;

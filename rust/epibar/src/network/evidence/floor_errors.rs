@@ -6,8 +6,7 @@
 
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-use super::covariance::Covariance;
-use super::stated_errors::ways_to_align;
+use crate::geometry::across::across;
 use crate::network::model::camera::{INTRINSIC, POSITION, ROTATION, Step};
 use crate::network::observations::figures::triangulated;
 use crate::network::solve::relocate::Placed;
@@ -43,11 +42,16 @@ fn deviation(variance: f64) -> f64 {
 /// Variances, of radians and of the unit, that are nothing but rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Errors of a floor by a covariance of the cameras; `None` where the bottoms tell no plane.
-pub fn floor_errors(network: &Placed, found: &FloorFound, covariance: &Covariance) -> Option<FloorErrors> {
+/// Errors of a floor by covariances of the active parameters after the best similarity, as of
+/// [`ways_to_align`](super::stated_errors::ways_to_align); `None` where the bottoms tell no plane.
+pub fn floor_errors(
+    network: &Placed,
+    found: &FloorFound,
+    active: &[(usize, usize)],
+    ways: &[DMatrix<f64>; 2],
+) -> Option<FloorErrors> {
     let (up, middle) = (found.floor.up, found.floor.middle);
-    let along = up.cross(&Vector3::ith(up.iamin(), 1.0)).normalize();
-    let aside = up.cross(&along);
+    let [along, aside] = across(&up);
     let row = |bottom: &Bottom| {
         let from = bottom.place - middle;
         Vector3::new(1.0, along.dot(&from), aside.dot(&from))
@@ -69,18 +73,16 @@ pub fn floor_errors(network: &Placed, found: &FloorFound, covariance: &Covarianc
         let seen = found.bottoms.iter().filter(|b| b.a == camera || b.b == camera);
         inverse * seen.filter_map(lifted).sum::<Vector3<f64>>() / DIFFERENCE
     };
-    let columns: Vec<Vector3<f64>> = covariance.active.iter().map(change).collect();
+    let columns: Vec<Vector3<f64>> = active.iter().map(change).collect();
     let changes = DMatrix::from_fn(3, columns.len(), |i, j| columns[j][i]);
-    let Covariance { active, matrix, .. } = covariance;
-    let ways = ways_to_align(&network.cameras, &network.placed, active, matrix);
-    let of_way = |aligned: DMatrix<f64>| {
+    let of_way = |aligned: &DMatrix<f64>| {
         let plane = &changes * aligned * changes.transpose();
         let plane = Matrix3::from_fn(|i, j| plane[(i, j)]);
         let level = (plane * normal_matrix).trace() / found.bottoms.len() as f64;
         let [vertical, level] = [plane[(1, 1)] + plane[(2, 2)], level].map(deviation);
         FloorErrors { vertical, level }
     };
-    let [one, other] = ways.map(of_way);
+    let [one, other] = ways.each_ref().map(of_way);
     Some(FloorErrors {
         vertical: larger(one.vertical, other.vertical),
         level: larger(one.level, other.level),
@@ -90,6 +92,7 @@ pub fn floor_errors(network: &Placed, found: &FloorFound, covariance: &Covarianc
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::evidence::stated_errors::ways_to_align;
     use crate::network::model::camera::Camera;
     use crate::network::observations::figures::Upright;
     use crate::network::observations::floor::Floor;
@@ -113,12 +116,13 @@ mod tests {
         Floor::of(&bottoms.iter().map(upright).collect::<Vec<_>>()).unwrap()
     }
 
-    /// A covariance of one step alone, up to its sign.
-    fn of_step(step: impl Fn(usize) -> Step) -> Covariance {
+    /// What is stated by a covariance of one step alone, up to its sign.
+    fn stated(network: &Placed, found: &FloorFound, step: impl Fn(usize) -> Step) -> FloorErrors {
         let active: Vec<(usize, usize)> =
             (0..3).flat_map(|c| (0..INTRINSIC).chain(ROTATION..POSITION + 3).map(move |k| (c, k))).collect();
         let off = nalgebra::DVector::from_iterator(active.len(), active.iter().map(|&(c, k)| step(c)[k]));
-        Covariance { matrix: &off * off.transpose(), off: off * 0.0, active }
+        let ways = ways_to_align(&network.cameras, &network.placed, &active, &(&off * off.transpose()));
+        floor_errors(network, found, &active, &ways).unwrap()
     }
 
     #[test]
@@ -131,7 +135,7 @@ mod tests {
             step
         };
         let found = FloorFound { floor: floor_of(&bottoms), bottoms: bottoms.clone() };
-        let stated = floor_errors(&network, &found, &of_step(of_focal)).unwrap();
+        let stated = stated(&network, &found, of_focal);
         let wrong = [0, 1, 2].map(|c| network.cameras[c].stepped(&of_focal(c)));
         let place = |b: &Bottom| triangulated(&wrong[b.a], &wrong[b.b], b.pixels).unwrap();
         let moved: Vec<Bottom> = bottoms.iter().map(|b| Bottom { place: place(b), ..*b }).collect();
@@ -160,7 +164,7 @@ mod tests {
             step
         };
         let found = FloorFound { floor: floor_of(&bottoms), bottoms };
-        let stated = floor_errors(&network, &found, &of_step(of_whole)).unwrap();
+        let stated = stated(&network, &found, of_whole);
         assert!(stated.vertical < 1e-6 && stated.level < 1e-6, "{stated:?}");
     }
 }

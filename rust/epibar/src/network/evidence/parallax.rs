@@ -3,7 +3,6 @@
 //! Where all cameras stand at one place a turn explains all that meets, and whichever way the baselines are laid fits as well:
 //! what is left of the angle between two rays is what outlines are wrong by, and covariances, which are of small errors, know nothing of that.
 
-use crate::geometry::median::median;
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::PairMeetings;
@@ -23,10 +22,9 @@ pub fn parallax(settled: &Settled) -> Vec<f64> {
 
 /// The median angle between the rays of what meets in a pair, as pixels of the camera with the shorter focal length.
 fn of_pair(cameras: &[Camera], pair: &PairMeetings) -> Option<f64> {
-    let (a, b) = (&cameras[pair.a], &cameras[pair.b]);
-    let angle = median(pair.meetings.iter().filter_map(|m| Some(a.ray(m.a)?.angle(&b.ray(m.b)?))))?;
-    let focal = [a, b].map(|c| c.focal()[0] / ImageSize::pixel_scale([c.size; 2]));
-    Some(angle * focal[0].min(focal[1]))
+    let focal =
+        [pair.a, pair.b].map(|c| cameras[c].focal()[0] / ImageSize::pixel_scale([cameras[c].size; 2]));
+    Some(pair.median_angle(cameras)? * focal[0].min(focal[1]))
 }
 
 #[cfg(test)]

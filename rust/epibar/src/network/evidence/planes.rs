@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 use rand::RngExt;
 
-use crate::geometry::median::median;
+use crate::geometry::median::{median, quantile};
 use crate::network::model::joint::PairMeetings;
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::figures::triangulated;
@@ -34,7 +34,7 @@ struct Plane {
 impl Plane {
     /// How near most of some points are; `None` of none, or where one is nowhere.
     fn off(&self, points: &[Vector3<f64>]) -> Option<f64> {
-        within(points.iter().map(|x| self.normal.dot(&(x - self.through)).abs()))
+        quantile(points.iter().map(|x| self.normal.dot(&(x - self.through)).abs()), MOST)
     }
 }
 
@@ -105,16 +105,6 @@ impl Seen {
         let (off, plane) = best?;
         Some(Self { cameras: [pair.a, pair.b], points, extent, plane, thickness: off / extent })
     }
-}
-
-/// Below which most of some numbers are; `None` of none, or where one is no number.
-fn within(numbers: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut all: Vec<f64> = numbers.collect();
-    if all.is_empty() || all.iter().any(|v| !v.is_finite()) {
-        return None;
-    }
-    let most = (MOST * all.len() as f64) as usize;
-    Some(*all.select_nth_unstable_by(most, f64::total_cmp).1)
 }
 
 #[cfg(test)]

@@ -99,15 +99,8 @@ pub(in crate::network) fn ways_to_align(
     BY_POSITIONS.map(|share| aligned(cameras, placed, active, covariance, share))
 }
 
-/// Errors of every camera after the best similarity, from a covariance of the active parameters.
-pub fn expected(
-    cameras: &[Camera],
-    placed: &[bool],
-    active: &[(usize, usize)],
-    covariance: &DMatrix<f64>,
-) -> Vec<Expected> {
-    let n = cameras.len();
-    let ways = ways_to_align(cameras, placed, active, covariance);
+/// Errors of so many cameras, from covariances of the active parameters after the best similarity as of [`ways_to_align`].
+pub fn expected(count: usize, active: &[(usize, usize)], ways: &[DMatrix<f64>; 2]) -> Vec<Expected> {
     let of_camera = |camera: usize, aligned: &DMatrix<f64>| {
         let block = |from: usize| {
             let places: Vec<Option<usize>> =
@@ -123,7 +116,7 @@ pub fn expected(
             .map_or(0.0, |p| NINE_IN_TEN * aligned[(p, p)].max(0.0).sqrt());
         Expected::of_position(focal, length_quantile(&block(ROTATION)), block(POSITION))
     };
-    (0..n).map(|camera| of_camera(camera, &ways[0]).or_larger(of_camera(camera, &ways[1]))).collect()
+    (0..count).map(|camera| of_camera(camera, &ways[0]).or_larger(of_camera(camera, &ways[1]))).collect()
 }
 
 /// Nine in ten of normal vectors of this covariance are shorter (the square of the length as a gamma variable of the same

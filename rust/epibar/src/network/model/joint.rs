@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, Step};
 use super::residual::{CameraPair, Meeting, PairGradient};
+use crate::geometry::median::median;
 
 /// What is known of one number before.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,6 +76,14 @@ pub struct PairMeetings {
     pub meetings: Vec<Meeting>,
     /// By how many times they scatter more than those of the network; 1 where they do not.
     pub coarseness: f64,
+}
+
+impl PairMeetings {
+    /// The median angle between the rays of what met, radians; `None` of nothing.
+    pub fn median_angle(&self, cameras: &[Camera]) -> Option<f64> {
+        let (a, b) = (&cameras[self.a], &cameras[self.b]);
+        median(self.meetings.iter().filter_map(|m| Some(a.ray(m.a)?.angle(&b.ray(m.b)?))))
+    }
 }
 
 /// All that is minimised over the cameras.

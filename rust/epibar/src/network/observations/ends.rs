@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 use super::observed::Observed;
+use crate::geometry::across::across;
 use crate::network::model::camera::Camera;
 
 /// What two cameras are compared with.
@@ -48,7 +49,7 @@ pub type Ends = Vec<[End; 2]>;
 
 /// Ends of the wanted silhouettes about an axis through the camera; `rays` are those of [`Observed::rays`].
 pub fn ends(seen: &CameraView, axis: &Vector3<f64>, wanted: &[bool]) -> Ends {
-    let (u, v) = basis(axis);
+    let [u, v] = across(axis);
     wanted
         .par_iter()
         .enumerate()
@@ -72,13 +73,6 @@ pub fn ends(seen: &CameraView, axis: &Vector3<f64>, wanted: &[bool]) -> Ends {
             if high.angle - low.angle > WIDEST { [NO_END; 2] } else { [low, high] }
         })
         .collect()
-}
-
-/// Two directions across an axis, with which it is a right-handed frame.
-fn basis(axis: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
-    let least = axis.iamin();
-    let u = axis.cross(&Vector3::ith(least, 1.0)).normalize();
-    (u, axis.normalize().cross(&u))
 }
 
 /// Which rays have the least and the greatest angle; `None` where they surround the axis.

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Vector3};
 
 use super::figures::Upright;
-use crate::geometry::median::{deviation, median};
+use crate::geometry::across::across;
+use crate::geometry::median::{deviation, median, quantile};
 use crate::network::thresholds as limits;
 
 /// The plane on which walkers stand, and how tall they are, in the unit of the network.
@@ -70,10 +71,8 @@ impl Floor {
         for _ in 0..REFITS {
             (up, level) = refitted(figures, up, level, limits::ON_FLOOR * height)?;
         }
-        let mut floor = trimmed(figures, up, level, 2.0 * limits::ON_FLOOR * height)?;
-        if floor.up.dot(&mean_up) < 0.0 {
-            floor = floor.turned_over();
-        }
+        let (up, level) = if up.dot(&mean_up) < 0.0 { (-up, -level) } else { (up, level) };
+        let floor = trimmed(figures, up, level, 2.0 * limits::ON_FLOOR * height)?;
         let (up, level) = (floor.up, floor.standing);
         let on_it = |f: &&Upright| (up.dot(&f.bottom) - level).abs() < 2.0 * limits::ON_FLOOR * height;
         let standing: Vec<&Upright> = figures.iter().filter(on_it).collect();
@@ -143,8 +142,7 @@ fn errors(
     let feet: Vec<&&Upright> = standing.iter().filter(|f| distance(f) <= within).collect();
     let passing = standing.iter().filter(|f| (distance(f) / within - 1.0).abs() <= PASSING).count();
     let held = 1.0 - passing as f64 / (2.0 * PASSING) / feet.len() as f64;
-    let along = up.cross(&Vector3::ith(up.iamin(), 1.0)).normalize();
-    let aside = up.cross(&along);
+    let [along, aside] = across(&up);
     let count = feet.len() as f64;
     let mut normal_matrix = Matrix3::zeros();
     let mut places: BTreeMap<[i64; 2], (Matrix3<f64>, Vector3<f64>)> = BTreeMap::new();
@@ -192,13 +190,6 @@ struct Trimmed {
     standing: f64,
 }
 
-impl Trimmed {
-    /// The same, with up the other way.
-    fn turned_over(self) -> Self {
-        Self { up: -self.up, level: -self.level, standing: -self.standing, ..self }
-    }
-}
-
 /// The plane on which feet stand, of the bottoms within reach of one.
 ///
 /// A foot that swings is touched above the floor and none below it, so the mean of all is too high, by other amounts in other places. Those that
@@ -218,8 +209,8 @@ fn trimmed(figures: &[Upright], up: Vector3<f64>, level: f64, reach: f64) -> Opt
             break;
         }
     }
-    near.sort_by(|p, q| off(plane, p).total_cmp(&off(plane, q)));
-    let within = STANDS_WITHIN / STANDING_DEVIATE * off(plane, near.get(count)?);
+    let scatter = quantile(near.iter().map(|b| off(plane, b)), STANDING)? / STANDING_DEVIATE;
+    let within = STANDS_WITHIN * scatter;
     let feet: Vec<Vector3<f64>> = near.iter().copied().filter(|b| off(plane, b) <= within).collect();
     let (up, level) = fitted(&feet, &plane.0)?;
     Some(Trimmed { up, level, within, standing: standing_level(&near, &up)? })

@@ -21,9 +21,8 @@ pub fn collapsed(settled: &Settled) -> Vec<(usize, usize)> {
 
 /// About how far from two cameras their rays meet: the baseline over the median angle.
 fn reach(cameras: &[Camera], pair: &PairMeetings) -> Option<f64> {
-    let (a, b) = (&cameras[pair.a], &cameras[pair.b]);
-    let angle = median(pair.meetings.iter().filter_map(|m| Some(a.ray(m.a)?.angle(&b.ray(m.b)?))))?;
-    Some((a.position - b.position).norm() / angle.max(1e-9))
+    let baseline = (cameras[pair.a].position - cameras[pair.b].position).norm();
+    Some(baseline / pair.median_angle(cameras)?.max(1e-9))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::relocate::Placed;
+use crate::geometry::across::across;
 use crate::network::model::camera::Camera;
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::figures;
@@ -122,9 +123,7 @@ pub fn placed(network: &Placed, floor: Option<&Floor>, [vertical, level_by_camer
     let unit = between.norm();
     // Horizontally towards the second camera; anywhere, if that is straight above.
     let ahead = between - up * up.dot(&between);
-    let ahead = ahead
-        .try_normalize(1e-6 * unit)
-        .unwrap_or_else(|| up.cross(&Vector3::ith(up.iamin(), 1.0)).normalize());
+    let ahead = ahead.try_normalize(1e-6 * unit).unwrap_or_else(|| across(&up)[0]);
     let side = up.cross(&ahead);
     let turn = Rotation3::from_matrix_unchecked(Matrix3::from_rows(&[
         ahead.transpose(),
