@@ -170,7 +170,8 @@ def _floor(network: NetworkParts, tracks: Sequence[Track]) -> dict[str, Any]:
 
 def _thinned(tracks: Sequence[Track], extent: float) -> list[list[list[float]]]:
     every = max(1, math.ceil(sum(map(len, tracks)) / TRACK_POINTS))
-    digits = max(0, 3 - math.floor(math.log10(extent)))
+    # To a ten-thousandth of what is shown at most: feet differ little in height, in whatever unit.
+    digits = max(0, 4 - math.floor(math.log10(extent)))
     return [np.round(track[::every], digits).tolist() for track in tracks if len(track) > every]
 
 
