@@ -25,6 +25,7 @@ VERDICTS = {
     "ambiguous": "Left out: ambiguous",
     "contradicted": "Left out: what was given contradicts what moves",
     "no_baseline": "Left out: no baseline",
+    "one_plane": "Left out: all keeps to one plane",
     "pair_refused": "Left out: its one pair was refused",
     "too_few": "Left out: too few cameras",
 }

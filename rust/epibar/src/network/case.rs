@@ -87,6 +87,8 @@ pub(super) struct Finished {
     pub(super) offsets: Vec<f64>,
     /// Of each camera, pixels of a 640×480 image.
     pub(super) parallax: Vec<f64>,
+    /// Of each camera, as of `relief`.
+    pub(super) relief: Vec<f64>,
     pub(super) floor: Option<FloorFound>,
     pub(super) floor_errors: FloorErrors,
     /// Silhouettes of shapes that stand for something else ask for other principal points than those believed in.

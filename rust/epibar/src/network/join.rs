@@ -12,6 +12,7 @@ use super::evidence::floor_errors::{FloorErrors, floor_errors};
 use super::evidence::outlines::{Shapes, outline_errors};
 use super::evidence::parallax::parallax;
 use super::evidence::planes::off_plane;
+use super::evidence::relief::relief;
 use super::evidence::stated_errors::{Expected, expected, ways_to_align};
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
@@ -245,13 +246,15 @@ impl NetworkCase<'_> {
         let unknown =
             || (vec![Expected::UNKNOWN; self.count()], vec![f64::NAN; self.count()], FloorErrors::UNKNOWN);
         let (expected, offsets, floor_errors) = stated.unwrap_or_else(unknown);
-        let (strained, parallax) = (shapes == Shapes::Strained, parallax(&solved.settled));
+        let (parallax, relief) = (parallax(&solved.settled), relief(&solved, &support.confirmed()));
+        let strained = shapes == Shapes::Strained;
         Finished {
             solved,
             support,
             expected,
             offsets,
             parallax,
+            relief,
             floor,
             floor_errors,
             strained,

@@ -50,6 +50,8 @@ pub enum CameraStatus {
     Contradicted,
     /// All cameras that it has something in common with stand where it does.
     NoBaseline,
+    /// What moves keeps to one plane, which leaves focal lengths open of which nothing is known.
+    OnePlane,
     /// Two cameras stand, and the verdict on their pair by itself was no.
     PairRefused,
     /// There are too few cameras, or too little is known of two.
@@ -70,6 +72,7 @@ impl CameraStatus {
             Self::Ambiguous => "ambiguous",
             Self::Contradicted => "contradicted",
             Self::NoBaseline => "no_baseline",
+            Self::OnePlane => "one_plane",
             Self::PairRefused => "pair_refused",
             Self::TooFew => "too_few",
         }

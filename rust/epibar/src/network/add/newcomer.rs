@@ -79,6 +79,8 @@ impl<'a> Newcomer<'a> {
                         rivalled: false,
                         contradicted,
                         parallax: parallax(&found.solved.settled)[self.camera],
+                        // The cameras that are there are held, and tell its focal length before a plane too.
+                        relief: f64::INFINITY,
                         pair_refused: false,
                         expected,
                         rig: *rig,

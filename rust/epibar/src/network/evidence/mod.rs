@@ -7,6 +7,7 @@
 //! * `stated_errors`: errors to expect of each camera.
 //! * `planes`: where all keeps to a plane, is it the same to all pairs?
 //! * `parallax`: do rays of a camera meet those of others at an angle?
+//! * `relief`: how far from one plane is all that is seen, where nothing tells focal lengths?
 //! * `floor_errors`: by how much the floor is wrong since cameras are.
 //! * `alternatives`: networks in which something that was given is solved for after all.
 //! * `contradictions`: does what was given of a camera agree with what moves?
@@ -21,6 +22,7 @@ pub mod knocks;
 pub mod outlines;
 pub mod parallax;
 pub mod planes;
+pub mod relief;
 pub mod slight_knocks;
 pub mod stated_errors;
 pub mod support;

@@ -8,7 +8,9 @@ use nalgebra::Vector3;
 use rand::RngExt;
 
 use crate::geometry::median::{median, quantile};
+use crate::network::model::camera::Camera;
 use crate::network::model::joint::PairMeetings;
+use crate::network::model::residual::Meeting;
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::figures::triangulated;
 use crate::network::solve::settle::Settled;
@@ -32,6 +34,16 @@ struct Plane {
 }
 
 impl Plane {
+    /// How far from what one camera sees the other would see it, did it lie in the plane, pixels; a great deal where that is nowhere.
+    fn misses(&self, from: &Camera, to: &Camera, [seen, other]: [[f64; 2]; 2]) -> f64 {
+        let on = from.ray(seen).and_then(|ray| {
+            let along = self.normal.dot(&(self.through - from.position)) / self.normal.dot(&ray);
+            (along > 0.0).then(|| from.position + ray * along)
+        });
+        let there = on.and_then(|on| to.project(&on));
+        there.map_or(f64::MAX, |[x, y]| (x - other[0]).hypot(y - other[1]))
+    }
+
     /// How near most of some points are; `None` of none, or where one is nowhere.
     fn off(&self, points: &[Vector3<f64>]) -> Option<f64> {
         quantile(points.iter().map(|x| self.normal.dot(&(x - self.through)).abs()), MOST)
@@ -39,7 +51,7 @@ impl Plane {
 }
 
 /// What a pair sees.
-struct Seen {
+pub struct Seen {
     cameras: [usize; 2],
     points: Vec<Vector3<f64>>,
     /// How far half of them are from their middle.
@@ -81,7 +93,7 @@ pub fn off_plane(settled: &Settled, placed: &[bool], confirmed: &[(usize, usize)
 
 impl Seen {
     /// `None` where a pair sees little.
-    fn of(settled: &Settled, pair: &PairMeetings) -> Option<Self> {
+    pub fn of(settled: &Settled, pair: &PairMeetings) -> Option<Self> {
         let (a, b) = (&settled.cameras[pair.a], &settled.cameras[pair.b]);
         let some = evenly(pair.meetings.len(), POINTS).map(|k| &pair.meetings[k]);
         let points: Vec<_> = some.filter_map(|m| triangulated(a, b, [m.a, m.b])).collect();
@@ -105,15 +117,23 @@ impl Seen {
         let (off, plane) = best?;
         Some(Self { cameras: [pair.a, pair.b], points, extent, plane, thickness: off / extent })
     }
+
+    /// How near to where the plane would have it most of what meets in the pair is seen, pixels: in the camera in which that is more.
+    pub fn relief(&self, pair: &PairMeetings, [a, b]: [&Camera; 2]) -> f64 {
+        let most = |misses: &dyn Fn(&Meeting) -> f64| quantile(pair.meetings.iter().map(misses), MOST);
+        let in_b = most(&|m| self.plane.misses(a, b, [m.a, m.b]));
+        let in_a = most(&|m| self.plane.misses(b, a, [m.b, m.a]));
+        in_a.zip(in_b).map_or(f64::INFINITY, |(a, b)| a.max(b))
+    }
 }
 
 #[cfg(test)]
-mod tests {
+pub(in crate::network) mod tests {
     use super::*;
     use crate::network::solve::settle::tests::seen;
 
     /// What four cameras see of a plane through the origin; the last is taken to look at another one.
-    fn of_plane(other: bool) -> Settled {
+    pub fn of_plane(other: bool) -> Settled {
         let mut settled = seen([0.0; 4]);
         let cameras = settled.cameras.clone();
         for pair in &mut settled.pairs {

@@ -164,6 +164,8 @@ pub(in crate::network) struct CameraFindings<'a> {
     pub(in crate::network) contradicted: bool,
     /// At which angle its rays meet those of others, pixels of a 640×480 image.
     pub(in crate::network) parallax: f64,
+    /// How far from one plane all that is seen is, pixels of a 640×480 image; infinite where focal lengths are known all the same.
+    pub(in crate::network) relief: f64,
     /// It and one other are all that is sound, and their pair was refused by itself.
     pub(in crate::network) pair_refused: bool,
     pub(in crate::network) expected: &'a Expected,
@@ -175,10 +177,11 @@ pub(in crate::network) struct CameraFindings<'a> {
 type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
 
 /// Tests of a camera that stands by name, in their order.
-pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 7] = [
+pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 8] = [
     ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
     ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
     ("rays meet at an angle", |f| unless(f.parallax >= limits::PARALLAX, CameraStatus::NoBaseline)),
+    ("a plane leaves no focal length open", |f| unless(f.relief >= limits::RELIEF, CameraStatus::OnePlane)),
     ("of two the pair was accepted", |f| f.pair_refused.then_some(CameraStatus::PairRefused)),
     ("focal length known", |f| unless(f.expected.focal <= limits::MAX_FOCAL, CameraStatus::FocalLength)),
     ("rotation known", |f| unless(f.expected.rotation <= limits::MAX_ROTATION, CameraStatus::Rotation)),
@@ -221,6 +224,7 @@ mod tests {
                 rivalled: false,
                 contradicted: false,
                 parallax: limits::PARALLAX,
+                relief: limits::RELIEF,
                 pair_refused: false,
                 expected,
                 rig,
@@ -239,6 +243,7 @@ mod tests {
             rivalled: true,
             contradicted: true,
             parallax: f64::NAN,
+            relief: f64::NAN,
             pair_refused: true,
             expected: &Expected::UNKNOWN,
             rig: 1.0,
@@ -248,7 +253,9 @@ mod tests {
         assert_eq!(status(&contradicted), CameraStatus::Contradicted);
         let at_one_place = CameraFindings { contradicted: false, ..contradicted };
         assert_eq!(status(&at_one_place), CameraStatus::NoBaseline);
-        let refused = CameraFindings { parallax: limits::PARALLAX, ..at_one_place };
+        let in_one_plane = CameraFindings { parallax: limits::PARALLAX, ..at_one_place };
+        assert_eq!(status(&in_one_plane), CameraStatus::OnePlane);
+        let refused = CameraFindings { relief: limits::RELIEF, ..in_one_plane };
         assert_eq!(status(&refused), CameraStatus::PairRefused);
         assert_eq!(status(&CameraFindings { pair_refused: false, ..refused }), CameraStatus::FocalLength);
     }

@@ -43,6 +43,7 @@ impl NetworkCase<'_> {
                 rivalled,
                 contradicted: self.contradicted(finished, c).is_some(),
                 parallax: finished.parallax[c],
+                relief: finished.relief[c],
                 pair_refused,
                 expected: &expected(c),
                 rig,
