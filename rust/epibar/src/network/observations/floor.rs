@@ -167,7 +167,10 @@ fn errors(
     let scattered = covariance[(1, 1)] + covariance[(2, 2)];
     let spread =
         normal_matrix.fixed_view::<2, 2>(1, 1).into_owned().symmetric_eigen().eigenvalues.min() / count;
-    let leaning = (limits::FOOT_LEANING * tall).powi(2) / spread;
+    // Where all stand in one line, left and right feet alone tell how it is turned about that.
+    let in_line = (limits::STANCE * tall).powi(2) / spread;
+    let foot = limits::FOOT_LEANING + limits::FOOT_ASIDE * in_line.min(1.0);
+    let leaning = (foot * tall).powi(2) / spread;
     let level = (covariance * normal_matrix).trace() / count + (limits::FOOT_ABOVE * tall).powi(2);
     Some(((scattered + leaning).sqrt(), level.sqrt()))
 }
@@ -319,6 +322,20 @@ mod tests {
             figure.top.z = figure.bottom.z + 1.0;
         }
         assert!(Floor::of(&found).is_none_or(|floor| floor.unevenness > limits::FLOOR_UNEVEN));
+    }
+
+    #[test]
+    fn of_figures_in_one_line_less_is_known_how_the_floor_is_turned_about_it() {
+        let stated = |width: f64| {
+            let mut found = figures(40, 3.0, [0.0, 0.005], 6);
+            for figure in &mut found {
+                figure.bottom.y *= width / 3.0;
+                figure.top.y = figure.bottom.y;
+            }
+            Floor::of(&found).unwrap().vertical_error.to_degrees()
+        };
+        let (room, path) = (stated(1.0), stated(0.08));
+        assert!(room < 0.2 && (2.0..6.0).contains(&path), "{room} {path}");
     }
 
     #[test]
