@@ -74,7 +74,7 @@ def made_up(count=4, unit="baseline", refused=("cam3",), lost=("cam4",), floor=T
             F = None if gone else np.arange(9.0).reshape(3, 3) + a
             status = "outside" if gone else "confirmed"
             pairs.append(NetworkPair(names[a], names[b], not gone, status, F, {"tangents": 5.0}))
-    ground = Ground("floor", 0.35, 0.2, 400, 0.05) if floor else Ground("cameras")
+    ground = Ground("floor", 0.35, 0.2, 400, 0.05, level_error=1e-3) if floor else Ground("cameras")
     return epibar.Network(
         cameras, NetworkPairs(pairs), clocks, not (refused or lost), "made up", unit, ground, 1.2
     )

@@ -48,6 +48,42 @@ def test_lengths_are_combined_by_their_accuracy():
     assert again.ground.height == pytest.approx(1.75)
 
 
+def test_what_lengths_are_wrong_by_together_does_not_average_out():
+    """The floor is under all cameras, and where one stands is in all lengths that it has a part in."""
+    net = made_up(refused=(), lost=())
+    low = replace(net, ground=replace(net.ground, level_error=0.03 * 0.8, vertical_error=0.0))
+    height = [(name, 0.8, 1e-4) for name in net.cameras]
+    one, all_of_them = (low.scaled(camera_height=given).scale.error for given in (height[:1], height))
+    assert one > 1.645 * 0.03
+    assert 1.645 * 0.03 <= all_of_them < one
+    # Two that share a camera say less than two that do not.
+    loose = {
+        name: replace(camera, expected={**camera.expected, "position": 0.05 if name == "cam1" else 1e-6})
+        for name, camera in net.cameras.items()
+    }
+    (a, b, first), *_, (c, d, last) = net_sides(net)
+    assert "cam1" in (a, b)
+    assert "cam1" in (c, d)
+    shared = replace(net, cameras=loose)
+    single = shared.scaled(distance=(a, b, first, 1e-6)).scale.error
+    both = shared.scaled(distance=[(a, b, first, 1e-6), (c, d, last, 1e-6)]).scale.error
+    assert both == pytest.approx(single / 2**0.5, rel=0.01)  # their directions are at right angles
+
+
+def test_the_same_length_twice_is_one():
+    net = made_up()
+    with pytest.raises(EpibarError, match="are of the same: give one of them"):
+        net.scaled(distance=[("cam1", "cam2", 4.2), ("cam2", "cam1", 4.2)])
+
+
+def test_a_height_above_a_floor_of_unknown_error_says_nothing():
+    net = made_up()
+    for unknown in ("level_error", "vertical_error"):
+        ground = replace(net.ground, **{unknown: None})
+        with pytest.raises(EpibarError, match="does not say how well its floor is known"):
+            replace(net, ground=ground).scaled(camera_height=("cam2", 4.2))
+
+
 def test_five_metres_known_to_a_centimetre():
     """Half a percent at most, with what is not known of the two places themselves."""
     net = made_up(refused=(), lost=())
@@ -227,3 +263,5 @@ def test_people_say_nothing_without_a_floor():
     kept = in_metres(net, (), 1.75)
     assert kept.unit == "baseline"
     assert "not in metres" in kept.reason
+    # That is no longer so.
+    assert kept.scaled(distance=("cam1", "cam2", 2.0)).reason == net.reason

@@ -11,7 +11,7 @@ from ..calibration import SEARCH_SECONDS, calibrate
 from ..errors import EpibarError
 from .joining import join_pairs
 from .knowledge import KnownCamera, has_focal, knowledge_of
-from .metres import check_lengths
+from .metres import NOT_IN_METRES, check_lengths
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .pair_choice import pairs_to_search
 from .pair_search import offsets_of_pair, search_pairs
@@ -125,4 +125,4 @@ def in_metres(
     try:
         return network.scaled(distance=distance, person_height=person_height, camera_height=camera_height)
     except EpibarError as error:
-        return replace(network, reason=f"{network.reason}; not in metres: {error}")
+        return replace(network, reason=f"{network.reason}{NOT_IN_METRES}{error}")

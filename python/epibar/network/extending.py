@@ -232,9 +232,8 @@ def _in_network_time(clock: NetworkClock, reference: NetworkClock) -> NetworkClo
         return NetworkClock()
     rate = 1 + 1e-6 * (clock.drift or 0.0)
     drift = 1e6 * ((1 + 1e-6 * (reference.drift or 0.0)) * rate - 1)
-    error = clock.offset_error
-    if error is not None:
-        error = math.hypot(error, reference.offset_error or 0.0)
+    errors = (clock.offset_error, reference.offset_error)
+    error = None if None in errors else math.hypot(*(one for one in errors if one is not None))
     return NetworkClock(clock.offset + reference.offset * rate, drift, error)
 
 

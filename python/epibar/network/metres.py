@@ -1,7 +1,8 @@
 """Metres: what one unit of a network measures, by every length that is known, weighted by how well it is.
 
 A length L metres that is l units long says that a unit is L / l metres. The logarithms of what all say are
-averaged with the inverses of their variances as weights.
+averaged with the inverses of their variances as weights; errors that several have in common are counted as
+such.
 """
 
 from __future__ import annotations
@@ -17,8 +18,12 @@ from .. import _core
 from ..arguments import is_number
 from ..errors import EpibarError
 from .parts import METRE, Ground, KnownLength, NetworkCamera, NetworkParts, Scale
+from .shared_errors import deviation, error_of_mean
 
-__all__ = ["check_lengths", "rescaled"]
+__all__ = ["NOT_IN_METRES", "check_lengths", "rescaled"]
+
+NOT_IN_METRES = "; not in metres: "
+"""Before why a network that was to be in metres is not, at the end of its ``reason``."""
 
 SHARPEST = 1e-9
 """The least standard error that is taken, as a share of the length."""
@@ -38,9 +43,7 @@ above the floor (``FOOT_ABOVE`` of the crate). It is in the usual error of their
 one."""
 
 NINE_IN_TEN = _core.NINE_IN_TEN
-"""Nine in ten normal errors are below so many standard deviations; of lengths in space :data:`IN_SPACE`."""
-
-IN_SPACE = _core.NINE_IN_TEN_IN_SPACE
+"""Nine in ten normal errors are below so many standard deviations."""
 
 CONTRADICTION = 3.0
 """Standard deviations of the difference by which two lengths may disagree."""
@@ -59,6 +62,9 @@ def rescaled(
     for one in lengths:
         if not math.isfinite(one.error):
             raise EpibarError(f"{one.what} says nothing: the network does not say how well it is known there")
+    for first, second in combinations(lengths, 2):
+        if first.of == second.of:
+            raise EpibarError(f"{first.what} and {second.what} are of the same: give one of them")
     before = _given_before(network, lengths) if keep else []
     known = [*before, *lengths]
     for first, second in combinations(known, 2):
@@ -72,7 +78,7 @@ def rescaled(
             )
     weights = np.array([one.error**-2 for one in known])
     factor = math.exp(float(np.average([math.log(one.ratio) for one in known], weights=weights)))
-    error = float(1 / np.sqrt(weights.sum()))
+    error = error_of_mean(network, known, weights / weights.sum())
     known = [replace(one, ratio=one.ratio / factor) for one in known]
     scale = Scale(NINE_IN_TEN * error, tuple(one.what for one in known), tuple(known))
     ground = network.ground
@@ -183,12 +189,6 @@ def _accepted(network: NetworkParts, name: str, what: str) -> NetworkCamera:
     return camera
 
 
-def _deviation(camera: NetworkCamera) -> float:
-    """Standard deviation of the position along one direction, units."""
-    assert camera.expected is not None
-    return camera.expected["position"] / IN_SPACE
-
-
 def _distance(network: NetworkParts, given: Any) -> KnownLength:
     (first, second), metres, error = _parsed(given, 2, "distance", list(network.cameras))
     what = f"the distance of {metres:g} m between {first} and {second}"
@@ -198,7 +198,7 @@ def _distance(network: NetworkParts, given: Any) -> KnownLength:
     units = float(np.linalg.norm(one.position - other.position))
     if units == 0:
         raise EpibarError(f"{what} says nothing: in this network both stand in one place")
-    placed = math.hypot(_deviation(one), _deviation(other)) / units
+    placed = math.hypot(deviation(one), deviation(other)) / units
     of = ("distance", *sorted((first, second)))
     return KnownLength(what, of, metres / units, math.hypot(error / metres, placed))
 
@@ -216,8 +216,11 @@ def _camera_height(network: NetworkParts, given: Any) -> KnownLength:
     # A vertical that leans lifts or lowers what is far from where people walked: amid the cameras.
     standing = [one.position for one in network.cameras.values() if one.position is not None]
     reach = float(np.linalg.norm((position - np.mean(standing, axis=0))[:2]))
-    lean = math.radians(network.ground.vertical_error or 0.0) * reach
-    placed = math.hypot(_deviation(camera), lean, network.ground.level_error or 0.0) / units
+    ground = network.ground
+    if ground.vertical_error is None or ground.level_error is None:
+        raise EpibarError(f"{what} says nothing: the network does not say how well its floor is known")
+    placed = math.hypot(deviation(camera), math.radians(ground.vertical_error) * reach, ground.level_error)
+    placed /= units
     return KnownLength(what, ("camera_height", name), metres / units, math.hypot(error / metres, placed))
 
 

@@ -19,7 +19,7 @@ from ..lens.intrinsics import Intrinsics
 from .checking import NetworkCheck, check_network
 from .extending import extend, with_added
 from .knowledge import KnownCamera
-from .metres import rescaled
+from .metres import NOT_IN_METRES, rescaled
 from .offsets import TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
 from .recordings import Recordings
@@ -103,7 +103,8 @@ class Network(NetworkParts):
             two of the lengths contradict each other.
         """
         cameras, ground, scale = rescaled(self, distance, person_height, camera_height, keep)
-        return replace(self, cameras=cameras, ground=ground, unit=METRE, scale=scale)
+        reason = self.reason.partition(NOT_IN_METRES)[0]
+        return replace(self, cameras=cameras, ground=ground, unit=METRE, scale=scale, reason=reason)
 
     def check(
         self,

@@ -12,8 +12,8 @@ from .. import _core
 from ..errors import EpibarError
 from ..geometry.cameras import Pose, fundamental_from_cameras
 from .checking import CameraCheck, NetworkCheck, NewPlace
-from .metres import IN_SPACE
 from .parts import NetworkCamera, NetworkPair, NetworkPairs, NetworkParts
+from .shared_errors import IN_SPACE
 
 __all__ = ["CONFIRMED", "moved_parts", "update_notes"]
 

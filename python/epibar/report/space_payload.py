@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..arguments import Array
-from ..network.metres import IN_SPACE
 from ..network.parts import NetworkCamera, NetworkParts
+from ..network.shared_errors import IN_SPACE
 from .camera_angles import image_corners
 from .inputs import ReportPair
 from .walker_lines import Track
