@@ -46,6 +46,19 @@ def measured(model):
     return found
 
 
+def test_names_with_blanks_are_one_word_each(tmp_path):
+    net = network(3)
+    cameras = {
+        name: replace(camera, name=name)
+        for name, camera in zip(("cam 1", "cam 2", "cam_2"), net.cameras.values(), strict=True)
+    }
+    clocks = dict(zip(cameras, net.clocks.values(), strict=True))
+    replace(net, cameras=cameras, clocks=clocks, pairs=NetworkPairs([])).export(tmp_path / "c", "colmap")
+    model = pycolmap.Reconstruction(tmp_path / "c")
+    assert sorted(image.name for image in model.images.values()) == ["cam_1", "cam_2", "cam_2_3"]
+    assert "renamed: cam 1: it is cam_1" in (tmp_path / "c" / "README.txt").read_text()
+
+
 def test_what_two_cameras_see_is_a_point(tmp_path):
     net = network(4, distortions=LENS)
     places, seen_a, seen_b = both_see(net)

@@ -128,6 +128,10 @@ def test_find_camera():
     assert find_camera(cameras, "GOPR0001", 1) is cameras[1]
     with pytest.raises(EpibarError, match=r"GOPR0001: no camera .* right, Left, left"):
         find_camera(cameras, "GOPR0001", 3)
+    # A table that is of another video by its name serves nobody else.
+    assert find_camera(cameras, "GOPR0001", 1, ["GOPR0001", "cam9"]) is cameras[1]
+    with pytest.raises(EpibarError, match=r"GOPR0001: no camera of that name .* is that of another video"):
+        find_camera(cameras, "GOPR0001", 2, ["Left", "right", "left", "GOPR0001"])
 
 
 def test_size_mismatch():

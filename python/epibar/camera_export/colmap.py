@@ -23,6 +23,7 @@ from ..errors import EpibarError, printable
 from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
+from .losses import plain_names, renamed
 from .two_views import TwoViews
 from .world import World
 
@@ -33,6 +34,10 @@ MODELS = ((4, "OPENCV"), (8, "FULL_OPENCV"))
 """COLMAP's models that are OpenCV's with so many coefficients."""
 MOST_POINTS = 50_000
 """In all. Each two cameras have the same share of them, spread over the time."""
+
+
+NO_WORD = r"\s|[^ -~\u00a1-\uffff]"
+"""What is no part of one word: readers of the files as text end a name at a blank."""
 
 
 def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
@@ -50,8 +55,10 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
             "pycolmap is missing, which writes COLMAP models: pip install 'epibar[colmap]'"
         ) from error
     model = pycolmap.Reconstruction()
-    for number, camera in enumerate(cameras, 1):
-        _add(pycolmap, model, number, camera)
+    names = plain_names(cameras, NO_WORD)
+    for number, (camera, name) in enumerate(zip(cameras, names, strict=True), 1):
+        _add(pycolmap, model, number, name, camera)
+    world = world.with_notes(renamed(cameras, names))
     if world.two_views:
         numbers = {camera.name: number for number, camera in enumerate(cameras, 1)}
         world = world.with_notes([_add_points(pycolmap, model, numbers, world.two_views)])
@@ -62,16 +69,16 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
     return [path]
 
 
-def _add(pycolmap: Any, model: Any, number: int, camera: Intrinsics) -> None:
-    name, distortions = _lens(camera)
+def _add(pycolmap: Any, model: Any, number: int, name: str, camera: Intrinsics) -> None:
+    lens, distortions = _lens(camera)
     K = camera.matrix
-    found = pycolmap.Camera.create_from_model_name(number, name, K[0, 0], *camera.size)
+    found = pycolmap.Camera.create_from_model_name(number, lens, K[0, 0], *camera.size)
     found.params = [K[0, 0], K[1, 1], K[0, 2] + HALF, K[1, 2] + HALF, *distortions]
     found.has_prior_focal_length = True
     model.add_camera_with_trivial_rig(found)
     pose = camera.posed()
     image = pycolmap.Image()
-    image.name, image.camera_id, image.image_id = _line(camera.name), number, number
+    image.name, image.camera_id, image.image_id = name, number, number
     model.add_image_with_trivial_frame(
         image, pycolmap.Rigid3d(pycolmap.Rotation3d(np.asarray(pose.R)), np.asarray(pose.t))
     )

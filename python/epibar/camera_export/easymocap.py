@@ -18,7 +18,7 @@ from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
 from ..sources.quiet_opencv import opencv
-from .losses import fewer_coefficients, plain_names, tell, told
+from .losses import fewer_coefficients, plain_names, renamed, tell, told
 from .opencv import write_metadata
 from .world import World
 
@@ -39,11 +39,7 @@ def write_easymocap(cameras: Sequence[Intrinsics], path: Path, world: World) -> 
     """
     cv2 = opencv()
     names = plain_names(cameras, NO_PART_OF_A_KEY, NO_CAMERA)
-    losses = [
-        f"renamed: {camera.name}: it is {name} in these files"
-        for name, camera in zip(names, cameras, strict=True)
-        if name != camera.name
-    ]
+    losses = renamed(cameras, names)
     lenses, off = [], {}
     for camera in cameras:
         distortions, off[camera.name] = fewer_coefficients(camera, 5, "EasyMocap")

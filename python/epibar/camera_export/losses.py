@@ -13,7 +13,7 @@ from ..arguments import Array
 from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics
 
-__all__ = ["fewer_coefficients", "off_as_pinhole", "plain_names", "tell", "told"]
+__all__ = ["fewer_coefficients", "off_as_pinhole", "plain_names", "renamed", "tell", "told"]
 
 logger = logging.getLogger("epibar")
 
@@ -131,6 +131,12 @@ def _view(camera: Intrinsics) -> tuple[Array, Array]:
 
 def _pinhole(matrix: Array, rays: Array) -> Array:
     return np.asarray(rays * matrix[[0, 1], [0, 1]] + matrix[:2, 2])
+
+
+def renamed(cameras: Sequence[Intrinsics], names: Sequence[str]) -> list[str]:
+    """Say which cameras have another name in a file."""
+    both = zip(names, cameras, strict=True)
+    return [f"renamed: {one.name}: it is {name} in these files" for name, one in both if name != one.name]
 
 
 def plain_names(cameras: Sequence[Intrinsics], refused: str, taken: Sequence[str] = ()) -> list[str]:

@@ -51,7 +51,8 @@ def run(args: Namespace) -> int:
     for index, video in enumerate(args.videos):
         camera = CameraInput(source_name(video), video, index, backgrounds[index], ignored[index])
         try:
-            lens = find_camera(known, camera.name, index) if known is not None else None
+            names = [source_name(one) for one in args.videos]
+            lens = find_camera(known, camera.name, index, names) if known is not None else None
             recording, _ = record_camera(
                 replace(camera, intrinsics=lens), options, console.interactive, pictures=False
             )

@@ -146,9 +146,10 @@ def _write_pairs(
 ) -> list[Path]:
     """Write a file per pair."""
     written = []
-    for pair in pairs:
+    stems = [re.sub(SEPARATORS, "_", f"{pair.a}_{pair.b}") for pair in pairs]
+    for k, pair in enumerate(pairs):
         pose = poses[pair.a, pair.b]
-        names = re.sub(SEPARATORS, "_", f"{pair.a}_{pair.b}")
+        names = stems[k] if stems.count(stems[k]) == 1 else f"{stems[k]}_{k}"
         path = target.with_name(f"{target.stem}_{names}{target.suffix}")
         placed = {pair.a: (np.eye(3), np.zeros(3)), pair.b: (pose.R, pose.t)}
         notes = (_verdict(pair), f"one file per pair: {why}")

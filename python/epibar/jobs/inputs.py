@@ -303,7 +303,7 @@ def camera_inputs(
             index,
             backgrounds[index],
             ignored[index],
-            find_camera(known, name, index) if known is not None else None,
+            find_camera(known, name, index, names) if known is not None else None,
         )
         for index, (name, source) in enumerate(zip(names, sources, strict=True))
     ]

@@ -113,10 +113,13 @@ def _optional(table: dict[str, Any], key: str) -> Any:
     return None if value in (None, [], "", "null") else value
 
 
-def find_camera(cameras: Sequence[Intrinsics], stem: str, index: int | None) -> Intrinsics:
+def find_camera(
+    cameras: Sequence[Intrinsics], stem: str, index: int | None, others: Sequence[str] = ()
+) -> Intrinsics:
     """Find the camera of a video: the one called like the file without suffix, or else the one at its place.
 
-    A video alone has no place, and ``index`` is None.
+    A video alone has no place, and ``index`` is None. ``others`` are the names of the other videos: where the
+    one at a place is called like one of these, that place says nothing.
 
     Raises
     ------
@@ -127,9 +130,15 @@ def find_camera(cameras: Sequence[Intrinsics], stem: str, index: int | None) -> 
         for camera in cameras:
             if same(camera.name) == same(stem):
                 return camera
-    if index is not None and 0 <= index < len(cameras):
-        return cameras[index]
     known = ", ".join(camera.name for camera in cameras)
+    if index is not None and 0 <= index < len(cameras):
+        found = cameras[index]
+        if found.name.casefold() in (other.casefold() for other in others if other != stem):
+            raise EpibarError(
+                f"{stem}: no camera of that name in the camera file, and the one at its place, {found.name}, "
+                f"is that of another video; it has {known}"
+            )
+        return found
     nor = "" if index is None else f", nor one at place {index}"
     raise EpibarError(f"{stem}: no camera of that name in the camera file{nor}; it has {known}")
 
