@@ -107,6 +107,10 @@ def as_masks(masks: Any) -> Mask:
     return array.view(np.uint8)
 
 
+LEAST_SKEW = 1e-3
+"""Pixels of skew of a camera matrix that are none."""
+
+
 def as_camera_matrix(matrix: Any, name: str = "matrix") -> Array:
     """Return a camera matrix as a (3, 3) array, or say what is wrong with it."""
     try:

@@ -35,13 +35,11 @@ def add_options(command: CommandParser) -> None:
 def run(args: Namespace) -> int:
     """Run the command."""
     from ..errors import EpibarError
-    from ..files.calibration_json import read_json
-    from ..files.json_file import write_json
     from ..jobs.folder import Folder
     from ..jobs.inputs import NETWORK_FILE
-    from ..jobs.network_files import write_network
-    from ..jobs.network_tables import rescale_tracks, tracks_of
+    from ..jobs.network_tables import rescaled_tracks, tracks_of
     from ..jobs.stored_report import rewrite_report
+    from ..jobs.update_files import write_update
     from ..network import Network
     from ..outcome.run import Run
     from .console import Console
@@ -58,11 +56,10 @@ def run(args: Namespace) -> int:
         before = Network.load(path)
         tracks = tracks_of(folder, before)
         network = before.scaled(**given, keep=not args.forget)
-        content = {**read_json(result), "network": network.as_dict()}
-        for text in write_network(folder, network, None, found.lenses(), found.intrinsics)[1]:
+        if tracks is not None:
+            tracks = rescaled_tracks(tracks, before, network)
+        for text in write_update(folder, network, (), found.lenses(), found.intrinsics, tracks):
             console.warning(text)
-        rescale_tracks(folder, tracks, before, network)
-        write_json(result, content)
         for text in rewrite_report(folder, network):
             console.warning(text)
     console.joined(network, None)

@@ -15,7 +15,7 @@ from ..recording import Recording
 from .folder import Folder
 from .inputs import SYNC_FILE, TRACKS_FILE
 
-__all__ = ["forget_tables", "rescale_tracks", "tracks_of", "write_tables"]
+__all__ = ["forget_tables", "rescaled_tracks", "tracks_of", "write_tables"]
 
 T = TypeVar("T")
 
@@ -106,14 +106,8 @@ def tracks_of(folder: Folder, network: Network) -> WalkerTracks | None:
     return tracks
 
 
-def rescale_tracks(folder: Folder, tracks: WalkerTracks | None, before: Network, after: Network) -> None:
-    """Bring tracks of a run to the unit of the same network after it was scaled.
-
-    Raises
-    ------
-    EpibarError
-        The table cannot be written.
-    """
-    if tracks is not None and before.ground.height and after.ground.height:
-        factor = after.ground.height / before.ground.height
-        tracks.scaled(factor, after.unit).save(folder.path / TRACKS_FILE)
+def rescaled_tracks(tracks: WalkerTracks, before: Network, after: Network) -> WalkerTracks:
+    """Return tracks of a run in the unit of the same network after it was scaled."""
+    if not before.ground.height or not after.ground.height:
+        return tracks
+    return tracks.scaled(after.ground.height / before.ground.height, after.unit)

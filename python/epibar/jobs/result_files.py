@@ -81,8 +81,8 @@ class Results:
 
     @property
     def leaves_earlier(self) -> bool:
-        """Whether no camera could be recorded, and what an earlier run wrote stays as it is."""
-        return self._earlier and bool(self.errors) and not self.recordings
+        """Whether no two cameras could be recorded, and what an earlier run wrote stays as it is."""
+        return self._earlier and bool(self.errors) and len(self.recordings) < 2
 
     def take(self, camera: CameraInput, recording: Recording) -> None:
         """Take a recording; its pictures stay here when it goes to the tasks of its pairs."""
@@ -149,6 +149,7 @@ class Results:
             upright=job.pair.upright,
             max_expected_error=job.pair.max_expected_error,
             intrinsics=job.intrinsics,
+            undistorted=any(one.matrix is not None for one in self.recordings.values()),
         )
         result["cameras"] = [
             camera_entry(camera.name, camera.shown, camera.index, self.recordings[camera])
@@ -177,6 +178,7 @@ class Results:
         lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
         recordings = {camera.name: recording for camera, recording in self.recordings.items()}
         kept = network is not None and not job.fresh and kept_network(job.out, key, list(network.cameras))
+        replaced = [] if kept else self._told_of_replaced()
         left = [] if kept else self._forget_tables()
         if left:  # so the next run must not take this network for one that is kept
             key, tables = None, False
@@ -186,13 +188,30 @@ class Results:
             earlier = [name for name in (NETWORK_FILE, CAMERAS_FILE) if (job.out / name).is_file()]
             told = f"; still there, of an earlier run: {', '.join(earlier)}" if earlier else ""
             raise EpibarError(f"{error}{told}") from error
-        warnings += left
+        warnings += replaced + left
         if network is not None and tables:
             sources = {camera.name: camera.shown for camera in job.cameras}
             written, missing = write_tables(self._folder, network, recordings, sources)
             self.network_files += written
             warnings += missing
         return warnings
+
+    def _told_of_replaced(self) -> list[str]:
+        """Say what of an earlier network is lost: all of it, or the lengths that its metres rested on."""
+        path = self._job.out / NETWORK_FILE
+        if not (path.is_file() and self._folder.owns(path)):
+            return []
+        if self.network is None:
+            return [f"{path}: the network of an earlier run is removed"]
+        try:
+            before = Network.load(path).scale
+        except EpibarError:
+            return []
+        now = () if self.network.scale is None else self.network.scale.sources
+        lost = [one for one in (() if before is None else before.sources) if one not in now]
+        if not lost:
+            return []
+        return [f"{path}: made anew, without {' and '.join(lost)}; give that again, or 'epibar scale' does"]
 
     def _forget_tables(self) -> list[str]:
         """Remove the tables of an earlier network; returns why one stays."""

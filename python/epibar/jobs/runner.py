@@ -385,7 +385,7 @@ class Runner:
 
     def _stage_failed(self, stage: str, message: str) -> None:
         """Go on with what does not need a stage that failed."""
-        self._watch.error(f"{stage}: {message}")
+        self._watch.error(f"{stage}: {self.results.failed(stage, message)}")
         if stage == NETWORK:
             self._joined(None, f"it could not be made: {message}")
             return

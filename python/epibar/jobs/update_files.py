@@ -13,8 +13,9 @@ from ..files.calibration_json import read_json
 from ..files.json_file import write_json
 from ..lens.intrinsics import Intrinsics
 from ..network.result import Network
+from ..network.walkers import WalkerTracks
 from .folder import Folder
-from .inputs import CAMERAS_FILE, NETWORK_FILE, RESULT
+from .inputs import CAMERAS_FILE, NETWORK_FILE, RESULT, TRACKS_FILE
 from .network_files import write_network
 
 __all__ = ["MOVED_KIND", "write_update"]
@@ -29,8 +30,9 @@ def write_update(
     moved: Sequence[str],
     lenses: Mapping[str, Intrinsics] | None = None,
     given: str | None = None,
+    tracks: WalkerTracks | None = None,
 ) -> list[str]:
-    """Write network.json, cameras.toml and calibration.json as far as they are there; all or none.
+    """Write network.json, cameras.toml, tracks.csv and calibration.json where they are; all or none.
 
     Parameters
     ----------
@@ -44,6 +46,8 @@ def write_update(
         That were taken out of the recordings.
     given : str, optional
         Camera file that the run was given, which is never replaced.
+    tracks : WalkerTracks, optional
+        Of the network as it is now, where they are to be written.
 
     Returns
     -------
@@ -57,9 +61,11 @@ def write_update(
     """
     result = folder.path / RESULT
     content = read_json(result) if result.exists() else None
-    before = _kept(folder.path / name for name in (NETWORK_FILE, CAMERAS_FILE, RESULT))
+    before = _kept(folder.path / name for name in (NETWORK_FILE, CAMERAS_FILE, TRACKS_FILE, RESULT))
     try:
         warnings = write_network(folder, network, None, lenses, given)[1]
+        if tracks is not None:
+            tracks.save(folder.path / TRACKS_FILE)
         if content is not None:
             write_json(result, _updated(content, network, moved))
     except BaseException:

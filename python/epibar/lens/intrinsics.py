@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import Array, Image, as_camera_matrix, as_numbers
+from ..arguments import LEAST_SKEW, Array, Image, as_camera_matrix, as_numbers
 from ..errors import EpibarError
 from ..geometry.cameras import Pose
 from ..sources.quiet_opencv import opencv
@@ -62,7 +62,7 @@ class Intrinsics:
             matrix = as_camera_matrix(self.matrix)
         except EpibarError as error:
             raise EpibarError(f"{self.name}: {error}") from None
-        if abs(matrix[0, 1]) > 1e-3 or abs(matrix[1, 0]) > 1e-3:
+        if abs(matrix[0, 1]) > LEAST_SKEW or abs(matrix[1, 0]) > LEAST_SKEW:
             raise EpibarError(f"{self.name}: matrix has skew, which OpenCV's lens model does not know")
         distortions = as_numbers(f"{self.name}: distortions", self.distortions, None).ravel()
         allowed = (0, 4) if self.fisheye else DISTORTION_COUNTS

@@ -10,7 +10,7 @@ from typing import Any, Literal
 from numpy.typing import ArrayLike
 
 from .. import _core
-from ..arguments import as_camera_matrix, as_numbers, as_positive, is_number
+from ..arguments import LEAST_SKEW, as_camera_matrix, as_numbers, as_positive, is_number
 from ..errors import EpibarError
 from ..recording import Recording
 
@@ -59,8 +59,9 @@ class KnownCamera:
         matrix = None
         if self.matrix is not None:
             matrix = as_camera_matrix(self.matrix, f"{name}: matrix")
-            if abs(matrix[0, 1]) > 1e-6 or matrix[1, 0] != 0:
+            if abs(matrix[0, 1]) > LEAST_SKEW or abs(matrix[1, 0]) > LEAST_SKEW:
                 raise EpibarError(f"{name}: matrix has skew, which the network does not know")
+            matrix[0, 1] = matrix[1, 0] = 0.0
         distortions = None
         if self.distortions is not None:
             distortions = _distortions(name, self.distortions)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -148,11 +149,14 @@ class WalkerTracks:
 
     def _rows(self) -> list[list[Any]]:
         lengths = np.column_stack([self.foot, self.top, self.height])
+        tall = float(np.median(self.height)) if len(self) else 1.0
+        # To a ten-thousandth of how tall people are at least, in whatever unit.
+        digits = max(4, 4 - math.floor(math.log10(tall))) if tall > 0 else 4
         return [
             [
                 f"{self.time[k]:.4f}",
                 int(self.track[k]),
-                *(f"{round(float(value), 4) + 0.0:.4f}" for value in lengths[k]),
+                *(f"{round(float(value), digits) + 0.0:.{digits}f}" for value in lengths[k]),
                 int(self.cameras[k].sum()),
                 f"{self.residual[k]:.3f}",
                 self.unit,

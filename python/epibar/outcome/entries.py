@@ -26,13 +26,14 @@ def run_entry(
     upright: bool,
     max_expected_error: float,
     intrinsics: str | None,
+    undistorted: bool,
 ) -> dict[str, Any]:
     """Start a calibration.json: the settings that the result depends on, and empty lists to fill."""
     return {
         "$schema": SCHEMA,
         "format": FORMAT,
         "convention": "x_b^T F x_a = 0; pixels, pixel centres at integers; "
-        + ("undistorted with the matrix of each camera" if intrinsics else "as in the video"),
+        + ("undistorted with the matrix of each camera" if undistorted else "as in the video"),
         "seed": seed,
         "method": method,
         "lines": lines,

@@ -12,6 +12,23 @@ from .stored import Stored
 __all__ = ["recording_of"]
 
 
+def refuse_of_another_run(path: Path, recording: Recording, entry: Stored) -> None:
+    """Refuse a recording that calibration.json does not tell of, as after a run that was interrupted.
+
+    Raises
+    ------
+    EpibarError
+        The frames are others.
+    """
+    found = {"frames": recording.frames, "first_frame": recording.first_frame}
+    for key, value in found.items():
+        if entry.values.get(key, value) != value:
+            raise EpibarError(
+                f"{path} is of another run than {entry.path}, by its {key}: 'epibar calibrate' with the same "
+                "videos and options writes both anew"
+            )
+
+
 def recording_of(folder: Path, entry: Stored) -> Recording:
     """Load what moved before a camera.
 
@@ -32,7 +49,9 @@ def recording_of(folder: Path, entry: Stored) -> Recording:
     if "\0" in name or os.path.dirname(os.path.realpath(kept)) != os.path.realpath(folder / "recordings"):
         raise EpibarError(f"{entry.path}: damaged: {name!r} is no name of a camera")
     if kept.exists():
-        return Recording.load(kept)
+        recording = Recording.load(kept)
+        refuse_of_another_run(kept, recording, entry)
+        return recording
     source = entry.values.get("file")
     if not isinstance(source, str) or not source.lower().endswith(".npz"):
         raise EpibarError(f"{kept}, the recording of {name}, is not there")

@@ -232,7 +232,8 @@ class Run:
         """
         found = []
         for place, camera in enumerate(self.cameras):
-            given = find_camera(known, camera.name, place if camera.index is None else camera.index)
+            place = place if camera.index is None else camera.index
+            given = find_camera(known, camera.name, place, [one.name for one in self.cameras])
             if given.size != camera.size:
                 raise EpibarError(
                     f"{where}: {given.name} is for {given.size[0]}x{given.size[1]}, "
@@ -254,8 +255,14 @@ class Run:
         EpibarError
             The file is not there any more, or does not fit.
         """
+        raw = all(camera.matrix is None for camera in self.cameras)
+        if raw and where is not None:
+            raise EpibarError(
+                f"{where}: this run was made without intrinsics, and its network has lenses of its own: "
+                "leave the camera file out"
+            )
         where = where or self.intrinsics
-        if where is None or all(camera.matrix is None for camera in self.cameras):
+        if where is None or raw:
             return {}
         if not Path(where).is_file():
             raise EpibarError(
