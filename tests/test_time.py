@@ -7,7 +7,10 @@ import pytest
 
 import epibar
 from epibar import plot, synthetic
-from epibar.clocks import Timing, common_frames, frame_interval, positions_in_b
+from epibar.clocks import Timing, common_frames, frame_interval, frames_of_b, positions_in_b
+from epibar.files.frontier_csv import read_frames_b, read_frontier_points, write_frontier_points
+from epibar.outcome.run import Run
+from epibar.recording import new_recorder
 
 LINES = 4000
 FPS = 25.0
@@ -223,3 +226,33 @@ def test_error_maps_are_nan_where_the_other_camera_sees_nothing(scene, cal):
 def test_a_pair_without_an_answer_has_no_maps():
     still = epibar.Recording.from_masks(np.zeros((40, 48, 64), bool), lines=50)
     assert epibar.calibrate(still, still).error_maps is None
+
+
+def recorded(masks, frames):
+    """Record some frames at the moments at which they were filmed."""
+    recorder = new_recorder(masks.shape[2], masks.shape[1], 200, 0, 1)
+    for frame in frames:
+        recorder.push(np.ascontiguousarray(masks[frame]), frame / FPS)
+    return epibar.Recording(recorder.finish(), name=f"{len(frames)} frames")
+
+
+def test_points_have_the_frame_of_b_that_was_seen_with_them_where_frames_were_dropped(tmp_path):
+    """Ten frames of B are missing, so that its index is ten less from there on."""
+    rng = np.random.default_rng(3)
+    masks = np.zeros((120, 48, 64), np.uint8)
+    for frame, (x, y) in enumerate(rng.integers(4, 40, (120, 2))):
+        masks[frame, y : y + 6, x : x + 9] = True
+    a, b = (recorded(masks, frames) for frames in (range(120), (*range(30), *range(40, 120))))
+    found = epibar.calibrate(a, b, seed=0)
+    frames = np.array([10, 35, 80])
+    np.testing.assert_array_equal(frames_of_b(a, b, found, frames), [10, 35, 70])
+    points = epibar.FrontierPoints(frames, np.ones((3, 2)), np.ones((3, 2)), np.zeros(3))
+    known = replace(found, frontier_points=points)
+    pair = Run.of([a, b], {(0, 1): known}).pairs[0]
+    np.testing.assert_array_equal(pair.frames_b, [10, 35, 70])
+    write_frontier_points(tmp_path / "f.csv", points, pair.frames_b)
+    np.testing.assert_array_equal(read_frames_b(tmp_path / "f.csv"), [10, 35, 70])
+    np.testing.assert_array_equal(read_frontier_points(tmp_path / "f.csv").frame, frames)
+    # As of a run before, in whose files it is not.
+    write_frontier_points(tmp_path / "f.csv", points)
+    assert read_frames_b(tmp_path / "f.csv") is None

@@ -24,6 +24,7 @@ __all__ = [
     "clock_rate",
     "common_frames",
     "frame_interval",
+    "frames_of_b",
     "nearest_frame",
     "position_in_b",
     "positions_in_b",
@@ -131,6 +132,15 @@ def common_frames(rec_a: Recording, rec_b: Recording, calibration: Clocked) -> I
         Frame of A, and the frame of B nearest to it in time.
     """
     return _core.common_frames(rec_a._core, rec_b._core, *_clock(calibration))
+
+
+def frames_of_b(rec_a: Recording, rec_b: Recording, calibration: Clocked, frames: Index) -> Index:
+    """Return the frame of B that the estimation saw with each of some frames of A, whichever are missing."""
+    common = common_frames(rec_a, rec_b, calibration)
+    seen = np.full(max(rec_a.frames, int(np.max(frames, initial=-1)) + 1), -1, dtype=np.int64)
+    seen[common[:, 0]] = common[:, 1]
+    nearest = nearest_frame(position_in_b(frames, *_clock(calibration)))
+    return np.where(seen[frames] < 0, nearest, seen[frames])
 
 
 def _clock(calibration: Clocked) -> tuple[float, float]:

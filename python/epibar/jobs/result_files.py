@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..calibration import Calibration
+from ..clocks import frames_of_b
 from ..errors import EpibarError, without_secrets
 from ..files.frontier_csv import write_frontier_points
 from ..files.json_file import write_json
@@ -97,7 +98,9 @@ class Results:
         self.calibrations[pair], self.seconds[pair] = calibration, seconds
         self._folder.will_write(points, picture)
         if not points.exists():
-            write_frontier_points(points, calibration.frontier_points)
+            found = calibration.frontier_points
+            frames_b = frames_of_b(self.recordings[a], self.recordings[b], calibration, found.frame)
+            write_frontier_points(points, found, frames_b)
         if not picture.exists():
             write_pair_picture(
                 picture,

@@ -11,11 +11,11 @@ import numpy as np
 
 from ..arguments import Array, Index, as_camera_matrix, camera_names, check_pairs
 from ..calibration import Calibration
-from ..clocks import nearest_frame, position_in_b
+from ..clocks import frames_of_b, nearest_frame, position_in_b
 from ..errors import EpibarError
 from ..files.calibration_json import read_json
 from ..files.checks import LONGEST_SIDE
-from ..files.frontier_csv import read_frontier_points
+from ..files.frontier_csv import read_frames_b, read_frontier_points
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
 from ..lens.cameras_toml import find_camera, load_cameras
@@ -50,7 +50,11 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Pair:
-    """One pair of a run: the names of its cameras, and what :class:`~epibar.Calibration` calls the same."""
+    """One pair of a run: the names of its cameras, and what :class:`~epibar.Calibration` calls the same.
+
+    ``missing`` is, of each frontier point, how many frames further on the frame of B is than offset and rate
+    alone say, since some are missing of either; None of a run that does not say.
+    """
 
     a: str
     b: str
@@ -62,6 +66,7 @@ class Pair:
     time_offset: float
     frontier_points: FrontierPoints
     frames_per_frame: float = 1.0
+    missing: Index | None = None
 
     @property
     def name(self) -> str:
@@ -70,9 +75,14 @@ class Pair:
 
     @property
     def frames_b(self) -> Index:
-        """Frame of B of each frontier point, where no frame of either camera is missing."""
+        """Frame of B of each frontier point; where the run does not say, as if none were missing."""
         frames = self.frontier_points.frame
-        return nearest_frame(position_in_b(frames, self.time_offset, self.frames_per_frame))
+        nearest = nearest_frame(position_in_b(frames, self.time_offset, self.frames_per_frame))
+        return nearest if self.missing is None else nearest + self.missing
+
+    def with_frames_b(self, frames: Index) -> Pair:
+        """Return the pair with the frames of B that its points were seen in."""
+        return replace(self, missing=frames - replace(self, missing=None).frames_b)
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +132,9 @@ class Run:
             points = no_points() if points_file is None else read_frontier_points(points_file)
             files += [] if points_file is None else [points_file]
             pair = _pair(entry, points)
+            frames_b = None if points_file is None else read_frames_b(points_file)
+            if frames_b is not None:
+                pair = pair.with_frames_b(frames_b)
             both = frozenset((pair.a, pair.b))
             if len(both) < 2 or both in seen:
                 raise EpibarError(f"{path}: damaged: {pair.name} is no pair, or there twice")
@@ -168,6 +181,8 @@ class Run:
                 calibration.time_offset,
                 calibration.frontier_points,
                 calibration.timing.frames_per_frame,
+            ).with_frames_b(
+                frames_of_b(recordings[a], recordings[b], calibration, calibration.frontier_points.frame)
             )
             for (a, b), calibration in calibrations.items()
         ]
