@@ -270,14 +270,8 @@ class Run:
         EpibarError
             The file is not there any more, or does not fit.
         """
-        raw = all(camera.matrix is None for camera in self.cameras)
-        if raw and where is not None:
-            raise EpibarError(
-                f"{where}: this run was made without intrinsics, and its network has lenses of its own: "
-                "leave the camera file out"
-            )
         where = where or self.intrinsics
-        if where is None or raw:
+        if where is None or all(camera.matrix is None for camera in self.cameras):
             return {}
         if not Path(where).is_file():
             raise EpibarError(
