@@ -125,7 +125,7 @@ def errors(situation: Any, network: Any) -> dict[str, list[float]]:
 def half_axes(situation: Any, network: Any) -> list[float]:
     """How many half axes of its ellipsoid each accepted camera is from where it truly stands."""
     from epibar import synthetic
-    from epibar.network.metres import IN_SPACE
+    from epibar.network.shared_errors import IN_SPACE
 
     found = synthetic.accepted_cameras(network)
     if len(found) < 2:
