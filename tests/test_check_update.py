@@ -251,6 +251,12 @@ def test_all_or_none(core, folder, capsys, monkeypatch):
     assert update(folder) == 2
     assert "no space left" in capsys.readouterr().err
     assert written(folder) == before
+    # What was found is told all the same.
+    assert update(folder, "--json") == 2
+    told = json.loads(capsys.readouterr().out)
+    assert told["cameras"]["cam2"]["status"] == "moved"
+    assert told["updated"] == []
+    assert not told["ok"]
 
 
 def test_while_another_run_is_at_work(core, folder, capsys):

@@ -102,6 +102,11 @@ class Additions:
         self.not_added |= self._found.refused
         return with_added(network, self._found) if self._found.added else network
 
+    def unwritten(self, why: str) -> None:
+        """The network that has them could not be written."""
+        self.not_added |= dict.fromkeys(self.added, why)
+        self._found = None
+
     def tell(self, console: Console) -> None:
         """Say which are in the network now, and which were not added, and why."""
         if self._found is not None:

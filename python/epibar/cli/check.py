@@ -148,20 +148,27 @@ def _checked(args: Namespace, network: Network, update: Update | None, console: 
     check = replace(check, cameras={**check.cameras, **unread}, left_out=left_out)
     console.checked(check, network)
     additions.failed(failed)
+    unwritten: EpibarError | None = None
     if update is not None:
         network_now = additions.extended(network_now, found, recordings, clocks, args, console)
-        for text in update.write(network_now, updated) if updated or additions.added else ():
-            console.warning(text)
-        for text in update_notes(check) if updated or not additions.added else ():
+        try:
+            for text in update.write(network_now, updated) if updated or additions.added else ():
+                console.warning(text)
+        except EpibarError as error:  # what was found is told all the same
+            unwritten, updated = error, []
+            additions.unwritten(str(error))
+        for text in update_notes(check) if unwritten is None and (updated or not additions.added) else ():
             console.result(text)
     additions.tell(console)
     code = exit_code(found, failed, updated, set(additions.not_added) - failed.keys())
     if args.json:
         found_out = check.as_dict()
-        found_out["ok"] = code == DONE
+        found_out["ok"] = code == DONE and unwritten is None
         console.json(
             json_text({**found_out, **({"updated": updated} if update else {}), **additions.as_dict()})
         )
+    if unwritten is not None:
+        raise unwritten
     return code
 
 
