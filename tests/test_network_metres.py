@@ -13,6 +13,7 @@ import epibar
 from epibar import EpibarError
 from epibar.files.json_file import write_json
 from epibar.network.calibrating import in_metres
+from epibar.network.metres import check_lengths
 from epibar.network.prose import network_notes
 
 
@@ -72,8 +73,20 @@ def test_what_lengths_are_wrong_by_together_does_not_average_out():
 
 def test_the_same_length_twice_is_one():
     net = made_up()
+    twice = [("cam1", "cam2", 4.2), ("cam2", "cam1", 4.2)]
     with pytest.raises(EpibarError, match="are of the same: give one of them"):
-        net.scaled(distance=[("cam1", "cam2", 4.2), ("cam2", "cam1", 4.2)])
+        net.scaled(distance=twice)
+    # Before any work, too.
+    with pytest.raises(EpibarError, match="are of the same: give one of them"):
+        check_lengths(list(net.cameras), distance=twice)
+
+
+def test_two_heights_above_one_floor_contradict_each_other_whatever_its_level():
+    net = made_up(refused=(), lost=())
+    low = replace(net, ground=replace(net.ground, level_error=0.05, vertical_error=0.0))
+    assert low.scaled(camera_height=[("cam1", 4.0, 0.004), ("cam3", 4.01, 0.004)]).scale.error > 0.05
+    with pytest.raises(EpibarError, match="contradict each other"):
+        low.scaled(camera_height=[("cam1", 4.0, 0.004), ("cam3", 4.5, 0.004)])
 
 
 def test_a_height_above_a_floor_of_unknown_error_says_nothing():

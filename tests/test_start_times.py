@@ -244,7 +244,11 @@ def test_a_recording_that_was_given_is_read_where_it_is(run, capsys):
 
 def test_frames_count_from_the_start_of_the_video(run, capsys):
     """Where the run left out the first frames of one, its recording says how many."""
-    filmed(60, 25.0, "cam1", first_frame=7).save(run / "recordings" / "cam1.npz")
+    recording = filmed(60, 25.0, "cam1", first_frame=7)
+    recording.save(run / "recordings" / "cam1.npz")
+    content = json.loads((run / "calibration.json").read_text())
+    content["cameras"][0]["first_frame"] = 7
+    (run / "calibration.json").write_text(json.dumps(content))
     assert main(["sync", str(run), "--json"]) == 0
     one, other = json.loads(capsys.readouterr().out)["cameras"]
     assert (one["first_frame"], one["last_frame"]) == (7, 66)

@@ -8,7 +8,9 @@ import pytest
 import epibar
 from epibar import plot, synthetic
 from epibar.clocks import Timing, common_frames, frame_interval, frames_of_b, positions_in_b
-from epibar.files.frontier_csv import read_frames_b, read_frontier_points, write_frontier_points
+from epibar.files.frontier_csv import write_frontier_points
+from epibar.files.json_file import write_json
+from epibar.outcome.entries import camera_entry
 from epibar.outcome.run import Run
 from epibar.recording import new_recorder
 
@@ -245,14 +247,22 @@ def test_points_have_the_frame_of_b_that_was_seen_with_them_where_frames_were_dr
     a, b = (recorded(masks, frames) for frames in (range(120), (*range(30), *range(40, 120))))
     found = epibar.calibrate(a, b, seed=0)
     frames = np.array([10, 35, 80])
-    np.testing.assert_array_equal(frames_of_b(a, b, found, frames), [10, 35, 70])
+    clock = found.time_offset, found.timing.frames_per_frame
+    np.testing.assert_array_equal(frames_of_b(a, b, *clock, frames), [10, 35, 70])
     points = epibar.FrontierPoints(frames, np.ones((3, 2)), np.ones((3, 2)), np.zeros(3))
     known = replace(found, frontier_points=points)
     pair = Run.of([a, b], {(0, 1): known}).pairs[0]
     np.testing.assert_array_equal(pair.frames_b, [10, 35, 70])
-    write_frontier_points(tmp_path / "f.csv", points, pair.frames_b)
-    np.testing.assert_array_equal(read_frames_b(tmp_path / "f.csv"), [10, 35, 70])
-    np.testing.assert_array_equal(read_frontier_points(tmp_path / "f.csv").frame, frames)
-    # As of a run before, in whose files it is not.
+    # And of a run of the command line, by the recordings that it keeps.
+    (tmp_path / "recordings").mkdir()
+    for recording in (a, b):
+        recording.save(tmp_path / "recordings" / f"{recording.name}.npz")
+    keys = ("accepted", "kind", "reason", "F", "time_offset", "expected_error")
+    entry = {"a": a.name, "b": b.name, "frontier_points": "f.csv", **{k: getattr(known, k) for k in keys}}
     write_frontier_points(tmp_path / "f.csv", points)
-    assert read_frames_b(tmp_path / "f.csv") is None
+    cameras = [camera_entry(one.name, f"{one.name}.mp4", k, one) for k, one in enumerate((a, b))]
+    result = {"format": 1, "intrinsics": None, "cameras": cameras, "pairs": [entry], "errors": []}
+    write_json(tmp_path / "calibration.json", result)
+    np.testing.assert_array_equal(Run.load(tmp_path).pairs[0].frames_b, [10, 35, 70])
+    (tmp_path / "recordings" / f"{b.name}.npz").unlink()
+    np.testing.assert_array_equal(Run.load(tmp_path).pairs[0].frames_b, [10, 35, 80])

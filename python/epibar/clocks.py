@@ -134,13 +134,15 @@ def common_frames(rec_a: Recording, rec_b: Recording, calibration: Clocked) -> I
     return _core.common_frames(rec_a._core, rec_b._core, *_clock(calibration))
 
 
-def frames_of_b(rec_a: Recording, rec_b: Recording, calibration: Clocked, frames: Index) -> Index:
+def frames_of_b(
+    rec_a: Recording, rec_b: Recording, time_offset: float, frames_per_frame: float, frames: Index
+) -> Index:
     """Return the frame of B that the estimation saw with each of some frames of A, whichever are missing."""
-    common = common_frames(rec_a, rec_b, calibration)
+    common = _core.common_frames(rec_a._core, rec_b._core, time_offset, frames_per_frame)
     seen = np.full(max(rec_a.frames, int(np.max(frames, initial=-1)) + 1), -1, dtype=np.int64)
     seen[common[:, 0]] = common[:, 1]
-    nearest = nearest_frame(position_in_b(frames, *_clock(calibration)))
-    return np.where(seen[frames] < 0, nearest, seen[frames])
+    nearest = nearest_frame(position_in_b(frames, time_offset, frames_per_frame))
+    return np.clip(np.where(seen[frames] < 0, nearest, seen[frames]), 0, max(rec_b.frames - 1, 0))
 
 
 def _clock(calibration: Clocked) -> tuple[float, float]:

@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 
 from ..arguments import Array
-from ..errors import EpibarError, printable
+from ..errors import UNPRINTABLE, EpibarError, printable
 from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
-from .losses import plain_names, renamed
+from .losses import plain_names, renamed, tell
 from .two_views import TwoViews
 from .world import World
 
@@ -36,7 +36,7 @@ MOST_POINTS = 50_000
 """In all. Each two cameras have the same share of them, spread over the time."""
 
 
-NO_WORD = r"\s|[^ -~\u00a1-\uffff]"
+NO_WORD = rf"\s|{UNPRINTABLE.pattern}"
 """What is no part of one word: readers of the files as text end a name at a blank."""
 
 
@@ -58,7 +58,9 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
     names = plain_names(cameras, NO_WORD)
     for number, (camera, name) in enumerate(zip(cameras, names, strict=True), 1):
         _add(pycolmap, model, number, name, camera)
-    world = world.with_notes(renamed(cameras, names))
+    others = renamed(cameras, names)
+    tell(path, others)
+    world = world.with_notes(others)
     if world.two_views:
         numbers = {camera.name: number for number, camera in enumerate(cameras, 1)}
         world = world.with_notes([_add_points(pycolmap, model, numbers, world.two_views)])

@@ -34,7 +34,7 @@ DESCRIPTION = (
 )
 EXIT_CODES = explanation(
     "done (a refused pair is a result too: read its verdict)",
-    partly="a camera or a pair could not be done, or the network not be written; the others are",
+    partly="a camera or a pair could not be done, or the network not be made or written; the others are",
     more="The same command again goes on where it was interrupted.",
 )
 

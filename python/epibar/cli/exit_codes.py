@@ -17,9 +17,9 @@ DONE = 0
 BUG = 1
 """What Python exits with after a traceback."""
 UNUSABLE = 2
-"""Nothing was done: an argument, or every input, is unusable."""
+"""Nothing came of it: an argument, or every input, is unusable."""
 PARTLY = 3
-"""Some cameras or pairs could not be done, or the network not be written; the others are."""
+"""Some cameras or pairs could not be done, or the network not be made or written; the others are."""
 MOVED = 4
 """A camera has moved, cannot be judged, or is none of the network's.
 
@@ -31,7 +31,7 @@ def explanation(done: str = "done", partly: str = "", moved: str = "", more: str
     """Say what the exit codes of a command mean; those of which nothing is said are none of it."""
     meanings = [
         (DONE, done),
-        (UNUSABLE, "unusable input, nothing was done"),
+        (UNUSABLE, "unusable input, nothing came of it"),
         (PARTLY, partly),
         (MOVED, moved),
         (INTERRUPTED, "interrupted"),

@@ -130,12 +130,13 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
         raise EpibarError(
             f"{file}: there is no network in this run; calibrate three cameras, or two with intrinsics"
         )
-    if args.intrinsics and all(camera.matrix is None for camera in run.cameras):
+    network = Network.load(file)
+    found = len(network.left_out) < len(network.cameras)
+    if args.intrinsics and found and all(camera.matrix is None for camera in run.cameras):
         raise EpibarError(
             f"--intrinsics {args.intrinsics}: this run was made without intrinsics, and its network has "
             "lenses of its own: leave it out"
         )
-    network = Network.load(file)
     table = file.parent / TRACKS_FILE
     wanted = CAMERA_FORMATS[chosen]
     tracks, points = None, None

@@ -146,11 +146,12 @@ def _write_pairs(
 ) -> list[Path]:
     """Write a file per pair."""
     written = []
-    stems = [re.sub(SEPARATORS, "_", f"{pair.a}_{pair.b}") for pair in pairs]
-    for k, pair in enumerate(pairs):
+    for pair in pairs:
         pose = poses[pair.a, pair.b]
-        names = stems[k] if stems.count(stems[k]) == 1 else f"{stems[k]}_{k}"
+        names = re.sub(SEPARATORS, "_", f"{pair.a}_{pair.b}")
         path = target.with_name(f"{target.stem}_{names}{target.suffix}")
+        while path in written:
+            path = path.with_stem(f"{path.stem}_")
         placed = {pair.a: (np.eye(3), np.zeros(3)), pair.b: (pose.R, pose.t)}
         notes = (_verdict(pair), f"one file per pair: {why}")
         world = World("the distance between the two cameras", notes=notes)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from ..calibration import Calibration
-from ..clocks import frames_of_b
 from ..errors import EpibarError, without_secrets
 from ..files.frontier_csv import write_frontier_points
 from ..files.json_file import write_json
@@ -55,7 +54,7 @@ class Results:
         Why there is none.
     network_files : list of Path
         Where it was written.
-    errors : dict of CameraInput, (CameraInput, CameraInput) or NETWORK to dict
+    errors : dict of CameraInput, (CameraInput, CameraInput), NETWORK or CLOCKS to dict
         Why some could not be done, or the network not be written.
     """
 
@@ -82,7 +81,7 @@ class Results:
 
     @property
     def leaves_earlier(self) -> bool:
-        """Whether no two cameras could be recorded, and what an earlier run wrote stays as it is."""
+        """Whether no two cameras could be recorded, and the results of an earlier run stay as they are."""
         return self._earlier and bool(self.errors) and len(self.recordings) < 2
 
     def take(self, camera: CameraInput, recording: Recording) -> None:
@@ -98,9 +97,7 @@ class Results:
         self.calibrations[pair], self.seconds[pair] = calibration, seconds
         self._folder.will_write(points, picture)
         if not points.exists():
-            found = calibration.frontier_points
-            frames_b = frames_of_b(self.recordings[a], self.recordings[b], calibration, found.frame)
-            write_frontier_points(points, found, frames_b)
+            write_frontier_points(points, calibration.frontier_points)
         if not picture.exists():
             write_pair_picture(
                 picture,
@@ -210,8 +207,9 @@ class Results:
             before = Network.load(path).scale
         except EpibarError:
             return []
-        now = () if self.network.scale is None else self.network.scale.sources
-        lost = [one for one in (() if before is None else before.sources) if one not in now]
+        now = () if self.network.scale is None else self.network.scale.lengths
+        known = () if before is None else before.lengths
+        lost = [one.what for one in known if one.of not in [other.of for other in now]]
         if not lost:
             return []
         return [f"{path}: made anew, without {' and '.join(lost)}; give that again, or 'epibar scale' does"]

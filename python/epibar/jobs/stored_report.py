@@ -16,9 +16,9 @@ from ..errors import EpibarError
 from ..files import calibration_npz
 from ..files.archive import read_archive
 from ..files.calibration_json import is_plain_name, read_json
-from ..files.json_values import plain
 from ..network.result import Network
 from ..outcome.entries import camera_entry, pair_entry
+from ..outcome.recordings import refuse_of_another_run
 from ..outcome.run import no_points
 from ..outcome.stored import Stored, entries
 from ..recording import Recording
@@ -99,7 +99,7 @@ def _camera(out: Path, entry: Stored, masks: bool, warnings: list[str]) -> Repor
     if given:  # the run added a matrix and remarks to what is in the file
         said = entry.values.get("warnings")
         recording.matrix, recording.warnings = entry.matrix("matrix"), said if isinstance(said, list) else []
-    _compare(path, camera_entry(name, source, entry.values["index"], recording), entry)
+    refuse_of_another_run(path, camera_entry(name, source, entry.values["index"], recording), entry)
     return ReportCamera(name, None if given else source, masks, recording, _pictures(out, name, warnings))
 
 
@@ -122,9 +122,9 @@ def _pair(out: Path, entry: Stored) -> ReportPair:
     calibration = Calibration.from_arrays(arrays, str(path))
     made = pair_entry(a, b, calibration)
     if entry.text("kind") != MOVED_KIND:
-        _compare(path, made, entry)
+        refuse_of_another_run(path, made, entry)
         return ReportPair(a, b, calibration, _seconds(arrays))
-    _compare(path, {key: made[key] for key in OF_THE_SEARCH}, entry)
+    refuse_of_another_run(path, {key: made[key] for key in OF_THE_SEARCH}, entry)
     # Pictures and points are of before, so no F of now belongs beside them.
     moved = replace(
         calibration,
@@ -154,10 +154,3 @@ def _file_name(entry: Stored, key: str) -> str:
     if not is_plain_name(name):
         raise EpibarError(f"{entry.path}: damaged: {entry.place}.{key} is no name of a file")
     return name
-
-
-def _compare(path: Path, found: dict[str, Any], entry: Stored) -> None:
-    """Refuse what is not what calibration.json tells of."""
-    for key, value in plain(found).items():
-        if entry.values.get(key) != value:
-            raise EpibarError(f"{path} is of another run than {entry.path}, by its {key}")

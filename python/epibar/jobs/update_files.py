@@ -61,7 +61,8 @@ def write_update(
     """
     result = folder.path / RESULT
     content = read_json(result) if result.exists() else None
-    before = _kept(folder.path / name for name in (NETWORK_FILE, CAMERAS_FILE, TRACKS_FILE, RESULT))
+    names = (NETWORK_FILE, CAMERAS_FILE, RESULT, *(() if tracks is None else (TRACKS_FILE,)))
+    before = _kept(folder.path / name for name in names)
     try:
         warnings = write_network(folder, network, None, lenses, given)[1]
         if tracks is not None:

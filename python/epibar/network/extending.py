@@ -15,6 +15,7 @@ from ..recording import Recording
 from .checking import UNMOVED, NetworkCheck, check_network, stored_camera
 from .core_parts import camera_of, clock_of, pair_of
 from .knowledge import KnownCamera, knowledge_of
+from .metres import NOT_IN_METRES
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .pair_choice import pairs_to_add
 from .pair_search import pair_to_core, search_pairs
@@ -248,7 +249,8 @@ def with_added(network: N, extension: Extension) -> N:
         for b in names[k + 1 :]:
             key = (a, b) if (a, b) in there or (b, a) not in there else (b, a)
             pairs.append(there[key] if key in there else _predicted(cameras[a], cameras[b]))
-    said = [network.reason]
+    reason, before, why = network.reason.partition(NOT_IN_METRES)
+    said = [reason]
     said += [f"added later: {', '.join(new)}"] if new else []
     said += [f"{name} was not added: {why}" for name, why in extension.refused.items()]
     return replace(
@@ -256,7 +258,7 @@ def with_added(network: N, extension: Extension) -> N:
         cameras=cameras,
         clocks={**network.clocks, **extension.clocks},
         pairs=NetworkPairs(pairs),
-        reason="; ".join(said),
+        reason=f"{'; '.join(said)}{before}{why}",
     )
 
 

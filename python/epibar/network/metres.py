@@ -8,6 +8,7 @@ such.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
 from typing import Any
@@ -18,7 +19,7 @@ from .. import _core
 from ..arguments import is_number
 from ..errors import EpibarError
 from .parts import METRE, Ground, KnownLength, NetworkCamera, NetworkParts, Scale
-from .shared_errors import deviation, error_of_mean
+from .shared_errors import FIGURES, deviation, error_of_mean
 
 __all__ = ["NOT_IN_METRES", "check_lengths", "rescaled"]
 
@@ -35,12 +36,8 @@ MEASURED = 0.01
 """Standard error of a measured length: this share of it, or so many metres where that is more."""
 
 STATURE = 0.03
-"""Relative standard error of the height of those who walk: a median of few, with shoes and a bent back."""
-
-FIGURES = 0.012
-"""Relative standard error with which the network measures how tall people are: feet are touched a little
-above the floor (``FOOT_ABOVE`` of the crate). It is in the usual error of their height, and added to a stated
-one."""
+"""Relative standard error of the height of those who walk: a median of few, with shoes and a bent back. How
+well the network measures them is in it, and added to a stated one (:data:`FIGURES`)."""
 
 NINE_IN_TEN = _core.NINE_IN_TEN
 """Nine in ten normal errors are below so many standard deviations."""
@@ -62,13 +59,12 @@ def rescaled(
     for one in lengths:
         if not math.isfinite(one.error):
             raise EpibarError(f"{one.what} says nothing: the network does not say how well it is known there")
-    for first, second in combinations(lengths, 2):
-        if first.of == second.of:
-            raise EpibarError(f"{first.what} and {second.what} are of the same: give one of them")
+    _refuse_twice([(one.of, one.what) for one in lengths])
     before = _given_before(network, lengths) if keep else []
     known = [*before, *lengths]
     for first, second in combinations(known, 2):
-        off = abs(math.log(first.ratio / second.ratio)) / math.hypot(first.error, second.error)
+        of_difference = max(error_of_mean(network, [first, second], np.array([1.0, -1.0])), SHARPEST)
+        off = abs(math.log(first.ratio / second.ratio)) / of_difference
         if off > CONTRADICTION:
             raise EpibarError(
                 f"{first.what} and {second.what} contradict each other: they differ by "
@@ -133,12 +129,21 @@ def check_lengths(
     EpibarError
         A camera is unknown, or a number is not one.
     """
-    for one in _several(distance):
-        _parsed(one, 2, "distance", names)
-    for one in _several(camera_height):
-        _parsed(one, 1, "camera_height", names)
+    of = []
+    for what, count, given in (("distance", 2, distance), ("camera_height", 1, camera_height)):
+        for one in _several(given):
+            cameras, metres, _ = _parsed(one, count, what, names)
+            of.append(((what, *sorted(cameras)), f"{what} {' '.join(cameras)} {metres:g}"))
+    _refuse_twice(of)
     if person_height is not None:
         _metres("person_height", person_height, STATURE, 0.0)
+
+
+def _refuse_twice(lengths: Sequence[tuple[tuple[str, ...], str]]) -> None:
+    """Refuse two lengths of the same; of each what it is of, and in words."""
+    for (first, said), (second, other) in combinations(lengths, 2):
+        if first == second:
+            raise EpibarError(f"{said} and {other} are of the same: give one of them")
 
 
 def _parsed(given: Any, count: int, what: str, names: list[str]) -> tuple[list[str], float, float]:
@@ -218,7 +223,10 @@ def _camera_height(network: NetworkParts, given: Any) -> KnownLength:
     reach = float(np.linalg.norm((position - np.mean(standing, axis=0))[:2]))
     ground = network.ground
     if ground.vertical_error is None or ground.level_error is None:
-        raise EpibarError(f"{what} says nothing: the network does not say how well its floor is known")
+        raise EpibarError(
+            f"{what} says nothing: the network does not say how well its floor is known. Give the distance "
+            "between two cameras instead"
+        )
     placed = math.hypot(deviation(camera), math.radians(ground.vertical_error) * reach, ground.level_error)
     placed /= units
     return KnownLength(what, ("camera_height", name), metres / units, math.hypot(error / metres, placed))

@@ -16,10 +16,14 @@ from .. import _core
 from ..arguments import Array
 from .parts import KnownLength, NetworkCamera, NetworkParts
 
-__all__ = ["IN_SPACE", "deviation", "error_of_mean"]
+__all__ = ["FIGURES", "IN_SPACE", "deviation", "error_of_mean"]
 
 Part = tuple[str, str, int]
 """Whose error: what, of which camera, along which axis."""
+
+FIGURES = 0.012
+"""Relative standard error with which the network measures how tall people are: feet are touched a little
+above the floor (``FOOT_ABOVE`` of the crate)."""
 
 IN_SPACE = _core.NINE_IN_TEN_IN_SPACE
 """Nine in ten normal errors in space are shorter than so many standard deviations along one direction."""
@@ -40,7 +44,7 @@ def error_of_mean(network: NetworkParts, lengths: Sequence[KnownLength], weights
         In which they are measured.
     lengths : sequence of KnownLength
     weights : (n,) array
-        Their sum is 1.
+        Their sum is 1; of a difference 0.
     """
     parts = [_parts(network, one) for one in lengths]
     together: dict[Part, float] = {}
@@ -56,6 +60,9 @@ def error_of_mean(network: NetworkParts, lengths: Sequence[KnownLength], weights
 def _parts(network: NetworkParts, length: KnownLength) -> dict[Part, float]:
     """By how much of itself a length is wrong by a standard deviation of each part that others may share."""
     what, *names = length.of or ("",)
+    if what == "person_height":
+        # Feet are touched above the floor, which lifts that as well.
+        return {("level", "", 0): min(FIGURES, length.error)}
     cameras = [network.cameras.get(name) for name in names]
     places = [camera.position for camera in cameras if camera is not None and camera.position is not None]
     if not names or len(places) < len(names):

@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from ..errors import EpibarError
+from ..files.json_values import plain
 from ..recording import Recording
+from .entries import camera_entry
 from .stored import Stored
 
-__all__ = ["recording_of"]
+__all__ = ["recording_of", "refuse_of_another_run"]
 
 
-def refuse_of_another_run(path: Path, recording: Recording, entry: Stored) -> None:
-    """Refuse a recording that calibration.json does not tell of, as after a run that was interrupted.
+def refuse_of_another_run(path: Path, found: Mapping[str, Any], entry: Stored) -> None:
+    """Refuse what calibration.json does not tell of, as after a run that was interrupted.
 
     Raises
     ------
     EpibarError
-        The frames are others.
+        A number is another one.
     """
-    found = {"frames": recording.frames, "first_frame": recording.first_frame}
-    for key, value in found.items():
-        if entry.values.get(key, value) != value:
+    for key, value in plain(found).items():
+        if entry.values.get(key) != value:
             raise EpibarError(
                 f"{path} is of another run than {entry.path}, by its {key}: 'epibar calibrate' with the same "
                 "videos and options writes both anew"
@@ -50,7 +53,9 @@ def recording_of(folder: Path, entry: Stored) -> Recording:
         raise EpibarError(f"{entry.path}: damaged: {name!r} is no name of a camera")
     if kept.exists():
         recording = Recording.load(kept)
-        refuse_of_another_run(kept, recording, entry)
+        told = camera_entry(name, "", 0, recording)
+        there = [key for key in told if key in entry.values and key not in ("file", "index")]
+        refuse_of_another_run(kept, {key: told[key] for key in there}, entry)
         return recording
     source = entry.values.get("file")
     if not isinstance(source, str) or not source.lower().endswith(".npz"):

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,13 @@ from ..clocks import frames_of_b, nearest_frame, position_in_b
 from ..errors import EpibarError
 from ..files.calibration_json import read_json
 from ..files.checks import LONGEST_SIDE
-from ..files.frontier_csv import read_frames_b, read_frontier_points
+from ..files.frontier_csv import read_frontier_points
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
 from ..lens.cameras_toml import find_camera, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
+from .recordings import recording_of
 from .stored import Stored, entries
 
 __all__ = ["Camera", "Pair", "Run", "no_points"]
@@ -52,8 +54,8 @@ class Camera:
 class Pair:
     """One pair of a run: the names of its cameras, and what :class:`~epibar.Calibration` calls the same.
 
-    ``missing`` is, of each frontier point, how many frames further on the frame of B is than offset and rate
-    alone say, since some are missing of either; None of a run that does not say.
+    ``missing`` tells of each frontier point how many frames further on the frame of B is than offset and rate
+    alone say, since some are missing of either; None where there are no recordings to ask.
     """
 
     a: str
@@ -66,7 +68,7 @@ class Pair:
     time_offset: float
     frontier_points: FrontierPoints
     frames_per_frame: float = 1.0
-    missing: Index | None = None
+    missing: Callable[[], Index] | None = None
 
     @property
     def name(self) -> str:
@@ -75,14 +77,25 @@ class Pair:
 
     @property
     def frames_b(self) -> Index:
-        """Frame of B of each frontier point; where the run does not say, as if none were missing."""
+        """Frame of B of each frontier point; where the recordings are gone, as if none were missing."""
         frames = self.frontier_points.frame
         nearest = nearest_frame(position_in_b(frames, self.time_offset, self.frames_per_frame))
-        return nearest if self.missing is None else nearest + self.missing
+        return nearest if self.missing is None else nearest + self.missing()
 
-    def with_frames_b(self, frames: Index) -> Pair:
-        """Return the pair with the frames of B that its points were seen in."""
-        return replace(self, missing=frames - replace(self, missing=None).frames_b)
+    def asking(self, recordings: Callable[[str], Recording]) -> Pair:
+        """Return the pair with frames of B as recordings have them, which are asked for when those are."""
+        plain = replace(self, missing=None)
+
+        def missing() -> Index:
+            frames = plain.frontier_points.frame
+            try:
+                both = recordings(plain.a), recordings(plain.b)
+            except EpibarError:  # gone, or of another run
+                return np.zeros(len(frames), np.int64)
+            clock = plain.time_offset, plain.frames_per_frame
+            return frames_of_b(*both, *clock, frames) - plain.frames_b
+
+        return replace(self, missing=missing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,15 +139,15 @@ class Run:
             path,
             *(Path(source) for source in sources if isinstance(source, str) and "\0" not in source),
         ]
+        by_name = {entry.text("name"): entry for entry in of_cameras}
+        kept = cache(lambda name: recording_of(path.parent, by_name[name]))
         pairs, seen = [], set()
         for entry in entries(path, result, "pairs"):
             points_file = entry.file("frontier_points")
             points = no_points() if points_file is None else read_frontier_points(points_file)
             files += [] if points_file is None else [points_file]
             pair = _pair(entry, points)
-            frames_b = None if points_file is None else read_frames_b(points_file)
-            if frames_b is not None:
-                pair = pair.with_frames_b(frames_b)
+            pair = pair.asking(kept)
             both = frozenset((pair.a, pair.b))
             if len(both) < 2 or both in seen:
                 raise EpibarError(f"{path}: damaged: {pair.name} is no pair, or there twice")
@@ -181,9 +194,7 @@ class Run:
                 calibration.time_offset,
                 calibration.frontier_points,
                 calibration.timing.frames_per_frame,
-            ).with_frames_b(
-                frames_of_b(recordings[a], recordings[b], calibration, calibration.frontier_points.frame)
-            )
+            ).asking(dict(zip(names, recordings, strict=True)).__getitem__)
             for (a, b), calibration in calibrations.items()
         ]
         cameras = [

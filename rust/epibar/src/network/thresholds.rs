@@ -108,7 +108,7 @@ pub const MAX_POSITION: f64 = 0.05;
 pub const PARALLAX: f64 = 8.0;
 /// What is seen by cameras of unknown focal lengths is further from one plane than so many pixels of a 640×480 image: 4 to 6 of things a few
 /// centimetres high on a floor, of which focal lengths came out 1 to 7 % off where 1 to 2 % was stated, 50 and more of crowds (two and six networks of
-/// development).
+/// development); a narrow path is a plane as well.
 pub const RELIEF: f64 = 8.0;
 /// A plane that so many cameras of known focal lengths see tells those of the others.
 pub const FOCALS_TELL: usize = 2;

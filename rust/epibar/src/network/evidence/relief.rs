@@ -5,6 +5,7 @@
 
 use crate::image::ImageSize;
 use crate::network::evidence::planes::Seen;
+use crate::network::given::input::IntrinsicKind;
 use crate::network::solve::networks::Solved;
 use crate::network::thresholds as limits;
 
@@ -12,7 +13,7 @@ use crate::network::thresholds as limits;
 /// the focal length, since it is given, or those of others are, or where no pair sees enough to tell.
 pub fn relief(solved: &Solved, confirmed: &[(usize, usize)]) -> Vec<f64> {
     let placed = &solved.network.placed;
-    let is_known = |&c: &usize| placed[c] && solved.beliefs[c].has_focal();
+    let is_known = |&c: &usize| placed[c] && IntrinsicKind::Focal.is_given(&solved.beliefs[c]);
     let known = (0..placed.len()).filter(is_known).count();
     let relief = if known < limits::FOCALS_TELL { of_all(solved, confirmed) } else { f64::INFINITY };
     (0..placed.len()).map(|c| if is_known(&c) { f64::INFINITY } else { relief }).collect()
@@ -55,6 +56,12 @@ mod tests {
         let found = relief(&without_focals(plane.clone(), &[2]), &ALL);
         assert!(found[2] == f64::INFINITY && found[0] < 1e-3, "{found:?}");
         assert_eq!(relief(&without_focals(plane.clone(), &[1, 2]), &ALL), [f64::INFINITY; 4]);
+        // To a tenth is not known.
+        let mut rough = without_focals(plane.clone(), &[]);
+        for beliefs in &mut rough.beliefs {
+            beliefs.intrinsic[0].deviation = 0.09;
+        }
+        assert!(relief(&rough, &ALL).iter().all(|r| *r < 1e-3));
         // Nothing speaks for any.
         assert_eq!(relief(&without_focals(plane, &[]), &[]), [f64::INFINITY; 4]);
     }

@@ -72,7 +72,7 @@ pub(in crate::network) fn of_camera(
             "seen from here all that moves is in the same directions as from the other cameras, so they stand at one place, or what moves is too far away for them to stand apart: nothing tells how far, and which way. Place cameras at different sides of what moves".to_owned()
         }
         CameraStatus::OnePlane => {
-            "all that moves keeps to one plane, as far as outlines tell, and of that unknown focal lengths cannot be told: give the focal length of this camera or of two others, or film what stands up, such as people who walk".to_owned()
+            "all that moves keeps to one plane, as far as outlines tell, and of that unknown focal lengths cannot be told: give the focal length of this camera or of two others, or film people who walk all over the place, not flat things on the floor and not one file of people".to_owned()
         }
         CameraStatus::PairRefused => {
             "two cameras stand, of which nothing but their pair speaks, and that was not accepted by itself with this geometry: its verdict says why, and what to do (where lenses bend, with the lens taken out first). Or add a camera that sees the same".to_owned()
