@@ -5,6 +5,7 @@
 
 use super::case::{Finished, NetworkCase, Out};
 use super::evidence::alternatives::alternatives;
+use super::evidence::cheirality::behind;
 use super::evidence::contradictions::{Contradiction, contradictions};
 use super::evidence::covariance::covariance_with_principal_points;
 use super::evidence::doubts::{Doubt, doubts, with_doubts};
@@ -96,10 +97,12 @@ fn check(cameras: usize, pairs: &[PairFound], clocks: &Offsets) -> Result<()> {
     Ok(())
 }
 
-/// Whether over all frames two cameras have come together, or pairs see different planes.
+/// Whether over all frames two cameras have come together, pairs see different planes, or what meets is behind cameras.
 fn is_mixed(Finished { solved, support, .. }: &Finished) -> bool {
-    let off = off_plane(&solved.settled, &solved.network.placed, &support.confirmed());
-    off.is_some() || !collapsed(&solved.settled).is_empty()
+    let (settled, placed, confirmed) = (&solved.settled, &solved.network.placed, support.confirmed());
+    behind(settled, placed, &confirmed).is_some()
+        || off_plane(settled, placed, &confirmed).is_some()
+        || !collapsed(settled).is_empty()
 }
 
 /// A network for every camera of which enough speaks.

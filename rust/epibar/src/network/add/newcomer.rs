@@ -6,6 +6,7 @@ use super::held::{Given, Held};
 use crate::error::Result;
 use crate::network::case::{NetworkCase, Out};
 use crate::network::evidence::alternatives::alternatives;
+use crate::network::evidence::cheirality::behind;
 use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance_with_principal_points;
 use crate::network::evidence::doubts::{doubts, with_doubts};
@@ -162,7 +163,9 @@ impl<'a> Newcomer<'a> {
         }
         let together = collapsed(&now.settled).iter().any(|&(a, b)| a == self.camera || b == self.camera);
         let all = vec![true; self.camera + 1];
-        if together || off_plane(&now.settled, &all, &support.confirmed()) == Some(self.camera) {
+        // All pairs are its own, and the others are held.
+        let behind = behind(&now.settled, &all, &support.confirmed()).is_some();
+        if together || behind || off_plane(&now.settled, &all, &support.confirmed()) == Some(self.camera) {
             return out(CameraStatus::Ambiguous, None);
         }
         let film = |time: f64| now.network.cameras[self.camera].clock_at(time);

@@ -5,6 +5,7 @@
 //! * `outlines`: by how much outlines of each camera are wrong.
 //! * `covariance`: how well all is known together.
 //! * `stated_errors`: errors to expect of each camera.
+//! * `cheirality`: do rays that meet do so before their cameras?
 //! * `planes`: where all keeps to a plane, is it the same to all pairs?
 //! * `parallax`: do rays of a camera meet those of others at an angle?
 //! * `relief`: how far from one plane is all that is seen, where nothing tells focal lengths?
@@ -14,6 +15,7 @@
 //! * `doubts`: how much what was given may be wrong without being contradicted.
 
 pub mod alternatives;
+pub mod cheirality;
 pub mod contradictions;
 pub mod covariance;
 pub mod doubts;

@@ -66,6 +66,13 @@ pub fn figures(tangents: &PairTangents, met: &[MatchedEnds]) -> Vec<Figure> {
 /// The point nearest to the rays of a pixel of A and a pixel of B; `None` behind a camera, or where the rays are
 /// nearly parallel.
 pub fn triangulated(a: &Camera, b: &Camera, pixels: [[f64; 2]; 2]) -> Option<Vector3<f64>> {
+    let (point, [s, t]) = crossing(a, b, pixels)?;
+    (s > 0.0 && t > 0.0).then_some(point)
+}
+
+/// The point nearest to the rays of a pixel of A and a pixel of B, and how far along each it is, less than nothing behind its camera; `None` where
+/// the rays are nearly parallel.
+pub fn crossing(a: &Camera, b: &Camera, pixels: [[f64; 2]; 2]) -> Option<(Vector3<f64>, [f64; 2])> {
     let (p, q) = (a.ray(pixels[0])?.normalize(), b.ray(pixels[1])?.normalize());
     let cosine = p.dot(&q);
     let sine2 = 1.0 - cosine * cosine;
@@ -76,7 +83,7 @@ pub fn triangulated(a: &Camera, b: &Camera, pixels: [[f64; 2]; 2]) -> Option<Vec
     let (along_p, along_q) = (between.dot(&p), between.dot(&q));
     let s = (along_p - cosine * along_q) / sine2;
     let t = (cosine * along_p - along_q) / sine2;
-    (s > 0.0 && t > 0.0).then(|| 0.5 * (a.position + p * s + b.position + q * t))
+    Some((0.5 * (a.position + p * s + b.position + q * t), [s, t]))
 }
 
 /// A figure in space.

@@ -1,6 +1,7 @@
 //! What is decided of each camera, test by test: which are taken out of a network, and what is said of those that stand.
 
 use crate::network::case::Out;
+use crate::network::evidence::cheirality;
 use crate::network::evidence::knocks::knocked;
 use crate::network::evidence::planes;
 use crate::network::evidence::slight_knocks;
@@ -29,9 +30,10 @@ pub(in crate::network) struct NetworkFindings<'a> {
 type NetworkTest = fn(&NetworkFindings) -> Vec<Out>;
 
 /// Tests of the cameras of a network by name, in their order.
-pub(in crate::network) const NETWORK_TESTS: [(&str, NetworkTest); 6] = [
+pub(in crate::network) const NETWORK_TESTS: [(&str, NetworkTest); 7] = [
     ("enough speaks for each camera", least_supported),
     ("no two were put at one place", put_together),
+    ("what meets is before the cameras", behind),
     ("pairs that see a plane see the same", off_plane),
     ("confirmed pairs join all cameras", apart),
     ("no camera was knocked far", knocked_far),
@@ -78,6 +80,12 @@ fn put_together(f: &NetworkFindings) -> Vec<Out> {
     let deviate = |c: usize| f.support.cameras[c].tangents;
     let least = together.min_by(|&c, &d| deviate(c).total_cmp(&deviate(d)));
     least.map(|camera| f.out(camera, CameraStatus::Ambiguous, None)).into_iter().collect()
+}
+
+/// The camera with most of the pairs whose rays would meet behind one.
+fn behind(f: &NetworkFindings) -> Vec<Out> {
+    let found = cheirality::behind(&f.solved.settled, &f.solved.network.placed, &f.support.confirmed());
+    found.map(|camera| f.out(camera, CameraStatus::Ambiguous, None)).into_iter().collect()
 }
 
 /// Where all that moves keeps to one plane, the camera with which it is not the same one to all pairs.
