@@ -19,7 +19,7 @@ from .. import _core
 from ..arguments import is_number
 from ..errors import EpibarError
 from .parts import METRE, Ground, KnownLength, NetworkCamera, NetworkParts, Scale
-from .shared_errors import FIGURES, deviation, error_of_mean
+from .shared_errors import FIGURES, error_of_mean, parts_of
 
 __all__ = ["NOT_IN_METRES", "check_lengths", "rescaled"]
 
@@ -203,9 +203,14 @@ def _distance(network: NetworkParts, given: Any) -> KnownLength:
     units = float(np.linalg.norm(one.position - other.position))
     if units == 0:
         raise EpibarError(f"{what} says nothing: in this network both stand in one place")
-    placed = math.hypot(deviation(one), deviation(other)) / units
     of = ("distance", *sorted((first, second)))
-    return KnownLength(what, of, metres / units, math.hypot(error / metres, placed))
+    return KnownLength(what, of, metres / units, _error(network, of, error / metres))
+
+
+def _error(network: NetworkParts, of: tuple[str, ...], measured: float) -> float:
+    """Relative standard error of a length of cameras; infinite where the network does not say."""
+    parts = parts_of(network, of)
+    return math.hypot(measured, *parts.values()) if parts else math.inf
 
 
 def _camera_height(network: NetworkParts, given: Any) -> KnownLength:
@@ -218,18 +223,14 @@ def _camera_height(network: NetworkParts, given: Any) -> KnownLength:
     units = float(position[2])
     if units <= 0:
         raise EpibarError(f"{what}: {name} stands below the floor that was found")
-    # A vertical that leans lifts or lowers what is far from where people walked: amid the cameras.
-    standing = [one.position for one in network.cameras.values() if one.position is not None]
-    reach = float(np.linalg.norm((position - np.mean(standing, axis=0))[:2]))
     ground = network.ground
     if ground.vertical_error is None or ground.level_error is None:
         raise EpibarError(
             f"{what} says nothing: the network does not say how well its floor is known. Give the distance "
             "between two cameras instead"
         )
-    placed = math.hypot(deviation(camera), math.radians(ground.vertical_error) * reach, ground.level_error)
-    placed /= units
-    return KnownLength(what, ("camera_height", name), metres / units, math.hypot(error / metres, placed))
+    of = ("camera_height", name)
+    return KnownLength(what, of, metres / units, _error(network, of, error / metres))
 
 
 def _person_height(network: NetworkParts, given: Any) -> KnownLength:

@@ -14,9 +14,9 @@ import numpy as np
 
 from .. import _core
 from ..arguments import Array
-from .parts import KnownLength, NetworkCamera, NetworkParts
+from .parts import KnownLength, NetworkParts
 
-__all__ = ["FIGURES", "IN_SPACE", "deviation", "error_of_mean"]
+__all__ = ["FIGURES", "IN_SPACE", "error_of_mean", "parts_of"]
 
 Part = tuple[str, str, int]
 """Whose error: what, of which camera, along which axis."""
@@ -27,12 +27,6 @@ above the floor (``FOOT_ABOVE`` of the crate)."""
 
 IN_SPACE = _core.NINE_IN_TEN_IN_SPACE
 """Nine in ten normal errors in space are shorter than so many standard deviations along one direction."""
-
-
-def deviation(camera: NetworkCamera) -> float:
-    """Standard deviation of the position along one direction, units."""
-    assert camera.expected is not None
-    return camera.expected["position"] / IN_SPACE
 
 
 def error_of_mean(network: NetworkParts, lengths: Sequence[KnownLength], weights: Array) -> float:
@@ -59,15 +53,27 @@ def error_of_mean(network: NetworkParts, lengths: Sequence[KnownLength], weights
 
 def _parts(network: NetworkParts, length: KnownLength) -> dict[Part, float]:
     """By how much of itself a length is wrong by a standard deviation of each part that others may share."""
-    what, *names = length.of or ("",)
-    if what == "person_height":
+    if length.of[:1] == ("person_height",):
         # Feet are touched above the floor, which lifts that as well.
         return {("level", "", 0): min(FIGURES, length.error)}
+    return parts_of(network, length.of)
+
+
+def parts_of(network: NetworkParts, of: tuple[str, ...]) -> dict[Part, float]:
+    """By how much of itself a length of cameras is wrong by each of these, as far as the network says.
+
+    A vertical that leans lifts or lowers what is far from where people walked: amid the cameras.
+    """
+    what, *names = of or ("",)
     cameras = [network.cameras.get(name) for name in names]
     places = [camera.position for camera in cameras if camera is not None and camera.position is not None]
     if not names or len(places) < len(names):
         return {}
-    errors = [deviation(camera) for camera in cameras if camera is not None and camera.expected is not None]
+    errors = [
+        camera.expected["position"] / IN_SPACE
+        for camera in cameras
+        if camera is not None and camera.expected is not None
+    ]
     if what == "distance" and len(errors) == len(names):
         between = places[0] - places[1]
         relative = between / float(between @ between)

@@ -146,8 +146,7 @@ class Run:
             points_file = entry.file("frontier_points")
             points = no_points() if points_file is None else read_frontier_points(points_file)
             files += [] if points_file is None else [points_file]
-            pair = _pair(entry, points)
-            pair = pair.asking(kept)
+            pair = _pair(entry, points).asking(kept)
             both = frozenset((pair.a, pair.b))
             if len(both) < 2 or both in seen:
                 raise EpibarError(f"{path}: damaged: {pair.name} is no pair, or there twice")
