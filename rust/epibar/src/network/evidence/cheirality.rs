@@ -15,9 +15,8 @@ const MEETINGS: usize = 400;
 /// The camera with most of those confirmed pairs of which most of what meets would be behind a camera, where those are half of its own; `None` where
 /// there is none.
 pub fn behind(settled: &Settled, placed: &[bool], confirmed: &[(usize, usize)]) -> Option<usize> {
-    let stands = |p: &&PairMeetings| placed[p.a] && placed[p.b] && confirmed.contains(&(p.a, p.b));
-    let pairs: Vec<(&PairMeetings, bool)> =
-        settled.pairs.iter().filter(stands).map(|p| (p, before(settled, p) < limits::BEFORE)).collect();
+    let stand = settled.of_confirmed(placed, confirmed);
+    let pairs: Vec<(&PairMeetings, bool)> = stand.map(|p| (p, before(settled, p) < limits::BEFORE)).collect();
     let of = |camera: usize| pairs.iter().filter(move |(p, _)| p.a == camera || p.b == camera);
     let bad = |camera: usize| of(camera).filter(|(_, bad)| *bad).count();
     let cameras = (0..placed.len()).filter(|&c| bad(c) > 0 && 2 * bad(c) >= of(c).count());

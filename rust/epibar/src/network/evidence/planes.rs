@@ -64,8 +64,7 @@ pub struct Seen {
 
 /// The camera with most of those of some pairs that see another plane than the others do, where what most of them see keeps to one.
 pub fn off_plane(settled: &Settled, placed: &[bool], confirmed: &[(usize, usize)]) -> Option<usize> {
-    let stands = |p: &&PairMeetings| placed[p.a] && placed[p.b] && confirmed.contains(&(p.a, p.b));
-    let stand = settled.pairs.iter().filter(stands);
+    let stand = settled.of_confirmed(placed, confirmed);
     let pairs: Vec<Seen> = stand.filter_map(|p| Seen::of(settled, p)).collect();
     if median(pairs.iter().map(|p| p.thickness))? >= limits::PLANAR {
         return None;

@@ -6,6 +6,7 @@
 use crate::image::ImageSize;
 use crate::network::evidence::planes::Seen;
 use crate::network::given::input::IntrinsicKind;
+use crate::network::model::joint::PairMeetings;
 use crate::network::solve::networks::Solved;
 use crate::network::thresholds as limits;
 
@@ -20,8 +21,8 @@ pub fn relief(solved: &Solved, confirmed: &[(usize, usize)]) -> Vec<f64> {
 }
 
 fn of_all(solved: &Solved, confirmed: &[(usize, usize)]) -> f64 {
-    let pairs = solved.settled.pairs.iter().filter(|p| confirmed.contains(&(p.a, p.b)));
-    let of_pair = |p| {
+    let pairs = solved.settled.of_confirmed(&solved.network.placed, confirmed);
+    let of_pair = |p: &PairMeetings| {
         let seen = Seen::of(&solved.settled, p)?;
         let [a, b] = [p.a, p.b].map(|c| &solved.settled.cameras[c]);
         Some(seen.relief(p, [a, b]) / ImageSize::pixel_scale([a.size, b.size]))

@@ -72,6 +72,15 @@ pub struct Settled {
 }
 
 impl Settled {
+    /// What met in confirmed pairs of cameras that stand.
+    pub fn of_confirmed<'s>(
+        &'s self,
+        placed: &'s [bool],
+        confirmed: &'s [(usize, usize)],
+    ) -> impl Iterator<Item = &'s PairMeetings> {
+        self.pairs.iter().filter(|p| placed[p.a] && placed[p.b] && confirmed.contains(&(p.a, p.b)))
+    }
+
     /// The same tangents under other cameras, and what they scatter there.
     pub fn under(&self, cameras: &[Camera]) -> Self {
         let scale = scatter(cameras, &self.pairs).max(LEAST_SCATTER);
