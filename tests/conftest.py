@@ -8,6 +8,7 @@ import shutil
 import pytest
 from check_input import stand_in
 from extended_input import stand_in_adding
+from network_input import write_masks
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 
@@ -28,6 +29,18 @@ def browser():
             )
         yield opened
         opened.close()
+
+
+@pytest.fixture(scope="module")
+def masks(tmp_path_factory):
+    """Ready masks of three cameras that are one network; other files have their own of that name."""
+    return write_masks(tmp_path_factory.mktemp("masks"))
+
+
+@pytest.fixture
+def again(done, tmp_path):
+    """A copy of the folder of a run, which the file of the test has as ``done``."""
+    return shutil.copytree(done, tmp_path / "again")
 
 
 @pytest.fixture

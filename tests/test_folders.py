@@ -34,11 +34,6 @@ def done(masks, tmp_path_factory):
     return out
 
 
-@pytest.fixture
-def again(done, tmp_path):
-    return shutil.copytree(done, tmp_path / "again")
-
-
 def test_one_run_at_a_time(masks, again):
     with Folder(again), pytest.raises(EpibarError, match="another run of epibar is at work"):
         epibar.calibrate_all(masks[:2], again, **FAST)

@@ -2,7 +2,6 @@
 
 import csv
 import json
-import shutil
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from network_input import LINES, made_up, situation, write_masks
+from network_input import LINES, made_up, situation
 from test_report import Page
 from test_schema import strict
 
@@ -27,21 +26,11 @@ WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
 
 
 @pytest.fixture(scope="module")
-def masks(tmp_path_factory):
-    return write_masks(tmp_path_factory.mktemp("masks"))
-
-
-@pytest.fixture(scope="module")
 def done(masks, tmp_path_factory):
     """A run of three cameras of which nothing is known."""
     out = tmp_path_factory.mktemp("run") / "out"
     assert main(["calibrate", *masks, "--out", str(out), *WORDS, "--quiet"]) == 0
     return out
-
-
-@pytest.fixture
-def again(done, tmp_path):
-    return shutil.copytree(done, tmp_path / "again")
 
 
 def read(out):

@@ -1,11 +1,10 @@
 """A folder that has a network already: what another run or ``scale`` leaves of it, and what is said."""
 
 import json
-import shutil
 
 import numpy as np
 import pytest
-from network_input import LINES, write_masks
+from network_input import LINES
 
 import epibar
 from epibar import EpibarError
@@ -19,22 +18,12 @@ TAPE = ["--distance", "cam1", "cam2", "4.2"]
 
 
 @pytest.fixture(scope="module")
-def masks(tmp_path_factory):
-    return write_masks(tmp_path_factory.mktemp("masks"))
-
-
-@pytest.fixture(scope="module")
 def done(masks, tmp_path_factory):
     """A run of three cameras of which nothing is known, scaled by a distance."""
     out = tmp_path_factory.mktemp("run") / "out"
     assert main(["calibrate", *masks, "--out", str(out), *WORDS, "--quiet"]) == 0
     assert main(["scale", str(out), *TAPE, "--quiet"]) == 0
     return out
-
-
-@pytest.fixture
-def again(done, tmp_path):
-    return shutil.copytree(done, tmp_path / "again")
 
 
 def written(out):

@@ -6,18 +6,13 @@ import shutil
 import numpy as np
 import pytest
 from check_input import films, replaced, stand_in
-from network_input import LINES, made_up, situation, write_masks
+from network_input import LINES, made_up, situation
 from test_report import Page
 
 import epibar
 from epibar.cli import main
 from epibar.jobs.folder import Folder
 from epibar.jobs.stored_report import rewrite_report
-
-
-@pytest.fixture(scope="module")
-def masks(tmp_path_factory):
-    return write_masks(tmp_path_factory.mktemp("masks"))
 
 
 @pytest.fixture(scope="module")
@@ -29,11 +24,6 @@ def done(masks, tmp_path_factory):
     for path in inputs:
         (out.parent / path).unlink()
     return out
-
-
-@pytest.fixture
-def again(done, tmp_path):
-    return shutil.copytree(done, tmp_path / "again")
 
 
 def rewrite(out, network):
