@@ -405,3 +405,15 @@ def test_cameras_without_a_network_are_placed_for_any_program(folder, scene, tmp
     assert main(["export", str(folder), "--format", "easymocap", "--out", str(tmp_path / "data"), "-q"]) == 0
     assert sorted(path.name for path in (tmp_path / "data").iterdir()) == ["extri.yml", "intri.yml"]
     assert capsys.readouterr().err == ""
+
+
+def test_colmap_names_are_those_of_the_model(run, tmp_path, caplog):
+    pycolmap = pytest.importorskip("pycolmap")
+    cameras = [replace(camera, name=camera.name.replace("m", "m ")) for camera in run.cameras]
+    pairs = [replace(pair, a=pair.a.replace("m", "m "), b=pair.b.replace("m", "m ")) for pair in run.pairs]
+    run = replace(run, cameras=cameras, pairs=pairs)
+    export.write_colmap(run.selected(every=True), tmp_path / "database.db")
+    database = pycolmap.Database.open(tmp_path / "database.db")
+    assert sorted(image.name for image in database.read_all_images()) == ["cam_1", "cam_2", "cam_3"]
+    database.close()
+    assert "cam 1: it is cam_1" in caplog.text

@@ -52,11 +52,11 @@ def recording_stages(pair: Pair, machine: Machine) -> list[Stage]:
     bytes_read = float(masks.size)
     lines = Stage(
         name=f"barcodes of {LINES:,} lines from packed pixels",
-        unit="line pixels x 512 frames",
+        unit="line pixels x 256 frames",
         units=machine.line_pixels,
         seconds=machine.barcodes,
         limit="memory, if each pixel came from there",
-        limit_seconds=64 * machine.line_pixels / machine.bytes_per_second,
+        limit_seconds=32 * machine.line_pixels / machine.bytes_per_second,
         peers=seconds,
         missing=missing,
     )

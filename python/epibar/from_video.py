@@ -182,7 +182,7 @@ def _moving(frames: ColourFrames, options: ForegroundOptions, health: CameraHeal
     foreground = Foreground.for_frames(frames, options)
 
     def masked() -> Generator[tuple[int, float, Image, Mask], None, None]:
-        with closing(prefetched(frames)) as ahead:
+        with closing(prefetched(frames, depth=1)) as ahead:
             for index, time, frame in ahead:
                 yield index, time, frame, foreground.apply(frame)
 

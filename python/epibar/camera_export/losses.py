@@ -6,6 +6,7 @@ import logging
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 
@@ -16,6 +17,15 @@ from ..lens.intrinsics import Intrinsics
 __all__ = ["fewer_coefficients", "off_as_pinhole", "plain_names", "renamed", "tell", "told"]
 
 logger = logging.getLogger("epibar")
+
+
+class Named(Protocol):
+    """A camera of a network, or of a run."""
+
+    @property
+    def name(self) -> str:
+        """That of its recording."""
+
 
 GRID = 21
 """Pixels each way at which lenses are compared."""
@@ -133,18 +143,18 @@ def _pinhole(matrix: Array, rays: Array) -> Array:
     return np.asarray(rays * matrix[[0, 1], [0, 1]] + matrix[:2, 2])
 
 
-def renamed(cameras: Sequence[Intrinsics], names: Sequence[str]) -> list[str]:
+def renamed(cameras: Sequence[Named], names: Sequence[str]) -> list[str]:
     """Say which cameras have another name in a file."""
     both = zip(names, cameras, strict=True)
     return [f"renamed: {one.name}: it is {name} in these files" for name, one in both if name != one.name]
 
 
-def plain_names(cameras: Sequence[Intrinsics], refused: str, taken: Sequence[str] = ()) -> list[str]:
+def plain_names(cameras: Sequence[Named], refused: str, taken: Sequence[str] = ()) -> list[str]:
     """Return names that may be a file's or a key's, each once.
 
     Parameters
     ----------
-    cameras : sequence of Intrinsics
+    cameras : sequence of what has a name
     refused : str
         Regular expression of what a name may not hold; it becomes an underscore.
     taken : sequence of str

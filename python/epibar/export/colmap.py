@@ -18,6 +18,8 @@ from typing import Any
 import numpy as np
 
 from ..arguments import Unsigned
+from ..camera_export.colmap import NO_WORD
+from ..camera_export.losses import plain_names, renamed, tell
 from ..errors import EpibarError
 from ..files.atomic import write_atomically
 from ..geometry.pose import RelativePose
@@ -39,7 +41,8 @@ def write_colmap(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     With intrinsics a camera is a PINHOLE whose focal length is a prior (the points are undistorted
     already); else a SIMPLE_RADIAL guess marked as no prior. A pair is CALIBRATED, with E and the relative
     pose, where these are known; else UNCALIBRATED, with F. COLMAP has no place for our verdict, so a pair
-    that was not accepted is marked UNDEFINED, which COLMAP takes for not verified.
+    that was not accepted is marked UNDEFINED, which COLMAP takes for not verified. Cameras are named as in the
+    model of a network's cameras, one word each; other names than the recordings' are logged.
 
     Returns
     -------
@@ -60,12 +63,14 @@ def write_colmap(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     keypoints: dict[str, dict[Key, int]] = {camera.name: {} for camera in run.cameras}
     matches = [_matches(pair, keypoints) for pair in run.pairs]
     poses = run.poses()[0]
+    names = plain_names(run.cameras, NO_WORD)
+    tell(Path(path), renamed(run.cameras, names))
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "database.db"
         database = pycolmap.Database.open(file)
         images = {
-            camera.name: _add_image(pycolmap, database, camera, keypoints[camera.name])
-            for camera in run.cameras
+            camera.name: _add_image(pycolmap, database, name, camera, keypoints[camera.name])
+            for name, camera in zip(names, run.cameras, strict=True)
         }
         for pair, match in zip(run.pairs, matches, strict=True):
             ids = images[pair.a], images[pair.b]
@@ -89,7 +94,9 @@ def _matches(pair: Pair, keypoints: dict[str, dict[Key, int]]) -> Unsigned:
     return np.unique(np.array(columns, np.uint32).T.reshape(-1, 2), axis=0)
 
 
-def _add_image(pycolmap: Any, database: Any, camera: Camera, corners: dict[Key, int]) -> int:
+def _add_image(
+    pycolmap: Any, database: Any, name: str, camera: Camera, corners: dict[Key, int]
+) -> int:
     width, height = camera.size
     if camera.matrix is None:
         guess = FOCAL_GUESS * max(width, height)
@@ -104,7 +111,7 @@ def _add_image(pycolmap: Any, database: Any, camera: Camera, corners: dict[Key, 
     rig.add_ref_sensor(model.sensor_id)
     rig.rig_id = database.write_rig(rig)
     image = pycolmap.Image()
-    image.name, image.camera_id = camera.name, model.camera_id
+    image.name, image.camera_id = name, model.camera_id
     image.image_id = database.write_image(image)
     frame = pycolmap.Frame()
     frame.rig_id = rig.rig_id

@@ -1,4 +1,4 @@
-//! One camera: `cargo bench --bench recording`. A block of 512 frames of 320 × 240 pixels under 20,000 lines.
+//! One camera: `cargo bench --bench recording`. A block of 256 frames of 320 × 240 pixels under 20,000 lines.
 
 #![allow(missing_docs, reason = "criterion_group! makes a public function")]
 
@@ -28,7 +28,7 @@ fn recording(criterion: &mut Criterion) {
     group.sample_size(20);
 
     let mut found = Components::new();
-    group.bench_function("components of 512 masks", |bencher| {
+    group.bench_function("components of 256 masks", |bencher| {
         bencher.iter(|| {
             for mask in &masks {
                 found.find(black_box(mask), size);
@@ -37,7 +37,7 @@ fn recording(criterion: &mut Criterion) {
     });
 
     let mut hulls = Vec::new();
-    group.bench_function("components and hulls of 512 masks", |bencher| {
+    group.bench_function("components and hulls of 256 masks", |bencher| {
         bencher.iter(|| {
             hulls.clear();
             for mask in &masks {

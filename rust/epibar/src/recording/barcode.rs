@@ -68,7 +68,7 @@ impl Barcodes {
         Self { count, frames, words_per, bits: vec![0; count * words_per] }
     }
 
-    /// Puts the blocks of a stream, each with its 512 frames of every line, behind one another.
+    /// Puts the blocks of a stream, each with its 256 frames of every line, behind one another.
     pub(super) fn from_blocks(frames: usize, blocks: &[Vec<[u64; BLOCK_WORDS]>]) -> Self {
         let count = blocks.first().map_or(0, Vec::len);
         let mut barcodes = Self::zeros(count, frames);

@@ -5,7 +5,7 @@
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
 //!    [`silhouettes`] keeps the hulls; [`lens_corners`] adds what a lens needs beyond them, [`mod@fill`] tells people from boxes and ellipses.
-//! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 512 frames into one cache line per pixel, and
+//! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 256 frames into half a cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
 //! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends, [`mod@fullest`] in which stretch most moves.

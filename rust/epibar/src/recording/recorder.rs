@@ -1,8 +1,8 @@
 //! From a stream of masks to a [`Recording`], in bounded memory.
 //!
 //! Each mask is read once: its runs set bits of the current [`BitPlanes`] and make the silhouettes. Every 64 frames
-//! these become a word of the current [`PixelBlock`], and after 512 frames the block is turned into 512 bits of every
-//! barcode and of the heat map. Both are reused. Memory is 72 bytes per pixel and the recording itself.
+//! these become a word of the current [`PixelBlock`], and after 256 frames the block is turned into 256 bits of every
+//! barcode and of the heat map. Both are reused. Memory is 40 bytes per pixel and the recording itself.
 
 use super::barcode::Barcodes;
 use super::barcode_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
 use std::sync::Arc;
 
-/// Most lines a recorder takes: their barcodes are 64 bytes each per 512 frames.
+/// Most lines a recorder takes: their barcodes are 32 bytes each per 256 frames.
 pub const MAX_LINES: usize = 10_000_000;
 
 /// How to record.
@@ -101,7 +101,7 @@ pub struct Recorder {
     /// Nearly all of the memory, which is first taken when there is a frame: whoever learns a background before that
     /// needs as much.
     pixels: Option<Pixels>,
-    /// Finished blocks: 512 frames of every line.
+    /// Finished blocks: 256 frames of every line.
     blocks: Vec<Vec<[u64; BLOCK_WORDS]>>,
     silhouettes: Silhouettes,
     heat: Vec<u32>,
@@ -114,7 +114,7 @@ pub struct Recorder {
 struct Pixels {
     /// Frames since the last multiple of 64.
     planes: BitPlanes,
-    /// Frames since the last multiple of 512.
+    /// Frames since the last multiple of 256.
     block: PixelBlock,
 }
 
