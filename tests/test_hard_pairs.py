@@ -1,9 +1,11 @@
 """Made-up pairs of which the verdict was wrong once, looked at since."""
 
+import numpy as np
 import pytest
 
 import epibar
 from epibar import synthetic
+from epibar.recording import new_recorder
 
 
 def recorded(seed, family, a, b):
@@ -29,3 +31,37 @@ def test_one_path_is_refused_where_it_is_off_beside_the_path():
     assert not cal.accepted
     assert cal.kind == "undetermined"
     assert "one path" in cal.reason
+
+
+def in_bursts(masks, pause):
+    """25 frames with motion, so many without, and so on."""
+    empty = np.zeros_like(masks[:pause])
+    return np.concatenate([part for k in range(0, len(masks), 25) for part in (masks[k : k + 25], empty)])
+
+
+@pytest.mark.parametrize("pause", [175, 0])
+def test_pauses_in_which_nobody_is_there_cost_nothing(pause):
+    """An entrance: refused once with z = 0, as of so few moments in a row none was far enough from another."""
+    scene = synthetic.people(seed=1, cameras=2, walkers=4, frames=400)
+    masks = [in_bursts(scene.masks(k), pause) for k in (0, 1)]
+    recs = [epibar.Recording.from_masks(m, fps=25.0, lines=8000, seed=k) for k, m in enumerate(masks)]
+    cal = epibar.calibrate(*recs)
+    assert cal.accepted, cal.reason
+    assert cal.evidence["z"] > 8.0
+    points = scene.volume_correspondences(0, 1)[:2]
+    assert epibar.symmetric_epipolar_distance(cal.F, *points).mean() < cal.expected_error < 0.5
+
+
+def test_a_long_time_in_which_nobody_is_there_costs_nothing():
+    """Refused once as too little motion: of 12,500 frames no line saw something in 5 %."""
+    scene = synthetic.people(seed=1, cameras=2, walkers=4, frames=300)
+    recs = []
+    for camera in (0, 1):
+        recorder = new_recorder(640, 480, 8000, camera, 12)
+        for frame, mask in enumerate(scene.masks(camera)):
+            recorder.push(mask, frame / 25)
+        for frame in range(300, 8000):
+            recorder.push(np.zeros((480, 640), np.uint8), frame / 25)
+        recs.append(epibar.Recording(recorder.finish()))
+    cal = epibar.calibrate(*recs)
+    assert cal.accepted, cal.reason

@@ -16,7 +16,7 @@ use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::by_lines::{self, Filmed};
 use crate::search::{Found, SearchOptions, Solution, TrainingSet, search, settle};
 use crate::verify::second_look::Earlier;
-use crate::verify::split::{self, Fold, Split};
+use crate::verify::split::{Fold, Split, Stay};
 use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
 use crate::verify::trials::falls_for;
 use crate::verify::{Case, Verdict, Verified, untestable, verify};
@@ -109,15 +109,14 @@ struct Pair<'a> {
     common: Vec<FramePair>,
     busy: Vec<FramePair>,
     /// For how many frames motion stays where it is.
-    stay: usize,
+    stay: Stay,
 }
 
 impl<'a> Pair<'a> {
     fn new(aligned: &'a Aligned<'a>, common: Vec<FramePair>, options: &'a CalibrateOptions) -> Self {
         let (a, b) = (aligned.a(), aligned.b());
         let busy = busy_frames(a, b, &common, None);
-        // About the time in which something moves: whether anybody is there says nothing of how long motion stays.
-        let stay = split::in_common_frames(split::stay(a, b, &busy), &common, &busy);
+        let stay = Stay::new(a, b, &common, &busy);
         Self { aligned, options, common, busy, stay }
     }
 

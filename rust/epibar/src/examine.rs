@@ -1,11 +1,12 @@
 //! A matrix that the caller already has, against what moved.
 
 use crate::calibration::FrontierPoint;
-use crate::clock::common_frames;
+use crate::clock::{Aligned, Clock};
 use crate::error::{Error, Result};
 use crate::frontier::up::up_in;
-use crate::frontier::{ClassScore, Views, compare, symmetric_score};
+use crate::frontier::{ClassScore, compare, symmetric_score};
 use crate::geometry::{CameraMatrices, Fundamental};
+use crate::recording::tracker::Links;
 use crate::recording::{RecordedFrame, Recording};
 use crate::refine::polish;
 
@@ -109,7 +110,8 @@ pub struct Examined {
 
 /// Compares the epipolar tangents of two recordings under a matrix that is given.
 ///
-/// Nothing is tested: a [`Verdict`](crate::Verdict) is [`calibrate`](fn@crate::calibrate)'s.
+/// Silhouettes of B are drawn at the very moments of A's frames, as [`calibrate`](fn@crate::calibrate) draws them. Nothing is tested: a
+/// [`Verdict`](crate::Verdict) is [`calibrate`](fn@crate::calibrate)'s.
 ///
 /// # Errors
 /// [`Error::Argument`] for a radius that is not positive, or an offset that is not finite.
@@ -123,8 +125,10 @@ pub fn examine(a: &Recording, b: &Recording, f: &Fundamental, options: &ExamineO
     if !time_offset.is_finite() {
         return refuse("time_offset", time_offset, "a finite number of frames");
     }
-    let common = common_frames(a, b, time_offset);
-    let views = Views::new(a, b, &common).with_up(up_in([a, b], upright)).with_cameras(cameras);
+    let links = Links::new(b);
+    let aligned = Aligned::new(a, b, &links, Clock::at(time_offset), up_in([a, b], upright));
+    let common = aligned.frame_pairs();
+    let views = aligned.views(&common).with_cameras(cameras);
     let f = if refine { polish(&views, f) } else { *f };
     let comparison = compare(&views, &f, radius);
     let point = |p: &crate::frontier::TangentMatch| {

@@ -162,7 +162,9 @@ struct Shifts<'a> {
 impl<'a> Shifts<'a> {
     fn new(a: &'a Recording, b: &'a Recording, taken: &'a [u32], lines: usize) -> Self {
         let rows_a = a.barcodes.select_frames(taken).informative(&Informative::default());
-        let rows_b = b.barcodes.informative(&Informative::default());
+        // However long B films, what its lines see they see while something is there.
+        let busy: Vec<u32> = (0..b.frames() as u32).filter(|&frame| b.shows(frame)).collect();
+        let rows_b = b.barcodes.select_frames(&busy).informative(&Informative::default());
         Self { a, b, lines_a: thinned(a, rows_a, lines), lines_b: thinned(b, rows_b, lines), taken }
     }
 

@@ -11,11 +11,13 @@ use rand::RngExt;
 use super::ransac::Estimator;
 use super::tracks::{Extremes, tracks};
 use crate::frontier::{Scorer, Views};
+use crate::geometry::median::median;
 use crate::geometry::{
     CameraMatrices, Fundamental, SevenParameters, eight_point, symmetric_epipolar_distance,
 };
 use crate::image::ImageSize;
 use crate::random::Generator;
+use crate::recording::FramePair;
 use crate::refine::essential::{EssentialPrior, WithPrior};
 use crate::refine::least_squares::minimise;
 use crate::refine::sampson::SampsonProblem;
@@ -48,8 +50,16 @@ impl<'a> TrackModel<'a> {
     /// scored by `scorer`.
     pub fn new(followed: &Views, scorer: &'a Scorer<'a>) -> Self {
         let frames = &followed.frame_pairs;
-        let in_a = tracks(&followed.a, |t| frames[t + 1].a <= frames[t].a + 2, SHORTEST);
-        let in_b = tracks(&followed.b, |t| frames[t + 1].b <= frames[t].b + 2, SHORTEST);
+        // Where one camera films faster than the other not all of its frames are common.
+        let followed_on = |frame: fn(&FramePair) -> u32| {
+            let step = move |t: usize| frame(&frames[t + 1]).saturating_sub(frame(&frames[t]));
+            let usual =
+                median((0..frames.len().saturating_sub(1)).map(|t| f64::from(step(t)))).unwrap_or(1.0);
+            let longest = 2.0 * usual.max(1.0);
+            move |t: usize| f64::from(step(t)) <= longest
+        };
+        let in_a = tracks(&followed.a, followed_on(|p| p.a), SHORTEST);
+        let in_b = tracks(&followed.b, followed_on(|p| p.b), SHORTEST);
         let mut pairs = Vec::new();
         for p in &in_a {
             for q in &in_b {

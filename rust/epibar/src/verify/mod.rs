@@ -187,7 +187,7 @@ fn tested(
         views: case.busy_views,
         fitted: case.fitted_views,
         tested: &case.split.tested,
-        stay: case.split.gap,
+        stay: case.split.stay,
         radius: radius_of(&generous, scale).max(LEAST_TESTED_RADIUS * scale),
     };
     let curve = shift_curve(&held_out, fitted, SHIFTS);

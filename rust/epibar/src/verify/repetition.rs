@@ -34,7 +34,7 @@ const FOLLOWED: usize = 10;
 const PERSISTS: f64 = 0.8;
 
 /// How much both cameras' barcodes resemble those of a later moment at which others are in the places: a correlation; 0 where the
-/// same things are.
+/// same things are, NaN where no line says anything. Times after which too few moments say something are passed over.
 pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     let common = &common[busiest(recordings, common)];
     let frames =
@@ -42,9 +42,12 @@ pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     // That nobody is there for a while, and then somebody is again, is no likeness.
     let busy = [0, 1].map(|k| busy_bits(recordings[k], &frames[k]));
     let lines: [Barcodes; 2] = [0, 1].map(|k| among(&moving_lines(recordings[k], &frames[k]), &busy[k]));
+    if lines.iter().any(|lines| lines.count == 0) {
+        return f64::NAN;
+    }
     let alike = |lag: usize| {
-        let of = |k: usize| autocorrelation_among(&lines[k], &busy[k], lag, 1.0 - LATEST);
-        of(0).min(of(1))
+        let [p, q] = [0, 1].map(|k| autocorrelation_among(&lines[k], &busy[k], lag, 1.0 - LATEST));
+        if p.is_nan() || q.is_nan() { f64::NAN } else { p.min(q) }
     };
     let alike: Vec<f64> = (0..(LATEST * common.len() as f64) as usize).map(alike).collect();
     let Some(left) = alike.iter().position(|&a| a < LEFT) else { return 0.0 };
@@ -54,7 +57,7 @@ pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     }
     let Some(lag) = (left..alike.len()).find(|&lag| alike[lag] >= FIRST * most) else { return most };
     // Up to the top of it.
-    let lag = (lag..alike.len() - 1).find(|&lag| alike[lag + 1] <= alike[lag]).unwrap_or(lag);
+    let lag = (lag..alike.len() - 1).find(|&lag| !(alike[lag + 1] > alike[lag])).unwrap_or(lag);
     let mut sums = Replacements::default();
     for (recording, frames) in recordings.into_iter().zip(&frames) {
         sums.follow(recording, frames, lag);
@@ -83,8 +86,8 @@ fn busy_bits(recording: &Recording, frames: &[u32]) -> Vec<u64> {
 /// fall out of step; also where that is not known.
 fn persists(alike: &[f64], lag: usize) -> bool {
     let about = 2 * lag - lag / 10..=2 * lag + lag / 10;
-    let Some(then) = alike.get(about) else { return true };
-    then.iter().copied().fold(0.0, f64::max) >= PERSISTS * alike[lag]
+    let known = alike.get(about).into_iter().flatten().copied().filter(|a| !a.is_nan());
+    known.reduce(f64::max).is_none_or(|then| then >= PERSISTS * alike[lag])
 }
 
 /// Silhouettes that were followed.
@@ -229,6 +232,24 @@ mod tests {
         let column = |t: usize| (0..4).map(|k| [(2 * t) % 20 + 20 + 20 * k, 30]).collect();
         let paused = of(|t| if (90..150).contains(&t) { vec![] } else { column(t) });
         assert!(paused > 0.9, "{paused}");
+    }
+
+    #[test]
+    fn a_column_is_one_however_long_a_camera_films_on() {
+        let column = |t: usize| (0..4).map(|k| [(2 * t) % 20 + 20 + 20 * k, 30]).collect::<Vec<_>>();
+        let (short, long) =
+            (recorded(240, column), recorded(6000, |t| if t < 240 { column(t) } else { vec![] }));
+        let common: Vec<FramePair> = (0..240).map(|i| FramePair { a: i, b: i }).collect();
+        let repeats = repeats([&short, &long], &common);
+        assert!(repeats > 0.9, "{repeats}");
+    }
+
+    #[test]
+    fn times_after_which_nothing_is_seen_are_no_sign_that_motion_has_left() {
+        // One that wanders, in every fourth frame.
+        let wander = |t: usize| vec![[(t * t / 480) % 140, (t * 7 / 20) % 60]];
+        let seldom = of(|t| if t.is_multiple_of(4) { wander(t) } else { vec![] });
+        assert!(seldom < 0.4, "{seldom}");
     }
 
     #[test]

@@ -33,7 +33,7 @@ pub struct HeldOut<'a> {
     pub fitted: &'a Views,
     /// Stretches of `views` that it was not fitted to, nor anything near them.
     pub tested: &'a [Range<usize>],
-    /// For how many frames motion stays where it is; shifts by less say the same as none.
+    /// For how many of `views` motion stays where it is; shifts by less say the same as none.
     pub stay: usize,
     /// Two tangents meet below this Sampson distance, pixels.
     pub radius: f64,

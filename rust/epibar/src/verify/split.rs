@@ -36,13 +36,17 @@ pub struct Split {
     pub tested: Vec<Range<usize>>,
     /// Common frames that at least lie between a fitted frame and a tested one.
     pub gap: usize,
+    /// Busy frames, one after the other, for which motion stays where it is; no more of them than gaps may have.
+    pub stay: usize,
 }
 
 impl Split {
-    /// Divides `common` frames, of which `busy` are some, in the same order. `stay`: for how many frames motion stays.
-    pub fn new(common: &[FramePair], busy: &[FramePair], stay: usize, fold: Fold) -> Self {
-        let (n, most) = (busy.len(), (GAPS * common.len() as f64) as usize);
-        let gap = stay.clamp(1, most.max(1));
+    /// Divides `common` frames, of which `busy` are some, in the same order.
+    pub fn new(common: &[FramePair], busy: &[FramePair], stay: Stay, fold: Fold) -> Self {
+        let of_gaps = |frames: &[FramePair]| (GAPS * frames.len() as f64) as usize;
+        let (n, most) = (busy.len(), of_gaps(common));
+        let gap = stay.common.clamp(1, most.max(1));
+        let stay = stay.busy.clamp(1, of_gaps(busy).max(1));
         // The last stretch ends the recording, so that k stretches have 2k − 1 seams.
         let stretches = (1..=STRETCHES).rev().find(|k| (2 * k - 1) * gap <= most).unwrap_or(1);
         let length = (TESTED * n as f64 / stretches as f64) as usize;
@@ -55,7 +59,7 @@ impl Split {
         let free = |&i: &usize| closed.iter().all(|&(first, last)| i + gap < first || i > last + gap);
         let fitted: Vec<_> = (0..common.len()).filter(free).map(|i| common[i]).collect();
         let fitted_busy = busy.iter().copied().filter(|p| fitted.binary_search(p).is_ok()).collect();
-        Self { fitted, fitted_busy, tested, gap }
+        Self { fitted, fitted_busy, tested, gap, stay }
     }
 }
 
@@ -64,26 +68,38 @@ const LINES: usize = 300;
 /// Motion has left where barcodes correlate with their own past by less than this.
 const LEFT: f64 = 0.2;
 
-/// For how many of these frames motion stays where it is: the time after which the barcodes of either camera no longer
-/// resemble themselves.
-pub fn stay(a: &Recording, b: &Recording, common: &[FramePair]) -> usize {
-    let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = common.iter().map(|p| (p.a, p.b)).unzip();
-    stay_in(a, &frames_a).max(stay_in(b, &frames_b))
+/// For how many frames motion stays where it is: the time after which the barcodes of either camera no longer resemble themselves.
+/// Whether anybody is there says nothing of that, so it is asked of frames in which something moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stay {
+    /// Busy frames, one after the other.
+    pub busy: usize,
+    /// As many in common frames.
+    pub common: usize,
+}
+
+impl Stay {
+    /// Of the `busy` ones among `common` frames.
+    pub fn new(a: &Recording, b: &Recording, common: &[FramePair], busy: &[FramePair]) -> Self {
+        let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = busy.iter().map(|p| (p.a, p.b)).unzip();
+        let stay = stay_in(a, &frames_a).max(stay_in(b, &frames_b));
+        Self { busy: stay, common: in_common_frames(stay, common, busy) }
+    }
 }
 
 /// As many busy frames in common ones: the median over the recording, as others may lie between them.
-pub fn in_common_frames(stay: usize, common: &[FramePair], busy: &[FramePair]) -> usize {
+fn in_common_frames(stay: usize, common: &[FramePair], busy: &[FramePair]) -> usize {
     let place = |i: usize| common.partition_point(|p| p.a < busy[i].a);
     let spans = (0..busy.len().saturating_sub(stay)).map(|i| (place(i + stay) - place(i)) as f64);
     median(spans).map_or(stay, |span| stay.max(span as usize))
 }
 
-/// Barcodes of some lines on which things move, over some frames.
+/// Barcodes of some lines on which things move in some frames, over these.
 pub(super) fn moving_lines(recording: &Recording, frames: &[u32]) -> Barcodes {
-    let barcodes = &recording.barcodes;
+    let barcodes = recording.barcodes.select_frames(frames);
     let rows = barcodes.informative(&Informative::default());
     let step = rows.len().div_ceil(LINES).max(1);
-    barcodes.select_rows(&rows.into_iter().step_by(step).collect::<Vec<_>>()).select_frames(frames)
+    barcodes.select_rows(&rows.into_iter().step_by(step).collect::<Vec<_>>())
 }
 
 fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
@@ -97,12 +113,12 @@ pub(super) fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
     correlation(barcodes, lag, (barcodes.frames, barcodes.frames - lag))
 }
 
-/// The same over those of the frames, a bit each, at which, and `lag` frames later, something moves; 0 where these are less than so
-/// large a share of them. `barcodes`: where nothing moves, nothing either ([`among`]).
+/// The same over those of the frames, a bit each, at which, and `lag` frames later, something moves; NaN where these are less than so
+/// large a share of them, and say nothing. `barcodes`: where nothing moves, nothing either ([`among`]).
 pub(super) fn autocorrelation_among(barcodes: &Barcodes, busy: &[u64], lag: usize, least: f64) -> f64 {
     let frames = busy.iter().map(|w| w.count_ones() as usize).sum();
     let both = ones_that_return(busy, lag);
-    if (both as f64) < least * frames as f64 { 0.0 } else { correlation(barcodes, lag, (frames, both)) }
+    if (both as f64) < least * frames as f64 { f64::NAN } else { correlation(barcodes, lag, (frames, both)) }
 }
 
 /// Barcodes in some of their frames, a bit each, and nought in the others: what moves there is specks.
@@ -144,13 +160,19 @@ mod tests {
         frames.map(|i| FramePair { a: i, b: i + 7 }).collect()
     }
 
+    /// As where all frames are busy.
+    fn alike(stay: usize) -> Stay {
+        Stay { busy: stay, common: stay }
+    }
+
     #[test]
     fn no_tested_frame_is_near_a_fitted_one() {
         for (frames, stay) in [(16, 30), (60, 1), (240, 8), (400, 20), (400, 90), (800, 20), (5000, 25)] {
             let common = pairs(0..frames);
             // Nobody is there for a while, and now and then.
             let busy = pairs((0..frames).filter(|i| i % 11 != 3 && !(frames / 5..frames / 4).contains(i)));
-            let splits = [Fold::First, Fold::Second].map(|fold| Split::new(&common, &busy, stay, fold));
+            let splits =
+                [Fold::First, Fold::Second].map(|fold| Split::new(&common, &busy, alike(stay), fold));
             let of = |split: &Split| -> Vec<u32> {
                 split.tested.iter().flat_map(Clone::clone).map(|i| busy[i].a).collect()
             };
@@ -174,7 +196,7 @@ mod tests {
         // Longer recordings have room for more gaps.
         let stretches = |frames| {
             let common = pairs(0..frames);
-            Split::new(&common, &common, 20, Fold::First).tested.len()
+            Split::new(&common, &common, alike(20), Fold::First).tested.len()
         };
         assert_eq!([300, 500, 2000].map(stretches), [1, 2, 3]);
     }
@@ -187,6 +209,11 @@ mod tests {
         assert_eq!(in_common_frames(20, &common, &pairs((0..400).step_by(2))), 40);
         assert_eq!(in_common_frames(20, &common, &pairs((0..120).chain(280..400))), 20);
         assert_eq!([in_common_frames(5, &common, &[]), in_common_frames(0, &common, &common)], [5, 0]);
+        // Bursts with long pauses: most of them in between in common frames, and none in busy ones.
+        let bursts = pairs((0..400).filter(|i| i % 100 < 20));
+        let stay = Stay { busy: 12, common: in_common_frames(12, &common, &bursts) };
+        let split = Split::new(&common, &bursts, stay, Fold::First);
+        assert_eq!((stay.common, split.gap, split.stay), (92, 60, 12));
     }
 
     #[test]
@@ -206,7 +233,7 @@ mod tests {
         // Somebody in the first and in the last frames, and a long time nobody.
         let common = pairs(0..400);
         let busy = pairs((0..120).chain(370..400));
-        let split = Split::new(&common, &busy, 30, Fold::First);
+        let split = Split::new(&common, &busy, alike(30), Fold::First);
         assert_eq!((split.tested, split.fitted_busy.len()), (vec![Range { start: 120, end: 150 }], 120));
     }
 
