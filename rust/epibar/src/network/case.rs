@@ -62,10 +62,11 @@ impl<'a> NetworkCase<'a> {
         self.hypotheses.is_empty().then_some(CameraStatus::NothingInCommon)
     }
 
-    /// Fewest cameras that make a network.
-    pub(super) fn least(&self) -> usize {
-        let focals_known = self.inputs.iter().filter(|i| i.known.has_focal()).count();
-        if focals_known >= 2 { 2 } else { 3 }
+    /// Fewest cameras that make a network: two whose focal lengths are known, or three.
+    pub(super) fn are_enough(&self, placed: &[bool]) -> bool {
+        let known =
+            self.inputs.iter().zip(placed).filter(|(i, placed)| **placed && i.known.has_focal()).count();
+        placed.iter().filter(|p| **p).count() >= if known >= 2 { 2 } else { 3 }
     }
 }
 

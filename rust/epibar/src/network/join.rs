@@ -159,7 +159,7 @@ impl NetworkCase<'_> {
         for camera in bad {
             network.placed[camera.camera] = false;
         }
-        if network.placed.iter().filter(|p| **p).count() < self.least() {
+        if !self.are_enough(&network.placed) {
             return None;
         }
         out.extend(bad);

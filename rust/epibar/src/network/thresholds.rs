@@ -63,7 +63,7 @@ pub const ASPECT_ALIKE: f64 = 0.0025;
 // --- what speaks for a camera ---
 
 /// Stretches of time, every third of which is kept aside.
-pub const STRETCHES: f64 = 15.0;
+pub const STRETCHES: usize = 15;
 /// Shifts of the clocks that stand for chance: a Student's t of 19 degrees of freedom.
 pub const SHIFTS: usize = 20;
 /// Normal deviate that the tangents of an accepted camera have on moments kept aside: by chance once in three million.

@@ -169,8 +169,8 @@ impl<'a> Newcomer<'a> {
             return out(CameraStatus::Ambiguous, None);
         }
         let film = |time: f64| now.network.cameras[self.camera].clock_at(time);
-        if let Some(at) = knocked(some, &now.network, limits::KNOCKED)[self.camera] {
-            return out(CameraStatus::Knocked, Some(film(at)));
+        if let Some(knock) = knocked(some, &now.network, limits::KNOCKED)[self.camera] {
+            return out(CameraStatus::Knocked, Some(film(knock.at)));
         }
         let little = slight_knocks::knocked_a_little(&self.case.observed, some, now);
         if let Some((_, at)) = little.filter(|(camera, _)| *camera == self.camera) {

@@ -87,10 +87,19 @@ fn parts(moments: &[(f64, Part)], time: &TimeParts) -> [Part; PARTS] {
     parts
 }
 
-/// The network's time at which a camera was knocked, about, of each that sees what the others see only before or only
+/// A camera that agrees with the others on one side of a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Knock {
+    /// The network's time of that moment, about.
+    pub at: f64,
+    /// What it keeps on the worse side, of its evidence on the better one.
+    pub keeps: f64,
+}
+
+/// The knock of each camera that sees what the others see only before or only
 /// after some moment: on one side of it less than the first share of its evidence on the other, and than the second share of what pairs keep
 /// that it has no part in.
-pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) -> Vec<Option<f64>> {
+pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) -> Vec<Option<Knock>> {
     let pairs = network.pairs();
     let moments = moments(survey, network, &pairs);
     let of_camera = |c: usize| {
@@ -118,7 +127,7 @@ pub fn knocked(survey: &Survey, network: &Placed, [keeps, of_others]: [f64; 2]) 
                 worst = Some((own.share(), moment));
             }
         }
-        worst.map(|(_, moment)| time.start(moment))
+        worst.map(|(keeps, moment)| Knock { at: time.start(moment), keeps })
     };
     (0..network.cameras.len()).map(of_camera).collect()
 }

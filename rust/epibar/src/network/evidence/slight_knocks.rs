@@ -26,7 +26,7 @@ const BLOCKS: usize = 24;
 /// The camera of which most speaks for a knock by a little, and at which of the network's time.
 pub fn knocked_a_little(observed: &[Observed], survey: &Survey, now: &Solved) -> Option<(usize, f64)> {
     let maybe = knocked(survey, &now.network, limits::KNOCKED_MAYBE);
-    let maybe = maybe.into_iter().enumerate().filter_map(|(c, at)| Some((c, at?)));
+    let maybe = maybe.into_iter().enumerate().filter_map(|(c, knock)| Some((c, knock?.at)));
     let turned = turns(&now.settled).into_iter();
     let turned = turned.filter(|t| t.pixels > limits::TURNED.0 && t.deviates > limits::TURNED.1);
     maybe

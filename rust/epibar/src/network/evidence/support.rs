@@ -11,6 +11,7 @@ use crate::network::model::camera::Camera;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::{Survey, shared};
 use crate::network::observations::tangents::Score;
+use crate::network::observations::time_parts::TimeParts;
 use crate::network::solve::networks::{Solved, settled};
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::Again;
@@ -76,7 +77,7 @@ impl Support {
 
     /// Of a network that was solved on all moments.
     pub fn of(observed: &[Observed], solved: &Solved) -> Self {
-        let aside = Aside::of(observed, &solved.network.cameras);
+        let aside = Aside::of(observed, &solved.network);
         let frames = shared(FRAMES, observed.len());
         let fitted = Survey::among(observed, frames, |camera, seconds| !aside.has(camera, seconds));
         let radius = Some(Again::FEWER_MOMENTS.after(&solved.settled));
@@ -138,31 +139,78 @@ fn deviate(scores: &[f64]) -> f64 {
     }
 }
 
-/// Stretches of the network's time that are kept aside.
+/// Stretches of the time in which cameras that stand are compared that are kept aside: one that films on alone is in none.
 struct Aside<'c> {
     cameras: &'c [Camera],
-    start: f64,
-    length: f64,
+    stretches: TimeParts,
 }
 
 impl<'c> Aside<'c> {
-    fn of(observed: &[Observed], cameras: &'c [Camera]) -> Self {
-        let times = observed.iter().zip(cameras).flat_map(|(o, c)| {
-            [o.times.first(), o.times.last()].into_iter().flatten().map(|t| c.time_of(*t)).collect::<Vec<_>>()
-        });
-        let (start, end) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), t| (l.min(t), h.max(t)));
-        Self { cameras, start, length: ((end - start) / limits::STRETCHES).max(1e-9) }
+    fn of(observed: &[Observed], network: &'c Placed) -> Self {
+        let cameras = &network.cameras;
+        let all = Survey::new(observed, FRAMES);
+        Self { cameras, stretches: all.time_parts(cameras, &network.pairs(), limits::STRETCHES) }
     }
 
     fn has(&self, camera: usize, seconds: f64) -> bool {
-        let stretch = ((self.cameras[camera].time_of(seconds) - self.start) / self.length).floor();
-        stretch.rem_euclid(3.0) == 1.0
+        self.stretches.of(self.cameras[camera].time_of(seconds)) % 3 == 1
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Vector3;
+
     use super::*;
+    use crate::network::given::input::INSET;
+    use crate::network::model::joint::{Belief, Beliefs};
+    use crate::network::solve::settle::tests::around;
+    use crate::recording::{Recorder, RecorderOptions, Recording};
+
+    /// Balls that wander about before a camera for 200 frames, of so many.
+    fn filmed(camera: &Camera, frames: usize) -> Recording {
+        let size = camera.size;
+        let mut recorder = Recorder::new(size, RecorderOptions::new().lines(50)).unwrap();
+        for frame in 0..frames {
+            let mut mask = vec![0u8; size.pixels()];
+            for k in (0..5).map(f64::from).filter(|_| frame < 200) {
+                let t = frame as f64;
+                let [x, y] =
+                    [(0.031 * t * (1.0 + 0.3 * k) + k).sin(), (0.043 * t * (1.0 + 0.2 * k) + 2.0 * k).cos()];
+                let ball = 1.3 * Vector3::new(x, y, 0.5 * (0.05 * t + 3.0 * k).sin());
+                let Some([u, v]) = camera.project(&ball) else { continue };
+                let radius = 0.25 * camera.focal()[0] / (camera.rotation * (ball - camera.position)).z;
+                for (i, pixel) in mask.iter_mut().enumerate() {
+                    let (x, y) = ((i % size.width()) as f64, (i / size.width()) as f64);
+                    *pixel |= u8::from((x - u).abs() < radius && (x - u).hypot(y - v) <= radius);
+                }
+            }
+            recorder.push(&mask, frame as f64 / 25.0).unwrap();
+        }
+        recorder.finish().unwrap()
+    }
+
+    #[test]
+    fn that_one_camera_films_on_is_no_time_to_keep_aside() {
+        let angles = [(0.3, 500.0), (1.6, 480.0), (2.9, 450.0), (4.4, 520.0)];
+        let cameras: Vec<Camera> = angles.map(|(at, focal)| around(at, focal)).into();
+        let recordings: Vec<Recording> =
+            cameras.iter().zip([3000, 200, 200, 200]).map(|(c, frames)| filmed(c, frames)).collect();
+        let observed: Vec<Observed> = recordings.iter().map(Observed::new).collect();
+        let known = |c: &Camera| Beliefs {
+            intrinsic: c.intrinsic().map(Belief::fixed),
+            clock: [Belief::fixed(0.0); 2],
+            centred: false,
+            inset: INSET,
+            posed: false,
+        };
+        let beliefs: Vec<Beliefs> = cameras.iter().map(known).collect();
+        let network = Placed { cameras, placed: vec![true; 4] };
+        let pairs = network.pairs();
+        let solved = settled(&Survey::new(&observed, 240), network, &beliefs, &pairs, None);
+        let support = Support::of(&observed, &solved);
+        assert!(support.cameras.iter().all(|d| d.tangents > 6.0 && d.whole > 6.0), "{:?}", support.cameras);
+    }
 
     #[test]
     fn a_share_is_beyond_chance_and_of_what_could_meet() {

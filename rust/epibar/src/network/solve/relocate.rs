@@ -185,10 +185,10 @@ pub fn places(
 ) -> Vec<(f64, Camera)> {
     let others = network.others(camera);
     let rays = survey.all_rays(&network.cameras);
-    let score = |at: &Camera| excess(survey, network, &rays, camera, at, &others);
+    let score_of_guess = |at: &Camera| excess(survey, network, &rays, camera, at, &others);
     let mut guesses: Vec<(f64, Camera)> = guesses(network, beliefs, pairs, camera, tries)
         .into_par_iter()
-        .map(|at| (score(&at), at))
+        .map(|at| (score_of_guess(&at), at))
         .filter(|g| g.0.is_finite())
         .collect();
     guesses.sort_by(|p, q| q.0.total_cmp(&p.0));
@@ -202,7 +202,8 @@ pub fn places(
             let mut cameras = network.cameras.clone();
             cameras[camera] = at;
             let solved = settle(survey, &cameras, beliefs, &with, &moving, None).cameras[camera];
-            (score(&solved), solved)
+            // By its own clock, which asks the others for other frames.
+            (score(survey, &network.with(camera, solved), camera), solved)
         })
         .collect();
     tried.sort_by(|p, q| q.0.total_cmp(&p.0));

@@ -2,7 +2,7 @@
 
 use crate::network::case::Out;
 use crate::network::evidence::cheirality;
-use crate::network::evidence::knocks::knocked;
+use crate::network::evidence::knocks::{Knock, knocked};
 use crate::network::evidence::planes;
 use crate::network::evidence::slight_knocks;
 use crate::network::evidence::stated_errors::Expected;
@@ -102,11 +102,20 @@ fn apart(f: &NetworkFindings) -> Vec<Out> {
     others.map(|camera| f.out(camera, CameraStatus::Apart, None)).collect()
 }
 
-/// One that agrees with the others only before or after some moment.
+/// One that agrees with the others only before or after some moment; of several the one that keeps least, as pairs with it fail the others too.
 fn knocked_far(f: &NetworkFindings) -> Vec<Out> {
     let found = knocked(f.survey, &f.solved.network, limits::KNOCKED);
-    let knocked = found.into_iter().enumerate().find_map(|(c, at)| Some((c, at?)));
-    knocked.map(|(camera, at)| f.out(camera, CameraStatus::Knocked, Some(at))).into_iter().collect()
+    worst_knock(&found)
+        .map(|(camera, at)| f.out(camera, CameraStatus::Knocked, Some(at)))
+        .into_iter()
+        .collect()
+}
+
+/// The camera that keeps least beyond its knock, and when that was; of equals the first.
+fn worst_knock(found: &[Option<Knock>]) -> Option<(usize, f64)> {
+    let knocks = found.iter().enumerate().filter_map(|(c, knock)| Some((c, (*knock)?)));
+    let worst = knocks.min_by(|p, q| p.1.keeps.total_cmp(&q.1.keeps));
+    worst.map(|(camera, knock)| (camera, knock.at))
 }
 
 /// One that turned so little that it agrees with the others throughout. Of two nobody can say which did.
@@ -211,6 +220,16 @@ pub(in crate::network) fn status(findings: &CameraFindings) -> CameraStatus {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_knock_that_keeps_least_is_named_first() {
+        let knock = |at, keeps| Some(Knock { at, keeps });
+        assert_eq!(
+            worst_knock(&[knock(3.0, 0.17), None, knock(30.0, 0.02), knock(3.0, 0.02)]),
+            Some((2, 30.0))
+        );
+        assert_eq!(worst_knock(&[None, None]), None);
+    }
 
     #[test]
     fn groups_that_nothing_joins_stay_apart() {
