@@ -176,3 +176,11 @@ def test_a_chapter_that_breaks_off(camera):
         else:
             assert 70 < len(moments(frames)) < 100
         file.write_bytes(whole)
+
+
+def test_the_background_is_learned_from_the_seconds_that_are_used(camera):
+    """Of 100 frames 45 are used: all of the first chapter, five of the second, none of the third."""
+    with ChapterFrames(camera[0], frames=FrameRange(seconds=1.8)) as frames:
+        grey = [int(np.median(frame)) // 2 for frame in frames.sample(45)]
+    assert max(grey) <= 46
+    assert len(grey) >= 40

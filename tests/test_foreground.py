@@ -306,3 +306,45 @@ def test_a_light_switch_is_blanked_and_reported():
     assert "light changed suddenly at frame 15" in health.warnings[0]
     assert "4 of 30 frames" in health.warnings[1]
     assert health.moved_at is None
+
+
+def boxed(frame):
+    """A narrow picture with black beside it, as a phone held upright gives."""
+    whole = np.zeros((HEIGHT, 3 * WIDTH, 3), np.uint8)
+    whole[:, WIDTH : 2 * WIDTH] = frame
+    return whole
+
+
+def test_another_light_floods_a_picture_that_fills_a_part_of_the_image():
+    frames = [noisy(frame_of(index), index) for index in range(60)]
+    foreground = Foreground()
+    foreground.prime([boxed(frame) for frame in frames[::2]])
+    assert foreground.counted is not None
+    assert np.array_equal(np.flatnonzero(foreground.counted.all(axis=0)), np.arange(WIDTH, 2 * WIDTH))
+    health = CameraHealth()
+    health.count(foreground.counted)
+    blanked = []
+    for index, frame in enumerate(frames):
+        bright = np.clip(frame.astype(np.int16) + 60 * (index >= 20), 0, 255).astype(np.uint8)
+        image = boxed(bright)
+        blanked.append(not health.update(index, image, foreground.apply(image)).any())
+    assert not any(blanked[5:20])
+    assert blanked[20]
+    assert health.light_switches == [20]
+
+
+def test_before_a_dark_background_all_counts():
+    dark = [
+        np.where(walkers(index)[..., None], 200, 5).astype(np.uint8) * np.ones(3, np.uint8)
+        for index in range(40)
+    ]
+    foreground = Foreground()
+    foreground.prime(dark)
+    assert foreground.counted is None
+
+
+def test_a_light_that_goes_out_is_no_camera_that_moved():
+    out = np.full((240, 320, 3), 6, np.uint8)
+    health, _ = watch([out if 40 <= index < 90 else big_scene(index) for index in range(120)])
+    assert health.moved_at is None
+    assert health.numbers["dark"] == 50

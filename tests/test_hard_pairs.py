@@ -41,7 +41,7 @@ def in_bursts(masks, pause):
 
 @pytest.mark.parametrize("pause", [175, 0])
 def test_pauses_in_which_nobody_is_there_cost_nothing(pause):
-    """An entrance: refused once with z = 0, as of so few moments in a row none was far enough from another."""
+    """An entrance: refused once with z = 0, as of so few moments in a row none was far from another."""
     scene = synthetic.people(seed=1, cameras=2, walkers=4, frames=400)
     masks = [in_bursts(scene.masks(k), pause) for k in (0, 1)]
     recs = [epibar.Recording.from_masks(m, fps=25.0, lines=8000, seed=k) for k, m in enumerate(masks)]

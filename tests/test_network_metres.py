@@ -244,6 +244,7 @@ def test_contradictions_are_named():
         ({"camera_height": ("cam1", 1e308)}, "0.0001 to"),
         ({"person_height": 1e160}, "0.0001 to"),
         ({"person_height": "tall"}, "person_height"),
+        ({"person_height": 175}, "in metres: 1.75, not 175"),
     ],
 )
 def test_lengths_of_no_use(lengths, named):

@@ -10,6 +10,7 @@ import pytest
 
 from epibar.errors import EpibarError
 from epibar.sources.colour_frames import ColourFrames
+from epibar.sources.frame_range import FrameRange
 from epibar.sources.mask_frames import MaskFrames
 from epibar.sources.prefetch import prefetched
 from epibar.sources.source import DEFAULT_FPS
@@ -289,3 +290,31 @@ def test_opencv_does_not_chatter(tmp_path, write_video):
     )
     assert "EpibarError" in done.stderr
     assert "moov" not in done.stderr
+
+
+def test_the_last_frame_of_a_file_that_breaks_off_is_sampled_once(write_video):
+    """Seeks beyond what is there give it again and again: the background was learned mostly from it."""
+    with ColourFrames(write_video("a.mp4")) as frames:
+        frames.frame_count = 20 * COUNT
+        found = [frame.tobytes() for frame in frames.sample(60)]
+    assert len(set(found)) >= 0.9 * COUNT
+    assert max(found.count(frame) for frame in found) <= 4
+
+
+def test_of_a_part_no_other_frames_are_sampled(write_video):
+    with ColourFrames(write_video("a.avi", "MJPG"), frames=FrameRange(10, 39)) as frames:
+        used = {frame.tobytes() for _, _, frame in frames}
+        found = [frame.tobytes() for frame in frames.sample(5)]
+    assert len(found) >= 5
+    assert used.issuperset(found)
+
+
+def test_images_that_are_missing_between_others_are_told(tmp_path):
+    for number in (1, 2, 3, 5, 6, 9):
+        cv2.imwrite(str(tmp_path / f"f_{number:04d}.png"), np.zeros((24, 32, 3), np.uint8))
+    with ColourFrames(tmp_path, fps=25) as frames:
+        assert "the numbers of 3 images are missing" in frames.warnings[0]
+    for name in ("a.png", "take2_0001.png"):
+        cv2.imwrite(str(tmp_path / name), np.zeros((24, 32, 3), np.uint8))
+    with ColourFrames(tmp_path, fps=25) as frames:
+        assert frames.warnings == []

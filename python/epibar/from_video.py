@@ -180,6 +180,7 @@ def _options(
 def _moving(frames: ColourFrames, options: ForegroundOptions, health: CameraHealth) -> Stream:
     """Time and mask of each frame of a colour video."""
     foreground = Foreground.for_frames(frames, options)
+    health.count(foreground.counted)
 
     def masked() -> Generator[tuple[int, float, Image, Mask], None, None]:
         with closing(prefetched(frames, depth=1)) as ahead:

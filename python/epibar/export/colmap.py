@@ -41,8 +41,8 @@ def write_colmap(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     With intrinsics a camera is a PINHOLE whose focal length is a prior (the points are undistorted
     already); else a SIMPLE_RADIAL guess marked as no prior. A pair is CALIBRATED, with E and the relative
     pose, where these are known; else UNCALIBRATED, with F. COLMAP has no place for our verdict, so a pair
-    that was not accepted is marked UNDEFINED, which COLMAP takes for not verified. Cameras are named as in the
-    model of a network's cameras, one word each; other names than the recordings' are logged.
+    that was not accepted is marked UNDEFINED, which COLMAP takes for not verified. Cameras are named as in
+    the model of a network's cameras, one word each; other names than the recordings' are logged.
 
     Returns
     -------
@@ -94,9 +94,7 @@ def _matches(pair: Pair, keypoints: dict[str, dict[Key, int]]) -> Unsigned:
     return np.unique(np.array(columns, np.uint32).T.reshape(-1, 2), axis=0)
 
 
-def _add_image(
-    pycolmap: Any, database: Any, name: str, camera: Camera, corners: dict[Key, int]
-) -> int:
+def _add_image(pycolmap: Any, database: Any, name: str, camera: Camera, corners: dict[Key, int]) -> int:
     width, height = camera.size
     if camera.matrix is None:
         guess = FOCAL_GUESS * max(width, height)

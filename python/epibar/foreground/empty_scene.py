@@ -13,13 +13,15 @@ from collections.abc import Iterable
 import numpy as np
 
 from .. import _core
-from ..arguments import AnyArray, Image, core_errors
+from ..arguments import AnyArray, Image, Mask, core_errors
 from ..errors import EpibarError
 
-__all__ = ["collect", "median_background", "samples_in_memory", "steady_background"]
+__all__ = ["collect", "median_background", "samples_in_memory", "seen_to_be_dark", "steady_background"]
 
 MEMORY_BYTES = 256 * 2**20
 STRIP_ROWS = 32
+DARK = 24
+"""Level that pixels beside a picture stay below: black is 0 or 16, and compression adds to it."""
 
 
 def samples_in_memory(limit: int, frame_bytes: int, memory: int = MEMORY_BYTES) -> int:
@@ -88,6 +90,12 @@ def steady_background(samples: AnyArray) -> Image:
         return result
     with core_errors():
         return _core.steady_background(np.ascontiguousarray(samples))
+
+
+def seen_to_be_dark(samples: AnyArray) -> Mask:
+    """Tell which pixels of (N, H, W, 3) uint8 samples are dark in all of them, (H, W) bool."""
+    brightest: Mask = samples.max(axis=0).max(axis=2) < DARK
+    return brightest
 
 
 def median_background(samples: AnyArray) -> Image:

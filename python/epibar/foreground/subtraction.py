@@ -27,7 +27,7 @@ from ..arguments import Image, Mask, core_errors
 from ..errors import EpibarError
 from ..sources.colour_frames import ColourFrames
 from .background_models import FLOOD_LEARNING_RATE, BackgroundModel, largest_difference, new_model
-from .empty_scene import collect, samples_in_memory, steady_background
+from .empty_scene import DARK, collect, samples_in_memory, seen_to_be_dark, steady_background
 from .flooding import FLOOD_SHARE, moving_share
 from .options import ForegroundOptions
 
@@ -35,6 +35,8 @@ __all__ = ["Foreground"]
 
 REFERENCE_HEIGHT = 480.0
 FLOOD_PATIENCE = 3  # flooded frames in a row before the model learns anew
+LEAST_COUNTED, LIT = 0.25, 0.8
+"""Share of the image that a picture beside dark parts fills at least, and of it whose background is lit."""
 
 
 class Foreground:
@@ -43,6 +45,11 @@ class Foreground:
     Parameters
     ----------
     options : ForegroundOptions, optional
+
+    Attributes
+    ----------
+    counted : ndarray, shape (H, W), bool, or None
+        Where something can be seen to move: not ignored, and not always dark. None is everywhere.
 
     Examples
     --------
@@ -57,6 +64,7 @@ class Foreground:
         self.background: Image | None = None
         self._model: BackgroundModel | None = None
         self._hidden: Mask | None = None
+        self.counted: Mask | None = None
         self._size: tuple[int, int] | None = None
         self._learned = 0
         self._primed = False
@@ -98,6 +106,7 @@ class Foreground:
         samples = collect((self._checked(frame) for frame in frames), self.options.warm_up)
         size = self._set_size(samples[0])
         self.background = steady_background(samples)
+        self._leave_out(seen_to_be_dark(samples), self.background)
         self._model = model = new_model(self.options, size)
         # MOG2 weighs late samples a little more, so their order must not be that of time.
         order = np.random.default_rng(0).permutation(len(samples))
@@ -105,6 +114,17 @@ class Foreground:
             sample = samples[order[number % len(order)]]
             model.learn(self._painted(sample, self.background), number)
         self._primed = True
+
+    def _leave_out(self, dark: Mask, background: Image) -> None:
+        """Count no pixels that are always dark, as those beside a round or a narrow picture are.
+
+        Before a dark background all count: what is not always dark there is where something moves.
+        """
+        counted = ~dark if self.counted is None else self.counted & ~dark
+        left = np.count_nonzero(counted)
+        lit = np.count_nonzero(counted & (background.max(axis=2) >= DARK))
+        if dark.any() and left > LEAST_COUNTED * dark.size and lit > LIT * left:
+            self.counted = counted
 
     def _painted(self, sample: Image, background: Image) -> Image:
         """Replace people in a sample by background; flicker, which is small, stays to be learnt."""
@@ -148,7 +168,7 @@ class Foreground:
             return np.zeros(frame.shape[:2], np.uint8)
         rate = FLOOD_LEARNING_RATE if self._flooded >= FLOOD_PATIENCE else self._rate
         moving = self._model.moving(frame, rate)
-        self._flooded = self._flooded + 1 if moving_share(moving) > FLOOD_SHARE else 0
+        self._flooded = self._flooded + 1 if moving_share(moving, self.counted) > FLOOD_SHARE else 0
         return moving
 
     def clean(self, mask: Mask) -> Mask:
@@ -186,6 +206,7 @@ class Foreground:
                     f"ignore mask: {ignore.shape[1]}x{ignore.shape[0]}, but the frames are {width}x{height}"
                 )
             self._hidden = None if ignore is None else np.ascontiguousarray(ignore != 0, np.uint8)
+            self.counted = None if ignore is None else np.asarray(ignore) == 0
         elif self._size != (width, height):
             raise EpibarError(f"a frame of {width}x{height} after frames of {self._size[0]}x{self._size[1]}")
         return width, height

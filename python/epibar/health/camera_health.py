@@ -98,8 +98,9 @@ class CameraHealth:
         """
         self.frames += 1
         self._last_index = index
-        self._watch_light(index, frame)
-        if (self.frames - 1) % self.every == 0:
+        is_dark = self._watch_light(index, frame)
+        # Where nothing is to be seen nobody can say whether the camera stands.
+        if (self.frames - 1) % self.every == 0 and not is_dark:
             self.motion.look(index, frame)
         if moving_share(mask, self._counted) <= FLOOD_SHARE:
             return mask
@@ -108,27 +109,39 @@ class CameraHealth:
         self.blanked += 1
         return np.zeros_like(mask)
 
-    def _watch_light(self, index: int, frame: Image) -> None:
+    def count(self, counted: Mask | None) -> None:
+        """Take some pixels, (H, W) bool, for those that a flood or another light changes; None is all."""
+        self._counted = counted
+
+    def _watch_light(self, index: int, frame: Image) -> bool:
+        """Look at the light of a frame, and tell whether there is next to none."""
         cv2 = opencv()
         height, width = (max(1, size // 8) for size in frame.shape[:2])
         green = cv2.extractChannel(frame, 1)
         small = cv2.resize(green, (width, height), interpolation=cv2.INTER_AREA)
         sparse = small.astype(np.int16)
-        self._dark += small.std() < DARK_CONTRAST
+        is_dark = bool(small.std() < DARK_CONTRAST)
+        self._dark += is_dark
         if self._first is None or self._sparse is None:
             self._first = sparse
         else:
             change = np.abs(sparse - self._sparse)
+            self._repeated = 0 if change.any() else self._repeated + 1
+            if self._counted is not None:
+                counted = cv2.resize(
+                    self._counted.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST
+                )
+                change = change[counted > 0]
             # Counting is quicker than the median, and mostly answers it.
             many = 2 * np.count_nonzero(change > BRIGHTNESS_JUMP) >= change.size
-            if many and np.median(change) > BRIGHTNESS_JUMP:
+            if change.size and many and np.median(change) > BRIGHTNESS_JUMP:
                 self.light_switches.append(index)
-            self._repeated = 0 if change.any() else self._repeated + 1
             self._longest_repeat = max(
                 self._longest_repeat, (self._repeated, index - self._repeated), key=lambda run: run[0]
             )
         self._levels.append(_levels(sparse - self._first))
         self._sparse = sparse
+        return is_dark
 
     @property
     def numbers(self) -> dict[str, float]:

@@ -32,6 +32,9 @@ SHARPEST = 1e-9
 SHORTEST, LONGEST = 1e-4, 1e7
 """Metres that are taken for a length; what is shorter or longer is a slip of the hand or of a unit."""
 
+TALLEST = 3.0
+"""Metres that nobody who walks is taller than."""
+
 MEASURED = 0.01
 """Standard error of a measured length: this share of it, or so many metres where that is more."""
 
@@ -136,7 +139,7 @@ def check_lengths(
             of.append(((what, *sorted(cameras)), f"{what} {' '.join(cameras)} {metres:g}"))
     _refuse_twice(of)
     if person_height is not None:
-        _metres("person_height", person_height, STATURE, 0.0)
+        _stature(person_height)
 
 
 def _refuse_twice(lengths: Sequence[tuple[tuple[str, ...], str]]) -> None:
@@ -234,7 +237,7 @@ def _camera_height(network: NetworkParts, given: Any) -> KnownLength:
 
 
 def _person_height(network: NetworkParts, given: Any) -> KnownLength:
-    metres, error = _metres("person_height", given, STATURE, 0.0)
+    metres, error = _stature(given)
     what = f"the height of {metres:g} m of people"
     _check_floor(network, what)
     others = network.ground.not_people
@@ -249,6 +252,16 @@ def _person_height(network: NetworkParts, given: Any) -> KnownLength:
     stated = isinstance(given, (tuple, list))
     relative = math.hypot(error / metres, FIGURES) if stated else error / metres
     return KnownLength(what, ("person_height",), metres / network.ground.height, relative)
+
+
+def _stature(given: Any) -> tuple[float, float]:
+    """Metres and their standard error; nobody is as tall as what was meant for centimetres."""
+    metres, error = _metres("person_height", given, STATURE, 0.0)
+    if metres > TALLEST:
+        raise EpibarError(
+            f"person_height is {metres:g} m, and nobody is above {TALLEST:g}; it is in metres: 1.75, not 175"
+        )
+    return metres, error
 
 
 def _check_floor(network: NetworkParts, what: str) -> None:

@@ -6,6 +6,7 @@ without a break. Whether one is missing is told from the numbers in the names.
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Generator, Iterator
@@ -201,14 +202,23 @@ class ChapterFrames(ColourFrames):
 
     def sample(self, count: int) -> Iterator[Image]:
         """About ``count`` frames, from each chapter as many as it has a share of the frames that are used."""
+        if self.frame_count is None:
+            if self._range != FrameRange():  # nobody knows in which of them the part lies
+                yield from (frame for _, _, frame in self)
+                return
+            end = math.inf
+        else:
+            end = self.first + self.frame_count
         used = []
         before = 0
         for file, length in zip(self.files, self._lengths, strict=True):
             first = max(0, self.first - before)
-            last = length if self._range.last is None else min(length, self._range.last - before)
+            last = int(min(length, end - before))
             before += length
             if not length:
                 used.append((file, FrameRange(), 1))
+            elif (first, last) == (0, length):
+                used.append((file, FrameRange(), length))
             elif last > first:
                 used.append((file, FrameRange(first, last), last - first))
         total = sum(frames for *_, frames in used)

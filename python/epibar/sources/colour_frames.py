@@ -16,10 +16,11 @@ import numpy as np
 from ..arguments import Image, Index
 from ..errors import EpibarError, is_address
 from .frame_range import FrameRange
-from .images import IMAGE_SUFFIXES, as_bgr, natural_order, read_image
+from .images import IMAGE_SUFFIXES, as_bgr, missing_numbers, natural_order, read_image
 from .mask_array_file import ARRAY_SUFFIXES
 from .quiet_opencv import opencv
 from .source import FrameSource
+from .time_stamps import TimeStamps
 
 __all__ = ["ColourFrames"]
 
@@ -33,6 +34,11 @@ NEAR = 32
 """Frames ahead that are reached faster by decoding than by seeking, which goes back to a key frame."""
 LIVE_PRIMING = 10.0
 """Seconds of a live stream from which the empty scene is learned, before those that are recorded."""
+
+
+def _stamp(capture: Any) -> float:
+    """Seconds that the container has for the frame just read."""
+    return float(capture.get(opencv().CAP_PROP_POS_MSEC)) / 1000.0
 
 
 def _is_stream_or_pattern(source: str) -> bool:
@@ -124,6 +130,11 @@ class ColourFrames(FrameSource[Image]):
         self._images = files
         self.height, self.width = read_image(files[0]).shape[:2]
         self._choose_fps(None)
+        if missing := missing_numbers(files):
+            self._warn(
+                f"{self.shown}: the numbers of {missing} images are missing between the others, so those "
+                "after them come too early; add them, black ones where nothing moves in masks"
+            )
         self.frame_count = self._range.expected(len(files), self.fps)
 
     def _capture(self) -> Any:
@@ -192,16 +203,17 @@ class ColourFrames(FrameSource[Image]):
         return capture, None if number else frame
 
     def _iterate_video(self) -> Generator[tuple[int, float, Image], None, None]:
-        cv2 = opencv()
         capture, frame = self._at(self.first)
         try:
             if self.first and frame is None:
                 raise self._range.beyond(self.shown)
-            index, time, start, gaps = 0, 0.0, float(capture.get(cv2.CAP_PROP_POS_MSEC)), 0
+            index, time, gaps = 0, 0.0, 0
+            stamps = TimeStamps(self.fps, _stamp(capture))
             while frame is not None:
                 self._check_size(frame.shape, f"{self.shown}: frame {self.first + index}")
                 if index:
-                    previous, time = time, self._time(index, time, capture.get(cv2.CAP_PROP_POS_MSEC) - start)
+                    previous = time
+                    time = stamps.at(_stamp(capture)) if self._given_fps is None else index / self.fps
                     gaps += time - previous > 1.5 / self.fps
                 yield index, time, as_bgr(frame)
                 index += 1
@@ -211,12 +223,11 @@ class ColourFrames(FrameSource[Image]):
                     capture.release()
                     capture, frame = self._reconnected()
                     # Time goes on while nothing comes; the stamps of a new connection begin anew.
-                    time += clock.monotonic() - lost
+                    stamps.go_on(clock.monotonic() - lost, _stamp(capture))
                     gaps += 1
-                    start = float(capture.get(cv2.CAP_PROP_POS_MSEC)) - 1000 * (time + 1 / self.fps)
                     if frame is None:
                         self._warn(f"{self.shown}: the stream ended after {index} frames, too early")
-            self._finish(index, gaps)
+            self._finish(index, gaps, stamps)
         finally:
             capture.release()
 
@@ -236,22 +247,24 @@ class ColourFrames(FrameSource[Image]):
             capture.release()
         return capture, None
 
-    def _time(self, index: int, previous: float, stamp_ms: float) -> float:
-        """Seconds of a frame: its time stamp where that makes sense, else one frame after the last."""
-        if self._given_fps is not None:
-            return index / self.fps
-        stamp = stamp_ms / 1000.0
-        sane = math.isfinite(stamp) and previous < stamp < previous + max(60.0, 10.0 / self.fps)
-        return stamp if sane else previous + 1.0 / self.fps
-
-    def _finish(self, decoded: int, gaps: int) -> None:
+    def _finish(self, decoded: int, gaps: int, stamps: TimeStamps) -> None:
         self.frame_count = decoded
         if self._announced is not None:
             missing = self._announced - decoded
             self.truncated = missing > max(TRUNCATION_FRAMES, TRUNCATION_SHARE * self._announced)
+            if self._given_fps is None:
+                # Some containers have a length, and a number of frames worked out by a rate that may vary.
+                length = self._announced / self.fps
+                lasts = stamps.time + stamps.usual
+                self.truncated &= length - lasts > TRUNCATION_SHARE * length
             if self.truncated:
                 found = f"decoded {decoded} of {self._announced} frames"
                 self._warn(f"{self.shown}: truncated, {found}; those are used")
+        if 0 < stamps.replaced < decoded - 1:  # else it has none at all
+            self._warn(
+                f"{self.shown}: time stamps of {stamps.replaced} frames go back, stand still or leap by more "
+                "than a minute; each is taken to follow the frame before at the usual interval"
+            )
         if gaps:
             self._warn(
                 f"{self.shown}: {gaps} gaps between frames are longer than 1.5 frame times; frames were "
@@ -288,24 +301,35 @@ class ColourFrames(FrameSource[Image]):
                 if (frame.shape[1], frame.shape[0]) == self.size:
                     found += 1
                     yield as_bgr(frame)
-        if not found:
+        if 2 * found < len(numbers):
             yield from (frame for _, _, frame in self)
 
     def _picked(self, numbers: Index) -> Generator[Image, None, None]:
-        """Yield frames by their numbers in the file, which increase, as far as they can be had."""
+        """Yield frames by their numbers in the file, which increase, as far as they can be had.
+
+        Of a part of the file frames are counted: a seek goes by the mean rate, which may vary.
+        """
         cv2 = opencv()
         capture, at = self._capture(), 0
+        of_part = self.first > 0 or self._range.last is not None
+        last: tuple[float, Image] | None = None
         try:
             for number in map(int, numbers):
-                if number - at > NEAR:
+                if number - at > NEAR and not of_part:
                     capture.set(cv2.CAP_PROP_POS_FRAMES, float(number))
                     ok, frame = capture.read()
                 else:  # a seek would decode as many from the key frame before
                     ok = all(capture.grab() for _ in range(number + 1 - at))
                     ok, frame = capture.retrieve() if ok else (False, None)
                 at = number + 1
-                if ok and frame is not None:
-                    yield frame
+                if not ok or frame is None:
+                    continue
+                # Beyond the end of a file that breaks off the last frame comes again and again.
+                stamp = _stamp(capture)
+                if last is not None and stamp <= last[0] and np.array_equal(frame, last[1]):
+                    continue
+                last = stamp, frame
+                yield frame
         finally:
             capture.release()
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
+from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +14,7 @@ from ..arguments import Image
 from ..errors import EpibarError
 from .quiet_opencv import opencv
 
-__all__ = ["IMAGE_SUFFIXES", "as_bgr", "natural_order", "read_image"]
+__all__ = ["IMAGE_SUFFIXES", "as_bgr", "missing_numbers", "natural_order", "read_image"]
 
 IMAGE_SUFFIXES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"}
 
@@ -20,6 +23,22 @@ def natural_order(path: Path) -> list[tuple[int, int, str]]:
     """Sort key that puts ``frame2`` before ``frame10``."""
     parts = re.split(r"(\d+)", path.name.lower())
     return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
+
+
+def missing_numbers(files: Sequence[Path]) -> int:
+    """How many are missing between images in natural order, by the one number in which names differ, or 0."""
+    parts = [re.split(r"(\d+)", file.stem.lower()) for file in files]
+    if len(parts) < 3 or len({(len(part), *part[::2]) for part in parts}) > 1:
+        return 0
+    numbers = [[int(number) for number in part[1::2]] for part in parts]
+    differ = [place for place in range(len(numbers[0])) if len({number[place] for number in numbers}) > 1]
+    if len(differ) != 1:
+        return 0
+    steps = [after[differ[0]] - before[differ[0]] for before, after in pairwise(numbers)]
+    (usual, count), *_ = Counter(steps).most_common(1)
+    if usual <= 0 or 2 * count <= len(steps) or any(step % usual for step in steps):
+        return 0
+    return sum(step // usual - 1 for step in steps)
 
 
 def as_bgr(image: Image) -> Image:

@@ -11,6 +11,9 @@ from ..errors import EpibarError
 
 __all__ = ["prefetched"]
 
+LEFT_AFTER = 2.0
+"""Seconds for which a thread that is no longer needed is waited for."""
+
 T = TypeVar("T")
 
 
@@ -59,4 +62,5 @@ def prefetched(items: Iterable[T], depth: int = 2) -> Generator[T, None, None]:
                 raise value
     finally:
         stop.set()
-        thread.join()
+        # A read of a stream that stalls cannot be stopped; whoever interrupts does not wait for it.
+        thread.join(LEFT_AFTER)

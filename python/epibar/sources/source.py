@@ -84,7 +84,10 @@ class FrameSource(Generic[T]):
             self.fps = float(announced)
         else:
             self.fps = DEFAULT_FPS
-            self._warn(f"{self.shown}: no frame rate given, {DEFAULT_FPS:g} frames per second assumed")
+            self._warn(
+                f"{self.shown}: no frame rate given, {DEFAULT_FPS:g} frames per second assumed; if it is "
+                "another one clocks cannot agree: give fps to epibar.record, or to the .npz of masks"
+            )
 
     def _check_size(self, shape: tuple[int, ...], where: str) -> None:
         height, width = shape[:2]
