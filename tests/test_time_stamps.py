@@ -28,6 +28,7 @@ def test_a_pause_that_is_too_long_is_left_out_and_stamps_count_again():
     assert clock.replaced == 1
     np.testing.assert_allclose(np.diff(times)[20:], 0.08, atol=1e-9)
     assert np.diff(times)[19] == pytest.approx(0.033)
+    assert clock.span == pytest.approx(500.0 + 49 * 0.08)
 
 
 def test_stamps_that_begin_anew_go_on():
@@ -38,13 +39,28 @@ def test_stamps_that_begin_anew_go_on():
 
 
 @pytest.mark.parametrize("late", [0.3, 5.0, 90.0])
-def test_one_stamp_that_is_too_late_costs_those_after_it_little(late):
+def test_after_one_stamp_that_is_too_late_the_others_are_caught_up_with(late):
     stamps = regular(300)
     stamps[50] += late
     times, _ = seconds(stamps)
     assert np.all(np.diff(times) > 0)
     after = 60 + int(late / 0.036) if late < 60 else 60
     np.testing.assert_allclose(times[after:], regular(300)[after:], atol=1e-9)
+
+
+def test_stamps_that_stand_still_are_no_late_ones():
+    times, _ = seconds(regular(100) + [99 * 0.04] * 1000 + regular(50, start=99 * 0.04 + 0.04))
+    np.testing.assert_allclose(np.diff(times), 0.04, atol=1e-9)
+    times, _ = seconds([stamp for stamp in regular(50, 0.08) for _ in range(2)])
+    np.testing.assert_allclose(np.diff(times), 0.04, atol=1e-9)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_some_that_are_too_early_shift_nothing_after_them(count):
+    stamps = regular(100)
+    stamps[50 : 50 + count] = [stamp - 1.0 for stamp in stamps[50 : 50 + count]]
+    times, _ = seconds(stamps)
+    np.testing.assert_allclose(times, regular(100), atol=1e-9)
 
 
 def test_without_stamps_frames_follow_at_the_rate():

@@ -73,6 +73,7 @@ def _one_round(video: Path) -> dict[str, float]:
         with timed("the empty scene"):
             foreground = Foreground.for_frames(frames)
         health = CameraHealth("camera")
+        health.count(foreground.counted)
         recorder = new_recorder(*frames.size, DEFAULT_LINES, 0, MIN_COMPONENT_AREA)
         taker = PictureTaker(frames.frame_count, frames.fps)
         moments = iter(frames)

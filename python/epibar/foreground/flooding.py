@@ -15,4 +15,4 @@ def moving_share(mask: Mask, counted: Mask | None = None) -> float:
     """Share of the image that is foreground, where it counts."""
     if counted is None:
         return float(np.count_nonzero(mask) / mask.size)
-    return float(np.count_nonzero(mask[counted]) / max(1, int(np.count_nonzero(counted))))
+    return float(np.count_nonzero(np.logical_and(mask, counted)) / max(1, int(np.count_nonzero(counted))))

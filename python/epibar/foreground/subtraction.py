@@ -35,6 +35,8 @@ __all__ = ["Foreground"]
 
 REFERENCE_HEIGHT = 480.0
 FLOOD_PATIENCE = 3  # flooded frames in a row before the model learns anew
+LEAST_DARK = 0.02
+"""Share of the image that is always dark below which nothing stands beside a picture."""
 LEAST_COUNTED, LIT = 0.25, 0.8
 """Share of the image that a picture beside dark parts fills at least, and of it whose background is lit."""
 
@@ -123,7 +125,11 @@ class Foreground:
         counted = ~dark if self.counted is None else self.counted & ~dark
         left = np.count_nonzero(counted)
         lit = np.count_nonzero(counted & (background.max(axis=2) >= DARK))
-        if dark.any() and left > LEAST_COUNTED * dark.size and lit > LIT * left:
+        if (
+            np.count_nonzero(dark) > LEAST_DARK * dark.size
+            and left > LEAST_COUNTED * dark.size
+            and lit > LIT * left
+        ):
             self.counted = counted
 
     def _painted(self, sample: Image, background: Image) -> Image:

@@ -59,6 +59,7 @@ class CameraHealth:
         self.blanked = 0
         self.light_switches: list[int] = []
         self._counted = None if ignore is None else np.asarray(ignore) == 0
+        self._counted_sparsely: Mask | None = None
         self.motion = CameraMotion(self._counted)
         self._first_blanked = -1
         self._first: Image | None = None
@@ -111,7 +112,7 @@ class CameraHealth:
 
     def count(self, counted: Mask | None) -> None:
         """Take some pixels, (H, W) bool, for those that a flood or another light changes; None is all."""
-        self._counted = counted
+        self._counted, self._counted_sparsely = counted, None
 
     def _watch_light(self, index: int, frame: Image) -> bool:
         """Look at the light of a frame, and tell whether there is next to none."""
@@ -128,10 +129,11 @@ class CameraHealth:
             change = np.abs(sparse - self._sparse)
             self._repeated = 0 if change.any() else self._repeated + 1
             if self._counted is not None:
-                counted = cv2.resize(
-                    self._counted.astype(np.uint8), (width, height), interpolation=cv2.INTER_NEAREST
-                )
-                change = change[counted > 0]
+                if self._counted_sparsely is None:
+                    counted = self._counted.astype(np.uint8)
+                    nearest = cv2.resize(counted, (width, height), interpolation=cv2.INTER_NEAREST)
+                    self._counted_sparsely = nearest > 0
+                change = change[self._counted_sparsely]
             # Counting is quicker than the median, and mostly answers it.
             many = 2 * np.count_nonzero(change > BRIGHTNESS_JUMP) >= change.size
             if change.size and many and np.median(change) > BRIGHTNESS_JUMP:

@@ -74,7 +74,8 @@ class ColourFrames(FrameSource[Image]):
     frame_count : int or None
         What the container announces until the end was reached, then what was decoded; None if unknown.
     truncated : bool
-        The container announced clearly more frames than could be decoded. Known once the end was reached.
+        The container announced clearly more frames than could be decoded, and a longer time than their stamps
+        span. Known once the end was reached.
     warnings : list of str
         Plain-English remarks for the user.
 
@@ -95,6 +96,7 @@ class ColourFrames(FrameSource[Image]):
     ) -> None:
         super().__init__(path, fps, frames)
         self.live = False
+        self._stated_fps: float | None = None
         self._images: list[Path] | None = None
         self._started: tuple[Any, Image] | None = None
         file = Path(self.path)
@@ -170,7 +172,9 @@ class ColourFrames(FrameSource[Image]):
                     f"{self.shown}: a live stream has no end; say how much of it to use, with --seconds 60 "
                     "or --frames :1500 (seconds=60, frames=(0, 1500))"
                 )
-        self._choose_fps(capture.get(cv2.CAP_PROP_FPS))
+        stated = float(capture.get(cv2.CAP_PROP_FPS))
+        self._stated_fps = stated if 0 < stated < 1e4 else None
+        self._choose_fps(stated)
         self.frame_count = self._range.expected(self.frame_count, self.fps)
         if self.live and self._range.last is not None and self.frame_count is None:
             self.frame_count = self._range.last - self.first
@@ -213,7 +217,8 @@ class ColourFrames(FrameSource[Image]):
                 self._check_size(frame.shape, f"{self.shown}: frame {self.first + index}")
                 if index:
                     previous = time
-                    time = stamps.at(_stamp(capture)) if self._given_fps is None else index / self.fps
+                    by_stamps = stamps.at(_stamp(capture))
+                    time = by_stamps if self._given_fps is None else index / self.fps
                     gaps += time - previous > 1.5 / self.fps
                 yield index, time, as_bgr(frame)
                 index += 1
@@ -252,15 +257,13 @@ class ColourFrames(FrameSource[Image]):
         if self._announced is not None:
             missing = self._announced - decoded
             self.truncated = missing > max(TRUNCATION_FRAMES, TRUNCATION_SHARE * self._announced)
-            if self._given_fps is None:
-                # Some containers have a length, and a number of frames worked out by a rate that may vary.
-                length = self._announced / self.fps
-                lasts = stamps.time + stamps.usual
-                self.truncated &= length - lasts > TRUNCATION_SHARE * length
+            # Some containers have a length, and a number of frames worked out by a rate that may vary.
+            length = self._announced / (self._stated_fps or self.fps)
+            self.truncated &= length - stamps.span - stamps.usual > TRUNCATION_SHARE * length
             if self.truncated:
                 found = f"decoded {decoded} of {self._announced} frames"
                 self._warn(f"{self.shown}: truncated, {found}; those are used")
-        if 0 < stamps.replaced < decoded - 1:  # else it has none at all
+        if self._given_fps is None and 0 < stamps.replaced < decoded - 1:  # else it has none at all
             self._warn(
                 f"{self.shown}: time stamps of {stamps.replaced} frames go back, stand still or leap by more "
                 "than a minute; each is taken to follow the frame before at the usual interval"

@@ -36,7 +36,7 @@ def missing_numbers(files: Sequence[Path]) -> int:
         return 0
     steps = [after[differ[0]] - before[differ[0]] for before, after in pairwise(numbers)]
     (usual, count), *_ = Counter(steps).most_common(1)
-    if usual <= 0 or 2 * count <= len(steps) or any(step % usual for step in steps):
+    if min(steps) <= 0 or 2 * count <= len(steps) or any(step % usual for step in steps):
         return 0
     return sum(step // usual - 1 for step in steps)
 

@@ -161,10 +161,13 @@ struct Shifts<'a> {
 
 impl<'a> Shifts<'a> {
     fn new(a: &'a Recording, b: &'a Recording, taken: &'a [u32], lines: usize) -> Self {
-        let rows_a = a.barcodes.select_frames(taken).informative(&Informative::default());
-        // However long B films, what its lines see they see while something is there.
-        let busy: Vec<u32> = (0..b.frames() as u32).filter(|&frame| b.shows(frame)).collect();
-        let rows_b = b.barcodes.select_frames(&busy).informative(&Informative::default());
+        // However long a camera films, what its lines see they see while something is there.
+        let rows = |recording: &Recording, frames: &mut dyn Iterator<Item = u32>| {
+            let busy: Vec<u32> = frames.filter(|&frame| recording.shows(frame)).collect();
+            recording.barcodes.select_frames(&busy).informative(&Informative::default())
+        };
+        let rows_a = rows(a, &mut taken.iter().copied());
+        let rows_b = rows(b, &mut (0..b.frames() as u32));
         Self { a, b, lines_a: thinned(a, rows_a, lines), lines_b: thinned(b, rows_b, lines), taken }
     }
 

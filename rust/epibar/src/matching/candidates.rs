@@ -107,31 +107,25 @@ struct InformativeLines {
     barcodes: Barcodes,
 }
 
-/// Places among frames.
-struct Places {
-    /// Those at which both cameras see something, in which lines must be informative: a long time in which nobody is there says
-    /// nothing of what a line sees.
-    busy: Vec<u32>,
-    /// Those that are compared.
-    compared: Vec<u32>,
-}
-
 /// The informative ones among the recording's lines, and as many more near them as `densify` asks for, with their
-/// barcodes at the compared places of `frames`.
+/// barcodes at the `compared` places of `frames`. Lines must be informative at those at which the camera sees anything: a long time in
+/// which nobody is there says nothing of what a line sees.
 fn informative_lines(
     recording: &Recording,
     frames: &[u32],
-    places: &Places,
+    compared: &[u32],
     options: &CandidateOptions,
     which: u64,
 ) -> InformativeLines {
     let selected = recording.barcodes.select_frames(frames);
+    let busy: Vec<u32> =
+        (0..frames.len() as u32).filter(|&place| recording.shows(frames[place as usize])).collect();
     let informative = |barcodes: &Barcodes| {
         // Where nothing is large enough to be a silhouette lines are all there is.
-        if places.busy.is_empty() || places.busy.len() == frames.len() {
+        if busy.is_empty() || busy.len() == frames.len() {
             return barcodes.informative(&options.informative);
         }
-        barcodes.select_frames(&places.busy).informative(&options.informative)
+        barcodes.select_frames(&busy).informative(&options.informative)
     };
     let rows = informative(&selected);
     let mut segments: Vec<Segment> = rows.iter().map(|&i| recording.segments[i as usize]).collect();
@@ -145,12 +139,12 @@ fn informative_lines(
         barcodes.count += kept.len();
         barcodes.bits.extend(bits.select_rows(&kept).bits);
     }
-    InformativeLines { segments, barcodes: barcodes.select_frames(&places.compared) }
+    InformativeLines { segments, barcodes: barcodes.select_frames(compared) }
 }
 
 /// Finds candidates between two recordings whose frames correspond by `common`.
 ///
-/// Lines are informative over those of `common` in which both cameras see something, and compared at some of `common`, `compared`, in the
+/// Lines are informative over those of `common` in which their camera sees something, and compared at some of `common`, `compared`, in the
 /// same order: frames that are not compared have a say in what each camera is taken to see, but none in what the two see together.
 ///
 /// # Errors
@@ -162,16 +156,11 @@ pub fn find_candidates(
     compared: &[FramePair],
     options: &CandidateOptions,
 ) -> Result<Candidates> {
-    let shows = |p: &&FramePair| a.shows(p.a) && b.shows(p.b);
-    let place = |c: &FramePair| common.partition_point(|p| p < c) as u32;
-    let places = Places {
-        busy: common.iter().filter(shows).map(place).collect(),
-        compared: compared.iter().map(place).collect(),
-    };
+    let compared: Vec<u32> = compared.iter().map(|c| common.partition_point(|p| p < c) as u32).collect();
     let frames_a: Vec<u32> = common.iter().map(|p| p.a).collect();
     let frames_b: Vec<u32> = common.iter().map(|p| p.b).collect();
-    let lines_a = informative_lines(a, &frames_a, &places, options, 1);
-    let lines_b = informative_lines(b, &frames_b, &places, options, 2);
+    let lines_a = informative_lines(a, &frames_a, &compared, options, 1);
+    let lines_b = informative_lines(b, &frames_b, &compared, options, 2);
     let deep = options.mutual.max(options.mutual_reserve);
     let mut matches = mutual_matches(&lines_a.barcodes, &lines_b.barcodes, deep)?;
     // The paper's candidates first, each part best correlation first (the sort is stable).

@@ -57,7 +57,9 @@ pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     }
     let Some(lag) = (left..alike.len()).find(|&lag| alike[lag] >= FIRST * most) else { return most };
     // Up to the top of it.
-    let lag = (lag..alike.len() - 1).find(|&lag| !(alike[lag + 1] > alike[lag])).unwrap_or(lag);
+    let lag = (lag..alike.len() - 1)
+        .find(|&lag| alike[lag + 1].is_nan() || alike[lag + 1] <= alike[lag])
+        .unwrap_or(lag);
     let mut sums = Replacements::default();
     for (recording, frames) in recordings.into_iter().zip(&frames) {
         sums.follow(recording, frames, lag);
@@ -242,6 +244,17 @@ mod tests {
         let common: Vec<FramePair> = (0..240).map(|i| FramePair { a: i, b: i }).collect();
         let repeats = repeats([&short, &long], &common);
         assert!(repeats > 0.9, "{repeats}");
+    }
+
+    #[test]
+    fn a_long_time_in_which_nobody_is_there_leaves_lines_to_ask() {
+        // One that wanders through, in 140 of 3000 frames.
+        let recording = recorded(3000, |t| {
+            if (1400..1540).contains(&t) { vec![[t - 1400, (t * t / 60) % 60]] } else { vec![] }
+        });
+        let common: Vec<FramePair> = (0..3000).map(|i| FramePair { a: i, b: i }).collect();
+        let repeats = repeats([&recording; 2], &common);
+        assert!(repeats < 0.4, "{repeats}");
     }
 
     #[test]

@@ -94,12 +94,13 @@ fn in_common_frames(stay: usize, common: &[FramePair], busy: &[FramePair]) -> us
     median(spans).map_or(stay, |span| stay.max(span as usize))
 }
 
-/// Barcodes of some lines on which things move in some frames, over these.
+/// Barcodes over some frames of some lines on which things move in those of the frames in which anything does.
 pub(super) fn moving_lines(recording: &Recording, frames: &[u32]) -> Barcodes {
-    let barcodes = recording.barcodes.select_frames(frames);
-    let rows = barcodes.informative(&Informative::default());
+    let busy: Vec<u32> = frames.iter().copied().filter(|&frame| recording.shows(frame)).collect();
+    let rows = recording.barcodes.select_frames(&busy).informative(&Informative::default());
     let step = rows.len().div_ceil(LINES).max(1);
-    barcodes.select_rows(&rows.into_iter().step_by(step).collect::<Vec<_>>())
+    let some: Vec<u32> = rows.into_iter().step_by(step).collect();
+    recording.barcodes.select_rows(&some).select_frames(frames)
 }
 
 fn stay_in(recording: &Recording, frames: &[u32]) -> usize {
