@@ -94,8 +94,8 @@ def steady_background(samples: AnyArray) -> Image:
 
 def seen_to_be_dark(samples: AnyArray) -> Mask:
     """Tell which pixels of (N, H, W, 3) uint8 samples are dark in all of them, (H, W) bool."""
-    brightest: Mask = samples.max(axis=0).max(axis=2) < DARK
-    return brightest
+    dark: Mask = samples.max(axis=0).max(axis=2) < DARK
+    return dark
 
 
 def median_background(samples: AnyArray) -> Image:

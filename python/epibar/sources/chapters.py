@@ -19,7 +19,7 @@ from ..arguments import Image
 from ..errors import EpibarError, is_address
 from .colour_frames import ColourFrames
 from .frame_range import FrameRange
-from .images import IMAGE_SUFFIXES, natural_order
+from .images import IMAGE_SUFFIXES, natural_order, numbers_of
 from .source import FrameSource, is_pattern
 
 __all__ = ["ChapterFrames", "chapter_files", "colour_frames", "has_chapters"]
@@ -99,17 +99,13 @@ def _number(file: Path, files: list[Path]) -> int:
                 "one, as in 'GX*0123.MP4'"
             )
         return int(gopro[file][1])
-    parts = [re.split(r"(\d+)", other.stem.lower()) for other in files]
-    alike = len({(len(part), *part[::2]) for part in parts}) == 1
-    differ = [
-        place for place in range(1, len(parts[0]), 2) if alike and len({part[place] for part in parts}) > 1
-    ]
-    if len(differ) != 1:
+    numbers = numbers_of(files)
+    if numbers is None:
         raise EpibarError(
             f"{file.parent}: {names}: their names tell no order; name chapters alike but for one number, "
             "such as cam1_1.mp4, cam1_2.mp4"
         )
-    return int(re.split(r"(\d+)", file.stem)[differ[0]])
+    return numbers[files.index(file)]
 
 
 class ChapterFrames(ColourFrames):

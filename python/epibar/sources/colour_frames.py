@@ -96,7 +96,6 @@ class ColourFrames(FrameSource[Image]):
     ) -> None:
         super().__init__(path, fps, frames)
         self.live = False
-        self._stated_fps: float | None = None
         self._images: list[Path] | None = None
         self._started: tuple[Any, Image] | None = None
         file = Path(self.path)
@@ -172,9 +171,7 @@ class ColourFrames(FrameSource[Image]):
                     f"{self.shown}: a live stream has no end; say how much of it to use, with --seconds 60 "
                     "or --frames :1500 (seconds=60, frames=(0, 1500))"
                 )
-        stated = float(capture.get(cv2.CAP_PROP_FPS))
-        self._stated_fps = stated if 0 < stated < 1e4 else None
-        self._choose_fps(stated)
+        self._choose_fps(capture.get(cv2.CAP_PROP_FPS))
         self.frame_count = self._range.expected(self.frame_count, self.fps)
         if self.live and self._range.last is not None and self.frame_count is None:
             self.frame_count = self._range.last - self.first

@@ -14,7 +14,7 @@ from ..arguments import Image
 from ..errors import EpibarError
 from .quiet_opencv import opencv
 
-__all__ = ["IMAGE_SUFFIXES", "as_bgr", "missing_numbers", "natural_order", "read_image"]
+__all__ = ["IMAGE_SUFFIXES", "as_bgr", "missing_numbers", "natural_order", "numbers_of", "read_image"]
 
 IMAGE_SUFFIXES = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp"}
 
@@ -25,16 +25,21 @@ def natural_order(path: Path) -> list[tuple[int, int, str]]:
     return [(0, int(part), "") if part.isdecimal() else (1, 0, part) for part in parts]
 
 
+def numbers_of(files: Sequence[Path]) -> list[int] | None:
+    """Return of each file the one number in which the names of all differ; None where they differ in more."""
+    parts = [re.split(r"(\d+)", file.stem.lower()) for file in files]
+    if len({(len(part), *part[::2]) for part in parts}) != 1:
+        return None
+    differ = [place for place in range(1, len(parts[0]), 2) if len({part[place] for part in parts}) > 1]
+    return [int(part[differ[0]]) for part in parts] if len(differ) == 1 else None
+
+
 def missing_numbers(files: Sequence[Path]) -> int:
     """How many are missing between images in natural order, by the one number in which names differ, or 0."""
-    parts = [re.split(r"(\d+)", file.stem.lower()) for file in files]
-    if len(parts) < 3 or len({(len(part), *part[::2]) for part in parts}) > 1:
+    numbers = numbers_of(files)
+    if numbers is None or len(numbers) < 3:
         return 0
-    numbers = [[int(number) for number in part[1::2]] for part in parts]
-    differ = [place for place in range(len(numbers[0])) if len({number[place] for number in numbers}) > 1]
-    if len(differ) != 1:
-        return 0
-    steps = [after[differ[0]] - before[differ[0]] for before, after in pairwise(numbers)]
+    steps = [after - before for before, after in pairwise(numbers)]
     (usual, count), *_ = Counter(steps).most_common(1)
     if min(steps) <= 0 or 2 * count <= len(steps) or any(step % usual for step in steps):
         return 0

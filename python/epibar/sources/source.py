@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterator
@@ -61,6 +62,7 @@ class FrameSource(Generic[T]):
         self.frame_count: int | None = None
         self.fps = DEFAULT_FPS
         self._given_fps = fps
+        self._stated_fps: float | None = None
         self._range = frames or FrameRange()
 
     @property
@@ -78,10 +80,12 @@ class FrameSource(Generic[T]):
             self.warnings.append(message)
 
     def _choose_fps(self, announced: float | None) -> None:
+        stated = math.nan if announced is None else float(announced)
+        self._stated_fps = stated if 0 < stated < 1e4 else None  # also None for NaN
         if self._given_fps is not None:
             self.fps = float(self._given_fps)
-        elif announced is not None and 0 < announced < 1e4:  # also false for NaN
-            self.fps = float(announced)
+        elif self._stated_fps is not None:
+            self.fps = self._stated_fps
         else:
             self.fps = DEFAULT_FPS
             self._warn(

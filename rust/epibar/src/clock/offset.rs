@@ -161,13 +161,8 @@ struct Shifts<'a> {
 
 impl<'a> Shifts<'a> {
     fn new(a: &'a Recording, b: &'a Recording, taken: &'a [u32], lines: usize) -> Self {
-        // However long a camera films, what its lines see they see while something is there.
-        let rows = |recording: &Recording, frames: &mut dyn Iterator<Item = u32>| {
-            let busy: Vec<u32> = frames.filter(|&frame| recording.shows(frame)).collect();
-            recording.barcodes.select_frames(&busy).informative(&Informative::default())
-        };
-        let rows_a = rows(a, &mut taken.iter().copied());
-        let rows_b = rows(b, &mut (0..b.frames() as u32));
+        let rows_a = a.informative_lines(taken.iter().copied());
+        let rows_b = b.informative_lines(0..b.frames() as u32);
         Self { a, b, lines_a: thinned(a, rows_a, lines), lines_b: thinned(b, rows_b, lines), taken }
     }
 

@@ -52,11 +52,9 @@ impl<'a> TrackModel<'a> {
         let frames = &followed.frame_pairs;
         // Where one camera films faster than the other not all of its frames are common.
         let followed_on = |frame: fn(&FramePair) -> u32| {
-            let step = move |t: usize| frame(&frames[t + 1]).saturating_sub(frame(&frames[t]));
-            let usual =
-                median((0..frames.len().saturating_sub(1)).map(|t| f64::from(step(t)))).unwrap_or(1.0);
-            let longest = 2.0 * usual.max(1.0);
-            move |t: usize| f64::from(step(t)) <= longest
+            let step = move |p: &[FramePair]| f64::from(frame(&p[1]).saturating_sub(frame(&p[0])));
+            let longest = 2.0 * median(frames.windows(2).map(step)).unwrap_or(1.0).max(1.0);
+            move |t: usize| step(&frames[t..t + 2]) <= longest
         };
         let in_a = tracks(&followed.a, followed_on(|p| p.a), SHORTEST);
         let in_b = tracks(&followed.b, followed_on(|p| p.b), SHORTEST);

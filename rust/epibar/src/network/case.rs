@@ -55,8 +55,7 @@ impl<'a> NetworkCase<'a> {
 
     /// Why there can be no network at all.
     pub(super) fn hopeless(&self) -> Option<CameraStatus> {
-        let focals_known = self.inputs.iter().filter(|i| i.known.has_focal()).count();
-        if self.count() < 2 || self.count() == 2 && focals_known < 2 {
+        if !self.are_enough(&vec![true; self.count()]) {
             return Some(CameraStatus::TooFew);
         }
         self.hypotheses.is_empty().then_some(CameraStatus::NothingInCommon)

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::barcode::Barcodes;
+use super::barcode::{Barcodes, Informative};
 use super::silhouettes::Silhouettes;
 use crate::image::{ImageSize, Segment};
 
@@ -61,6 +61,13 @@ impl Recording {
     /// Whether anything moves in a frame that is larger than specks.
     pub(crate) fn shows(&self, frame: u32) -> bool {
         !self.silhouettes.hulls(frame as usize).is_empty()
+    }
+
+    /// The lines that inform over those of some frames in which anything shows: however long a camera films, what its lines see they see
+    /// while something is there.
+    pub(crate) fn informative_lines(&self, frames: impl Iterator<Item = u32>) -> Vec<u32> {
+        let busy: Vec<u32> = frames.filter(|&frame| self.shows(frame)).collect();
+        self.barcodes.select_frames(&busy).informative(&Informative::default())
     }
 
     /// Number of frames, at least 1.

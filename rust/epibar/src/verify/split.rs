@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use crate::geometry::median::median;
-use crate::recording::{Barcodes, FramePair, Informative, Recording};
+use crate::recording::{Barcodes, FramePair, Recording};
 
 /// Share of the frames that test.
 const TESTED: f64 = 0.2;
@@ -96,8 +96,7 @@ fn in_common_frames(stay: usize, common: &[FramePair], busy: &[FramePair]) -> us
 
 /// Barcodes over some frames of some lines on which things move in those of the frames in which anything does.
 pub(super) fn moving_lines(recording: &Recording, frames: &[u32]) -> Barcodes {
-    let busy: Vec<u32> = frames.iter().copied().filter(|&frame| recording.shows(frame)).collect();
-    let rows = recording.barcodes.select_frames(&busy).informative(&Informative::default());
+    let rows = recording.informative_lines(frames.iter().copied());
     let step = rows.len().div_ceil(LINES).max(1);
     let some: Vec<u32> = rows.into_iter().step_by(step).collect();
     recording.barcodes.select_rows(&some).select_frames(frames)
