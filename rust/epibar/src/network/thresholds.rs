@@ -132,7 +132,8 @@ pub const ADDED_RIVAL: f64 = 0.5;
 
 // --- outlines and clocks as errors count them ---
 
-pub use crate::verify::thresholds::CONVEX;
+/// Silhouettes that fill their hulls to more than this share are convex: outlines of people and animals are not.
+pub const CONVEX: f64 = 0.96;
 /// By how many pixels the outlines of one camera may all be wrong alike in one part of the image, at least.
 pub const OUTLINE_ERROR: f64 = 0.06;
 /// Scatter of tangents of perfect masks, pixels: those of the grid, of two images.

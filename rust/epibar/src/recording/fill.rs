@@ -4,7 +4,7 @@ use super::silhouettes::Silhouettes;
 use crate::geometry::median::median;
 
 /// Silhouettes of fewer pixels say nothing of their shape.
-const SHAPELY: u32 = 150;
+pub(super) const SHAPELY: u32 = 150;
 /// Most silhouettes that are looked at.
 const MOST: usize = 2000;
 
@@ -17,7 +17,7 @@ pub fn fill(silhouettes: &Silhouettes) -> f64 {
 }
 
 /// Pixels in and on a convex polygon with corners at pixels (Pick's theorem).
-fn pixels_of(corners: &[[u16; 2]]) -> f64 {
+pub(super) fn pixels_of(corners: &[[u16; 2]]) -> f64 {
     let (mut twice, mut on_edge) = (0i64, 0i64);
     for (k, p) in corners.iter().enumerate() {
         let q = corners[(k + 1) % corners.len()];

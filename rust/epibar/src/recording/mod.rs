@@ -4,7 +4,8 @@
 //!
 //! 1. [`sampling`] chooses lines, from border to border of the image.
 //! 2. [`components`] finds the connected components of each mask, [`hull`] their convex hulls, and
-//!    [`silhouettes`] keeps the hulls; [`lens_corners`] adds what a lens needs beyond them, [`mod@fill`] tells people from boxes and ellipses.
+//!    [`silhouettes`] keeps the hulls; [`lens_corners`] adds what a lens needs beyond them, [`mod@fill`] tells people from what is convex, and
+//!    [`stand_ins`] which of that are boxes and ellipses.
 //! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 256 frames into half a cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
 //! 4. [`recorder`] streams masks through all of this and ends in a [`Recording`]; [`parts`] takes one apart for a file.
@@ -25,6 +26,7 @@ pub mod recorder;
 pub mod recording;
 pub mod sampling;
 pub mod silhouettes;
+pub mod stand_ins;
 pub mod tracker;
 pub mod transposition;
 pub mod traversal;

@@ -7,14 +7,14 @@ use super::evidence::Evidence;
 use super::planarity::median_width;
 use super::rivals::{Rival, Winner};
 use super::thresholds::{
-    CLEAN_RADIUS, COARSE_SHARE, CONVEX, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, NEIGHBOUR, NEIGHBOUR_SHARE,
-    ROUGH_DEVIATION, STANDS_IN, larger, reaches, within,
+    CLEAN_RADIUS, COARSE_SHARE, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, NEIGHBOUR, NEIGHBOUR_SHARE,
+    ROUGH_DEVIATION, STAND_INS, STANDS_IN, larger, reaches, within,
 };
 use crate::frontier::matches::robust_deviation;
 use crate::frontier::{TangentMatch, Views, compare};
 use crate::geometry::SevenParameters;
 use crate::geometry::seven_parameters::Information;
-use crate::recording::fill::fill;
+use crate::recording::stand_ins::stand_ins;
 use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
 
@@ -112,10 +112,10 @@ fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64, stand_in:
 
 /// Pixels by which shapes are wrong that may stand in for something else, as boxes and ellipses do for people; 0 of masks that were cut out.
 fn of_stand_ins(case: &Case) -> f64 {
-    let [p, q] = case.recordings.map(|recording| fill(&recording.silhouettes));
+    let [p, q] = case.recordings.map(|recording| stand_ins(&recording.silhouettes));
     let width = 0.5 * (median_width(&case.views.a) + median_width(&case.views.b));
     // Of silhouettes too small to tell it is not known that they are masks.
-    if within(p, CONVEX) && within(q, CONVEX) { 0.0 } else { STANDS_IN * width }
+    if within(p, STAND_INS) && within(q, STAND_INS) { 0.0 } else { STANDS_IN * width }
 }
 
 #[cfg(test)]
