@@ -145,7 +145,9 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
         points = {(pair.a, pair.b): pair.frontier_points for pair in run.pairs if pair.accepted}
     elif wanted.tracks and table.exists():
         tracks = _walkers(table, network.unit, console)
-    written = network.export(args.out, chosen, run.lenses(args.intrinsics), tracks, points)
+    written = network.export(
+        args.out, chosen, run.lenses(args.intrinsics, network.known_lenses), tracks, points
+    )
     if network.unit != "metre":
         console.note("lengths are not in metres: 'epibar scale' makes them so")
     return written
