@@ -130,7 +130,8 @@ def run(args: Namespace) -> int:
     job = _job(args)
     if job.out.exists() and not job.out.is_dir():
         raise EpibarError(f"--out {job.out}: this is a file; give a folder")
-    if job.intrinsics is None and len(job.cameras) > 2 and job.pair.method == "frontier":
+    saved = all(camera.is_saved(job.record) for camera in job.cameras)
+    if job.intrinsics is None and not saved and len(job.cameras) > 2 and job.pair.method == "frontier":
         console.note(
             "without --intrinsics each pair is searched as it was filmed, and may be refused for its lenses; "
             "what counts is the network in the end"
@@ -169,17 +170,20 @@ def _summary(job: Job, found: AllPairs) -> str:
 
 def _about_lenses(found: AllPairs) -> str | None:
     """What silence would mislead about: whose lens is in which result."""
-    if all(recording.matrix is not None for recording in found.recordings.values()):
+    unknown = [name for name, recording in found.recordings.items() if recording.matrix is None]
+    if not unknown:
         return None
     network = found.network
+    some = f" of {', '.join(unknown)}" if len(unknown) < len(found.recordings) else ""
     if network is not None and len(network.left_out) < len(network.cameras):
         return (
-            "focal lengths and lenses were not given: they were found with the network, whose F are in "
-            "undistorted pixels. A pair alone has no lens, and may be refused where the lens bends lines"
+            f"focal lengths and lenses{some} were not given: they were found with the network, whose F are "
+            "in undistorted pixels. A pair alone has no lens, and may be refused where the lens bends lines"
         )
+    third = ", or a third camera" if len(found.recordings) == 2 else ""
     return (
-        "pairs were calibrated without a lens model: what a lens bends is part of their error; give "
-        "--intrinsics, or a third camera"
+        f"pairs{some} were calibrated without a lens model: what a lens bends is part of their error; give "
+        f"--intrinsics{third}"
     )
 
 
@@ -195,6 +199,7 @@ def _job(args: Namespace) -> Job:
             background=args.background,
             ignore=args.ignore,
             intrinsics=args.intrinsics,
+            masks=args.masks,
             time_offset=args.time_offset,
             lengths=known_lengths,
             spelt=_option,

@@ -61,7 +61,8 @@ class Lenses:
             for name in names
             if network.cameras[name].undistorted or (name in of_run and of_run[name].matrix is not None)
         ]
-        found, warnings = {}, []
+        found: dict[str, Intrinsics] = {}
+        warnings: list[str] = []
         if given is not None:
             found, warnings = _in_file(given, load_cameras(given), names, new, network)
             if made is not None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS, Calibration
+from ..lens.cameras_toml import load_cameras, not_used
 from ..network.result import Network
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
@@ -121,7 +122,8 @@ def calibrate_all(
     background, ignore : sequence of path, optional
         One per camera, see :func:`epibar.record`.
     intrinsics : path, optional
-        Camera file in which each is found by its name, or else by its place.
+        Camera file in which each is found by its name, or else by its place. Of more than two cameras it may
+        lack some, whose lenses are then found with the network.
     person_height, distances, camera_heights : optional
         Metres, as ``person_height``, ``distance`` and ``camera_height`` of :meth:`epibar.Network.scaled`.
     every_pair : bool
@@ -168,6 +170,7 @@ def calibrate_all(
             background=background,
             ignore=ignore,
             intrinsics=intrinsics,
+            masks=masks,
             time_offset=time_offset,
             lengths=lengths,
         ),
@@ -204,13 +207,7 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
 
 
 def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> AllPairs:
-    for camera in job.cameras:
-        lens = camera.intrinsics
-        if lens is not None and lens.name.casefold() != camera.name.casefold():
-            watch.warning(
-                f"{camera.name}: {job.intrinsics} has no camera of this name; by its place it is taken to be "
-                f"{lens.name!r}"
-            )
+    _tell_of_intrinsics(job, watch)
     if executor is None:
         with own_threads() as (threads, reporting):
             runner = Runner(job, folder, threads, watch, at_once=thread_count(), reporting=reporting)
@@ -237,3 +234,22 @@ def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> A
         results.network_files,
         results.leaves_earlier,
     )
+
+
+def _tell_of_intrinsics(job: Job, watch: Watch) -> None:
+    """Say which camera is which in the camera file, where names do not tell, and whom it lacks."""
+    if job.intrinsics is None:
+        return
+    lenses = {camera.name: camera.intrinsics for camera in job.cameras}
+    for name, lens in lenses.items():
+        if lens is not None and lens.name.casefold() != name.casefold():
+            watch.warning(
+                f"{name}: {job.intrinsics} has no camera of this name; by its place it is taken to be "
+                f"{lens.name!r}"
+            )
+    strange = not_used(load_cameras(job.intrinsics), filter(None, lenses.values()))
+    if strange:
+        watch.warning(f"{job.intrinsics}: no video is called {', '.join(strange)}, so that is not used")
+    lacking = [camera.name for camera in job.cameras if camera.intrinsics is None]
+    if lacking:
+        watch.warning(f"{job.intrinsics} does not have {', '.join(lacking)}: taken as filmed, lens unknown")

@@ -26,6 +26,7 @@ __all__ = [
     "find_cameras",
     "intrinsics_of",
     "load_cameras",
+    "not_used",
     "write_cameras",
     "written_by_epibar",
 ]
@@ -175,6 +176,12 @@ def find_cameras(
     if why is not None and not found:
         raise why
     return found
+
+
+def not_used(cameras: Sequence[Intrinsics], used: Iterable[Intrinsics]) -> list[str]:
+    """Names of the cameras of a file that no video has."""
+    names = {camera.name for camera in used}
+    return [camera.name for camera in cameras if camera.name not in names]
 
 
 def write_cameras(
