@@ -35,7 +35,8 @@ DESCRIPTION = (
 EXIT_CODES = explanation(
     "done (a refused pair is a result too: read its verdict)",
     partly="a camera or a pair could not be done, or the network not be made or written; the others are",
-    more="The same command again goes on where it was interrupted.",
+    more="Of fewer than two cameras that can be read nothing comes: 2. The same command again goes on where "
+    "it was interrupted.",
 )
 
 
@@ -152,14 +153,16 @@ def run(args: Namespace) -> int:
 def _summary(job: Job, found: AllPairs) -> str:
     """What came out, and where it is."""
     accepted = sum(calibration.accepted for calibration in found.calibrations.values())
-    said = f"accepted: {accepted} of {len(found.searched)} pairs"
+    # Of cameras that cannot be read there are no pairs.
+    pairs = len(found.calibrations) or len(found.searched)
+    said = f"accepted: {accepted} of {pairs} pairs"
     if found.leaves_earlier:
         stays = f"what an earlier run wrote in {job.out} stays as it is"
         return f"{said}; errors: {len(found.errors)}, see above; {stays}"
     files = ["calibration.json"]
     if found.network is not None:
         cameras = len(found.network.cameras) - len(found.network.left_out)
-        alone = f"{accepted} of {len(found.searched)} pairs also by themselves"
+        alone = f"{accepted} of {pairs} pairs also by themselves"
         said = f"accepted: {cameras} of {len(job.cameras)} cameras ({alone})"
         files += [path.name for path in found.network_files]
     files += ["report.html"] * job.report

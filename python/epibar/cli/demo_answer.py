@@ -22,7 +22,7 @@ def compared(network: Network, staging: Staging) -> list[str]:
 
     found = accepted_cameras(network)
     lines = [
-        f"{name}: left out: {camera.reason}"
+        f"{name}: left out: {camera.why_left_out}"
         for name, camera in network.cameras.items()
         if not camera.accepted
     ]

@@ -251,7 +251,7 @@ def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[
     left_out = {}
     for name, camera in network.cameras.items():
         if not camera.accepted:
-            left_out[name] = f"not accepted in the network: {camera.reason}"
+            left_out[name] = f"not accepted in the network: {camera.why_left_out}"
         elif name not in filmed:
             left_out[name] = "there is no new recording of it"
     chosen = [name for name in filmed if name not in left_out]

@@ -97,6 +97,11 @@ class NetworkCamera:
     lens: Intrinsics | None = None
 
     @property
+    def why_left_out(self) -> str:
+        """:attr:`reason` without the words that it was left out, for where these are said before it."""
+        return self.reason.removeprefix("left out: ")
+
+    @property
     def position(self) -> Array | None:
         """Where it stands, (3,), in the network's unit."""
         if self.rotation is None or self.translation is None:

@@ -333,7 +333,7 @@ class Network(NetworkParts):
         if not accepted:
             raise EpibarError(f"no camera is accepted, so there is nothing to export: {self.reason}")
         for name in self.left_out:
-            logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].reason)
+            logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].why_left_out)
         lenses = lenses or {}
         cameras = [camera.intrinsics(lenses.get(camera.name)) for camera in accepted]
         chosen = FORMATS[format]
@@ -368,7 +368,7 @@ class Network(NetworkParts):
             unit = f"the distance between {first} and {second} when calibrated, not metres"
         zero = "the floor" if self.ground.source == "floor" else "the mean height of the cameras"
         notes = [self.reason, *(self.scale.sources if self.scale else ()), *pixels_note(self, lenses)]
-        notes += [f"left out: {name}: {self.cameras[name].reason}" for name in self.left_out]
+        notes += [f"left out: {name}: {self.cameras[name].why_left_out}" for name in self.left_out]
         return World(unit, zero, tuple(notes))
 
     def as_dict(self) -> dict[str, Any]:
