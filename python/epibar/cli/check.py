@@ -231,7 +231,9 @@ def _cameras(
     if len(old) < 2:
         network.refuse_unknown(videos)
     chosen, _ = cameras_to_check(network, old)
-    cameras = camera_inputs(videos, background=args.background, ignore=args.ignore, spelt=_option)
+    cameras = camera_inputs(
+        videos, background=args.background, ignore=args.ignore, masks=args.masks, spelt=_option
+    )
     others = [name for name in videos if name not in chosen]
     lenses = Lenses.of(Path(args.folder), network, args.intrinsics, chosen, others)
     recorded = [

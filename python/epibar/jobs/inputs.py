@@ -21,6 +21,7 @@ from ..network.pair_choice import ALL_PAIRS
 from ..recording import DEFAULT_LINES, MAX_LINES
 from ..sources.frame_range import FrameRange
 from ..sources.source import source_name
+from .mixed_sources import refuse_mixed
 
 __all__ = [
     "CAMERAS_FILE",
@@ -300,6 +301,7 @@ def camera_inputs(
             "is for; use 'auto', or calibrate the pairs one by one"
         )
     check_lengths(names, **(lengths or {}))
+    refuse_mixed(sources, masks, spelt)
     known = _lenses(load_cameras(intrinsics), names, sources, masks) if intrinsics is not None else {}
     backgrounds = one_each(spelt("background"), background, len(sources))
     ignored = one_each(spelt("ignore"), ignore, len(sources))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..clocks import frame_interval
 from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics
 from ..recording import DEFAULT_LINES, Recording
@@ -19,9 +20,10 @@ SAME = 1e-9
 def load_saved(camera: CameraInput, options: RecordOptions) -> Recording:
     """Load a saved recording.
 
-    What can no longer be done to it, a background, an ignore mask, a foreground or a number of lines other
-    than the default, is told in its warnings, and that its distortion is taken on trust, where an older
-    version saved it: then it knows its camera matrix and no coefficients.
+    That it is shorter than what is asked for is told in its warnings, and what can no longer be done to it: a
+    background, an ignore mask, a foreground or a number of lines other than the default. So is that its
+    distortion is taken on trust, where an older version saved it: then it knows its camera matrix and no
+    coefficients.
 
     Raises
     ------
@@ -31,6 +33,7 @@ def load_saved(camera: CameraInput, options: RecordOptions) -> Recording:
     """
     recording = Recording.load(camera.source)
     _check_frames(recording, camera.source, options)
+    _tell_of_shorter(recording, camera.source, options.frames)
     if camera.intrinsics is not None:
         _check_lens(recording, camera.source, camera.intrinsics)
         if camera.intrinsics.distorted and recording.lens is None:
@@ -65,6 +68,21 @@ def _check_frames(recording: Recording, source: str, options: RecordOptions) -> 
         raise EpibarError(
             f"{source}: frames {frames} asked for, but this is recorded already, from the frames "
             f"{first}:{last} of its video; record that again"
+        )
+
+
+def _tell_of_shorter(recording: Recording, source: str, frames: FrameRange) -> None:
+    """Say that less is there than was asked for: a recording does not know whether its video goes on."""
+    first, last = recording.first_frame, recording.first_frame + recording.frames
+    too_few = frames.last is not None and last < frames.last
+    too_short = (
+        frames.seconds is not None and recording.times[-1] + frame_interval(recording) < frames.seconds
+    )
+    if too_few or (too_short and frames.last is None):
+        asked = f"frames {frames}" if too_few else f"{frames.seconds:g} s"
+        recording.warnings.append(
+            f"{source}: {asked} asked for, but this is recorded already, from the frames {first}:{last} of "
+            "its video; if that is longer, record it again"
         )
 
 
