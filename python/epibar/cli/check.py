@@ -218,6 +218,7 @@ def _cameras(
     from pathlib import Path
 
     from ..errors import EpibarError
+    from ..jobs.given_rate import refuse_rate
     from ..jobs.inputs import camera_inputs
     from ..network.checking import cameras_to_check
     from .check_lenses import Lenses
@@ -242,6 +243,7 @@ def _cameras(
         if one.name in (*chosen, *new)
     ]
     lenses.refuse_videos(recorded, record_options(args))
+    refuse_rate([one.source for one in recorded], record_options(args))
     return recorded, lenses
 
 

@@ -35,6 +35,7 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..health.inspection import inspect
+    from ..jobs.given_rate import refuse_rate
     from ..jobs.inputs import CameraInput, one_each
     from ..jobs.tasks import record_camera
     from ..lens.cameras_toml import find_cameras, load_cameras
@@ -51,6 +52,7 @@ def run(args: Namespace) -> int:
     if lacking:
         console.warning(f"{args.intrinsics} does not have {', '.join(lacking)}: taken as filmed")
     options = record_options(args)
+    refuse_rate(args.videos, options)
     entries: list[dict[str, Any]] = []
     for index, (name, video) in enumerate(zip(names, args.videos, strict=True)):
         camera = CameraInput(name, video, index, backgrounds[index], ignored[index])

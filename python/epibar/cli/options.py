@@ -16,6 +16,7 @@ __all__ = [
     "add_length_options",
     "add_output_options",
     "frame_numbers",
+    "frame_rate",
     "length",
     "lengths",
     "positive",
@@ -141,6 +142,11 @@ def scheduler_address(text: str) -> str:
 def seconds(text: str) -> float:
     """Read a positive number of seconds."""
     return _positive_number(text, "seconds")
+
+
+def frame_rate(text: str) -> float:
+    """Read a positive number of frames per second."""
+    return _positive_number(text, "frames per second")
 
 
 def length(text: str) -> float | tuple[float, float]:

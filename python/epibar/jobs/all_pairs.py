@@ -15,6 +15,7 @@ from ..network.result import Network
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
 from .folder import Folder
+from .given_rate import refuse_rate
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
 from .runner import Runner
 from .threads import own_threads, thread_count
@@ -91,6 +92,7 @@ def calibrate_all(
     every_pair: bool = False,
     seconds: float | None = None,
     chapters: bool = False,
+    fps: float | None = None,
     executor: Executor | None = None,
     fresh: bool = False,
     report: bool = True,
@@ -119,6 +121,8 @@ def calibrate_all(
         every pair searches by itself; a number, in frames of B, is for two cameras, or 0 for all.
     lines, seed, masks, foreground, frames, seconds, chapters
         Of every camera, see :func:`epibar.record`.
+    fps : float, optional
+        Frames per second of folders of images, and of masks that state none. Not for videos, which do.
     background, ignore : sequence of path, optional
         One per camera, see :func:`epibar.record`.
     intrinsics : path, optional
@@ -175,7 +179,7 @@ def calibrate_all(
             lengths=lengths,
         ),
         out=Path(out),
-        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds), chapters),
+        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds), chapters, fps),
         pair=PairOptions(
             method=method,
             seed=seed,
@@ -200,6 +204,7 @@ def calibrate_all(
 def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
     """Run a job whose arguments are checked; see :func:`calibrate_all`."""
     # What is wrong with the arguments is told before a folder is made.
+    refuse_rate([camera.source for camera in job.cameras], job.record)
     Folder(job.out).refuse_inputs(job.inputs, job.files)
     with Folder(job.out) as folder:
         folder.refuse_foreign(job.files)

@@ -96,8 +96,11 @@ class RecordOptions:
     foreground: str = "auto"
     frames: FrameRange = field(default_factory=FrameRange)
     chapters: bool = False
+    fps: float | None = None
 
     def __post_init__(self) -> None:
+        if self.fps is not None:
+            as_positive("fps", self.fps, "frames per second")
         if self.foreground not in FOREGROUNDS:
             raise EpibarError(f"foreground = {self.foreground!r}: it must be one of {', '.join(FOREGROUNDS)}")
         as_whole_number("lines", self.lines, 1, MAX_LINES)
