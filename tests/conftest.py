@@ -8,7 +8,9 @@ import shutil
 import pytest
 from check_input import stand_in
 from extended_input import stand_in_adding
-from network_input import write_masks
+from network_input import WORDS, write_masks
+
+from epibar.cli import main
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
 
@@ -31,10 +33,24 @@ def browser():
         opened.close()
 
 
-@pytest.fixture(scope="module")
-def masks(tmp_path_factory):
-    """Ready masks of three cameras that are one network; other files have their own of that name."""
+@pytest.fixture(scope="session")
+def network_masks(tmp_path_factory):
+    """Ready masks of three cameras that are one network."""
     return write_masks(tmp_path_factory.mktemp("masks"))
+
+
+@pytest.fixture(scope="session")
+def network_run(network_masks, tmp_path_factory):
+    """A run of these, of which nothing is known."""
+    out = tmp_path_factory.mktemp("run") / "out"
+    assert main(["calibrate", *network_masks, "--out", str(out), *WORDS, "--quiet"]) == 0
+    return out
+
+
+@pytest.fixture(scope="module")
+def masks(network_masks):
+    """The same; other files have their own of that name."""
+    return list(network_masks)
 
 
 @pytest.fixture

@@ -11,6 +11,9 @@ from epibar.network.parts import NetworkPairs
 
 LINES, FRAMES = 1500, 500
 
+WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
+"""Options of the command line for masks of these cameras."""
+
 
 @functools.cache
 def situation():

@@ -19,6 +19,7 @@ from epibar import synthetic
 from epibar.calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS
 from epibar.cli import main
 from epibar.cli.exit_codes import DONE, INTERRUPTED, MOVED, PARTLY, UNUSABLE, exit_code
+from epibar.cli.options import lengths
 from epibar.cli.parser import COMMANDS, build_parser
 from epibar.evaluation import image_correspondences
 from epibar.recording import DEFAULT_LINES
@@ -310,3 +311,20 @@ def test_every_option_that_is_advised_exists():
     advised = {option for path, option in named if path == "report/prose.py"}
     assert advised >= {"--background", "--time-offset", "--ignore", "--intrinsics", "--max-expected-error"}
     assert ("health/camera_findings.py", "--frames") in named
+
+
+@pytest.mark.parametrize("name", ["-x", "--left", "-1a"])
+def test_names_of_cameras_may_begin_with_a_dash(name):
+    parser = build_parser()
+    words = ["scale", "DIR", "--distance", name, "cam2", "4.2", "--distance", "cam2", name, "3", "-q"]
+    args = parser.parse_args([*words, "--camera-height", name, "2"])
+    found = lengths(args)
+    assert found["distance"] == [(name, "cam2", 4.2), ("cam2", name, 3.0)]
+    assert found["camera_height"] == [(name, 2.0)]
+    assert args.quiet
+
+
+def test_an_option_is_no_name_of_a_camera(capsys):
+    with pytest.raises(SystemExit):
+        build_parser().parse_args(["scale", "DIR", "--distance", "cam1", "-q", "4.2"])
+    assert "--distance" in capsys.readouterr().err

@@ -88,7 +88,13 @@ def test_the_truth_is_told_to_be_right(staging):
 
 def test_metres_are_held_against_the_truth(staging):
     network = replace(as_found(staging, 1.02), scale=Scale(0.03, ("people",)))
-    assert compared(network, staging)[5].endswith(", lengths in metres are off by +2.0 % (stated 3.0 %)")
+    lines = compared(network, staging)
+    assert lines[5].endswith(", lengths in metres are off by +2.0 % (stated 3.0 %)")
+    # 0.1 of the network's unit is stated, of which one is 1/1.02 m.
+    assert "0.0 cm (stated 9.8 cm)" in lines[1]
+    assert lines[6].endswith("what was stated of them too: the unit of length of the network is 0.980 m")
+    in_metres = compared(replace(network, unit="metre"), staging)
+    assert in_metres[6].endswith("a metre of the network is 0.980 m")
 
 
 def test_what_is_wrong_is_told(staging):

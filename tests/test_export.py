@@ -1,4 +1,4 @@
-"""Exports: each file is read back by the tool it is for, poses are compared with those of the scene."""
+"""Exports of pairs: each file is read back by the tool it is for, and what a run must be for that."""
 
 import json
 import shutil
@@ -7,42 +7,28 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from known_poses import DEGREES, angle, between, true_pose, world_error
+from known_poses import DEGREES, angle, between, true_pose
+from pairs_input import calibrated_pairs, people, recorded, write_camera_file, write_run
 
 import epibar
-from epibar import export, synthetic
+from epibar import export
 from epibar.cli import main
-from epibar.files.frontier_csv import write_frontier_points
-from epibar.files.json_file import write_json
-from epibar.lens.cameras_toml import load_cameras, write_cameras
 from epibar.lens.intrinsics import Intrinsics
-from epibar.outcome.entries import camera_entry
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return synthetic.people(seed=5, cameras=3, walkers=6, frames=400, size=(320, 240), asymmetric=True)
+    return people()
 
 
 @pytest.fixture(scope="module")
-def recordings(scene):
-    found = []
-    for index, camera in enumerate(scene.cameras):
-        recording = epibar.Recording.from_masks(
-            scene.masks(index), fps=scene.fps, lines=4000, seed=index, name=f"cam{index + 1}"
-        )
-        recording.matrix = camera.K
-        found.append(recording)
-    return found
+def recordings():
+    return recorded()
 
 
 @pytest.fixture(scope="module")
-def calibrations(recordings):
-    """Two pairs with a right answer, and one made to be refused: the cameras 1 and 2."""
-    found = {pair: epibar.calibrate(recordings[pair[0]], recordings[pair[1]]) for pair in ((0, 2), (1, 2))}
-    assert all(calibration.accepted for calibration in found.values())
-    refused = replace(found[0, 2], accepted=False, kind="no_common_scene", reason="Nothing in common.")
-    return {(0, 1): refused, **found}
+def calibrations():
+    return calibrated_pairs()
 
 
 @pytest.fixture(scope="module")
@@ -51,55 +37,9 @@ def run(recordings, calibrations):
 
 
 @pytest.fixture(scope="module")
-def camera_file(scene, tmp_path_factory):
-    """Intrinsics without poses."""
-    path = tmp_path_factory.mktemp("cameras") / "cameras.toml"
-    write_cameras(
-        path, [Intrinsics(f"cam{i + 1}", camera.size, camera.K) for i, camera in enumerate(scene.cameras)]
-    )
-    return path
-
-
-def write_run(folder, recordings, calibrations, intrinsics):
-    """Write the part of a run that exports read."""
-    folder.mkdir(exist_ok=True)
-    pairs = []
-    for (i, j), calibration in calibrations.items():
-        a, b = recordings[i].name, recordings[j].name
-        points = write_frontier_points(folder / f"{a}_{b}_frontier.csv", calibration.frontier_points)
-        keys = ("accepted", "kind", "reason", "F", "expected_error", "time_offset")
-        pairs.append(
-            {"a": a, "b": b, "frontier_points": points.name, **{k: getattr(calibration, k) for k in keys}}
-        )
-    cameras = [camera_entry(r.name, f"{r.name}.mp4", i, r) for i, r in enumerate(recordings)]
-    result = {"format": 1, "intrinsics": intrinsics, "cameras": cameras, "pairs": pairs, "errors": []}
-    write_json(folder / "calibration.json", result)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def folder(recordings, calibrations, camera_file, tmp_path_factory):
-    return write_run(tmp_path_factory.mktemp("run"), recordings, calibrations, str(camera_file))
-
-
-# --- several cameras in one world ---
-
-
-def test_a_chain_of_pairs_is_scaled_by_shared_frontier_points(scene, run):
-    chain = run.selected()
-    poses, reasons = chain.poses()
-    assert reasons == []
-    assert len(poses) == 2
-    placed = export.place_cameras(chain, poses)
-    rotation, direction, distance = world_error(scene, placed, [0, 1, 2])
-    assert rotation < DEGREES
-    assert direction < DEGREES
-    assert distance < 0.02
-    R, t = placed["cam3"]
-    assert np.linalg.norm(R.T @ t) == pytest.approx(1)  # the first pair is cam1 and cam3
-
-
-# --- files ---
+def folder(recordings, calibrations, tmp_path_factory):
+    known = write_camera_file(tmp_path_factory.mktemp("cameras") / "cameras.toml")
+    return write_run(tmp_path_factory.mktemp("run"), recordings, calibrations, str(known))
 
 
 def test_opencv_reads_its_file(folder, calibrations, tmp_path, capsys):
@@ -240,78 +180,6 @@ def test_colmap_without_intrinsics_has_no_prior(run, tmp_path):
     database.close()
 
 
-def test_toml_of_a_world(folder, scene, tmp_path):
-    out = tmp_path / "placed.toml"
-    assert main(["export", str(folder), "--format", "toml", "--out", str(out), "--quiet"]) == 0
-    cameras = load_cameras(out)
-    assert [camera.name for camera in cameras] == ["cam1", "cam2", "cam3"]
-    placed = {camera.name: (camera.posed().R, camera.posed().t) for camera in cameras}
-    rotation, direction, distance = world_error(scene, placed, [0, 1, 2])
-    assert max(rotation, direction) < DEGREES
-    assert distance < 0.02
-    assert "[metadata]" in out.read_text()
-
-
-def test_caliscope_numbers_its_cameras(folder, tmp_path):
-    import tomllib
-
-    out = tmp_path / "camera_array.toml"
-    assert main(["export", str(folder), "--format", "caliscope", "--out", str(out), "--quiet"]) == 0
-    tables = tomllib.loads(out.read_text())["cameras"]
-    assert {key: table["cam_id"] for key, table in tables.items()} == {"0": 0, "1": 1, "2": 2}
-    assert len(tables["1"]["rotation"]) == 3
-
-
-def test_pairs_that_make_no_world_go_to_files_of_their_own(
-    recordings, calibrations, camera_file, tmp_path, capsys
-):
-    """Four cameras, the fourth being the first under another name: two pairs with no camera in common."""
-    twins = [*recordings, epibar.Recording(recordings[2]._core, name="cam4", matrix=recordings[2].matrix)]
-    pairs = {(0, 3): calibrations[0, 2], (1, 2): calibrations[1, 2]}
-    folder = write_run(tmp_path / "run", twins, pairs, None)
-    known = load_cameras(camera_file)
-    path = tmp_path / "four.toml"
-    write_cameras(path, [*known, replace(known[2], name="cam4")])
-    out = tmp_path / "placed.toml"
-    words = ["export", str(folder), "--format", "toml", "--out", str(out), "--intrinsics", str(path)]
-    assert main(words) == 0
-    assert not out.exists()
-    assert "a file for each" in capsys.readouterr().err
-    written = load_cameras(tmp_path / "placed_cam1_cam4.toml")
-    assert np.linalg.norm(written[1].translation) == pytest.approx(1)
-    assert "no chain of pairs" in (tmp_path / "placed_cam2_cam3.toml").read_text()
-
-
-# --- what cannot be exported ---
-
-
-@pytest.mark.parametrize("kind", ["toml", "caliscope"])
-def test_camera_files_need_intrinsics(recordings, calibrations, tmp_path, capsys, kind):
-    blind = [epibar.Recording(recording._core, name=recording.name) for recording in recordings]
-    folder = write_run(tmp_path / "run", blind, calibrations, None)
-    out = tmp_path / "out.toml"
-    assert main(["export", str(folder), "--format", kind, "--out", str(out)]) == 2
-    assert "--intrinsics" in capsys.readouterr().err
-    assert not out.exists()
-
-
-def test_intrinsics_that_do_not_fit(recordings, calibrations, folder, scene, tmp_path, capsys):
-    cameras = [Intrinsics(f"cam{i + 1}", c.size, c.K) for i, c in enumerate(scene.cameras)]
-    path = tmp_path / "other.toml"
-    blind = [epibar.Recording(recording._core, name=recording.name) for recording in recordings]
-    without = write_run(tmp_path / "run", blind, calibrations, None)
-    for change, run_folder, words in (
-        ({"size": (64, 48)}, folder, "64x48"),
-        ({"matrix": cameras[0].matrix * [[2], [2], [1]]}, folder, "another camera matrix"),
-        ({"distortions": np.array([0.1, 0, 0, 0, 0])}, without, "lens distortion"),
-    ):
-        write_cameras(path, [replace(cameras[0], **change), *cameras[1:]])
-        out = str(tmp_path / "out.toml")
-        code = main(["export", str(run_folder), "--format", "toml", "--out", out, "--intrinsics", str(path)])
-        assert code == 2
-        assert words in capsys.readouterr().err
-
-
 def test_a_run_without_an_accepted_pair(recordings, calibrations, tmp_path, capsys):
     folder = write_run(tmp_path / "run", recordings, {(0, 1): calibrations[0, 1]}, None)
     words = ["export", str(folder), "--format", "csv", "--out", str(tmp_path / "out.csv")]
@@ -382,29 +250,6 @@ def test_nor_is_anything_that_it_keeps_or_was_made_of(folder, scene, tmp_path, c
         assert main([*words, str(run / name)]) == 2, name
         assert "part of the run" in capsys.readouterr().err
     assert main([*words, str(run / "mine.csv")]) == 0
-
-
-def test_cameras_without_a_network_are_placed_for_any_program(folder, scene, tmp_path, capsys):
-    """The first camera is the world; its up is that of glTF."""
-    json_of = {}
-    for name, file in (("pose2sim", "Calib.toml"), ("gltf", "c.gltf"), ("nerfstudio", "transforms.json")):
-        out = tmp_path / file
-        assert main(["export", str(folder), "--format", name, "--out", str(out)]) == 0
-        assert str(out) in capsys.readouterr().out
-        json_of[name] = json.loads(out.read_text()) if name != "pose2sim" else None
-    cameras = load_cameras(tmp_path / "Calib.toml")
-    placed = {camera.name: (camera.posed().R, camera.posed().t) for camera in cameras}
-    rotation, direction, _ = world_error(scene, placed, [0, 1, 2])
-    assert max(rotation, direction) < DEGREES
-    nodes = json_of["gltf"]["nodes"]
-    assert nodes[0]["rotation"] == [1, 0, 0, 0]
-    assert [node["name"] for node in nodes if "camera" in node] == ["cam1", "cam2", "cam3"]
-    assert not any("grid" in node["name"] for node in nodes)
-    (frame, *_) = json_of["nerfstudio"]["frames"]
-    np.testing.assert_allclose(frame["transform_matrix"], np.diag([1, -1, -1, 1]), atol=1e-12)
-    assert main(["export", str(folder), "--format", "easymocap", "--out", str(tmp_path / "data"), "-q"]) == 0
-    assert sorted(path.name for path in (tmp_path / "data").iterdir()) == ["extri.yml", "intri.yml"]
-    assert capsys.readouterr().err == ""
 
 
 def test_colmap_names_are_those_of_the_model(run, tmp_path, caplog):

@@ -1,36 +1,29 @@
-"""Networks from the command line: what is printed and written, and what is never lost."""
+"""Networks from the command line: what is printed and written."""
 
 import csv
 import json
-import tomllib
 from dataclasses import replace
-from pathlib import Path
 
 import jsonschema
 import numpy as np
 import pytest
-from network_input import LINES, made_up, situation
+from network_input import WORDS, made_up, situation
 from test_report import Page
 from test_schema import strict
 
 import epibar
 from epibar.cli import main
 from epibar.files.calibration_json import schema
-from epibar.jobs import network_stage, runner
+from epibar.jobs import runner
 from epibar.jobs.folder import Folder
 from epibar.jobs.network_tables import write_tables
 from epibar.lens import Intrinsics, write_cameras
 from epibar.network.tracks_csv import load_tracks
 
-WORDS = ["--masks", "--lines", str(LINES), "--no-report"]
-
 
 @pytest.fixture(scope="module")
-def done(masks, tmp_path_factory):
-    """A run of three cameras of which nothing is known."""
-    out = tmp_path_factory.mktemp("run") / "out"
-    assert main(["calibrate", *masks, "--out", str(out), *WORDS, "--quiet"]) == 0
-    return out
+def done(network_run):
+    return network_run
 
 
 def read(out):
@@ -107,13 +100,6 @@ def test_a_table_that_cannot_be_made_is_told_of(tmp_path):
         assert "tracks.csv: not written: cam1: 64x48 frames" in told
 
 
-def test_tables_of_the_user_are_refused(masks, tmp_path, capsys):
-    (tmp_path / "tracks.csv").write_text("mine")
-    assert main(["calibrate", *masks, "--out", str(tmp_path), *WORDS]) == 2
-    assert "not written by epibar" in capsys.readouterr().err
-    assert (tmp_path / "tracks.csv").read_text() == "mine"
-
-
 def test_a_second_run_does_nothing(masks, again, capsys):
     before = (again / "calibration.json").read_bytes()
     assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
@@ -125,19 +111,6 @@ def test_a_second_run_does_nothing(masks, again, capsys):
     assert "they were found with the network" in printed.err
     assert "accepted: 3 of 3 cameras" in printed.err.splitlines()[-1]
     assert "cameras.toml" in printed.err.splitlines()[-1]
-
-
-def test_metres(masks, again, capsys):
-    words = ["--person-height", "1.75", "--distance", "cam1", "cam2", "13.50+-0.03"]
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
-    printed = capsys.readouterr()
-    net = epibar.Network.load(again / "network.json")
-    assert net.unit == "metre"
-    one, other = net.cameras["cam1"].position, net.cameras["cam2"].position
-    assert np.linalg.norm(one - other) == pytest.approx(13.5, rel=0.005)
-    assert read(again)["network"]["unit"] == "metre"
-    assert tomllib.loads((again / "cameras.toml").read_text())["metadata"]["unit"] == "metre"
-    assert "13.5 m between cam1 and cam2" in printed.err
 
 
 def test_the_report_has_the_network_and_its_walkers(masks, again, capsys):
@@ -172,64 +145,6 @@ def test_the_report_has_the_network_and_its_walkers(masks, again, capsys):
     assert "tracks.csv: no table of tracks" in "".join(page.text)
 
 
-@pytest.mark.parametrize(
-    ("words", "error"),
-    [
-        (["--distance", "cam1", "cam2", "5"], 1.645 * 0.01),
-        (["--distance", "cam1", "cam2", "5.00+-0.01"], 1.645 * 0.002),
-        (["--distance", "cam1", "cam2", "5.00±0.01"], 1.645 * 0.002),
-        (["--camera-height", "cam1", "2.6+-0.26"], 1.645 * 0.1),
-        (["--person-height", "1.75±0.35"], 1.645 * 0.2),
-        (["--person-height", "1.75"], 1.645 * 0.03),
-    ],
-)
-def test_lengths_are_as_good_as_it_is_said(words, error, again):
-    made_up(3, refused=(), lost=()).save(again / "network.json")
-    assert main(["scale", str(again), *words, "--quiet"]) == 0
-    # What the network itself is wrong by comes on top.
-    assert epibar.Network.load(again / "network.json").scale.error == pytest.approx(error, rel=0.1)
-
-
-def test_a_contradiction_is_one_by_what_is_said_of_the_lengths(again, capsys):
-    """5 m between the first two cameras are people of 1.01 m; 1.10 m is wrong if it is known well."""
-    made_up(3, refused=(), lost=()).save(again / "network.json")
-    words = ["scale", str(again), "--distance", "cam1", "cam2", "5.00+-0.01", "--person-height"]
-    assert main([*words, "1.10+-0.02"]) == 2
-    assert "people contradict each other: they differ by" in capsys.readouterr().err
-    assert epibar.Network.load(again / "network.json").unit == "baseline"
-    assert main([*words, "1.10+-0.1"]) == 0
-
-
-def test_lengths_that_contradict_lose_nothing(masks, again, capsys):
-    words = ["--distance", "cam1", "cam2", "13.5", "--distance", "cam1", "cam3", "1"]
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
-    printed = capsys.readouterr()
-    assert "not in metres: " in printed.out
-    assert "contradict each other" in printed.out
-    assert read(again)["network"]["unit"] == "baseline"
-
-
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (["--distance", "cam1", "cam9", "4.2"], "cam9"),
-        (["--distance", "cam1", "cam2", "far"], "--distance: 'far' is not a positive number of metres"),
-        (["--distance", "cam1", "cam2", "4.2+-"], "such as 4.20, or 4.20+-0.01"),
-        (["--distance", "cam1", "cam2", "4.2±0"], "such as 4.20, or 4.20+-0.01"),
-        (["--camera-height", "cam1", "2.6+-0.1+-0.1"], "--camera-height: '2.6+-0.1+-0.1'"),
-        (["--camera-height", "cam1", "2.6+-260"], "less than the length itself"),
-        (["--person-height", "1.75+-tall"], "--person-height: '1.75+-tall'"),
-        (["--distance", "cam1", "cam2"], "--distance"),
-        (["--person-height", "-1"], "--person-height"),
-        (["--camera-height", "cam9", "2"], "cam9"),
-    ],
-)
-def test_bad_lengths(words, named, masks, tmp_path, capsys):
-    assert main(["calibrate", *masks, "--out", str(tmp_path / "out"), *WORDS, *words]) == 2
-    assert named in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
-
-
 def test_two_cameras_of_unknown_lens(masks, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["calibrate", *masks[:2], "--out", str(out), *WORDS]) == 0
@@ -261,133 +176,6 @@ def test_two_cameras_with_intrinsics(masks, tmp_path):
     written = epibar.load_cameras(out / "cameras.toml")
     assert written[0].distortions[0] == 1e-9
     np.testing.assert_allclose(written[1].matrix, known[1].matrix)
-
-
-def test_a_camera_file_of_the_user_stays(masks, again, capsys):
-    path = again / "cameras.toml"
-    write_cameras(path, [Intrinsics("mine", (64, 48), [[50, 0, 32], [0, 50, 24], [0, 0, 1]])])
-    mine = path.read_bytes()
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--person-height", "1.7"]) == 0
-    assert path.read_bytes() == mine
-    told = capsys.readouterr().err
-    assert "stays as it is" in told
-    assert "cameras.toml" not in told.splitlines()[-1]
-
-
-def test_a_camera_file_that_was_exported_stays(masks, again, capsys):
-    """The list of what runs wrote decides, not only what the file says of itself."""
-    path = again / "cameras.toml"
-    listed = json.loads((again / ".epibar" / "written.json").read_text())
-    assert {"network.json", "cameras.toml", "recordings/clocks.json"} <= set(listed["files"])
-    listed["files"].remove("cameras.toml")
-    (again / ".epibar" / "written.json").write_text(json.dumps(listed))
-    mine = path.read_bytes()
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--person-height", "1.7"]) == 0
-    assert main(["scale", str(again), "--person-height", "1.6"]) == 0
-    assert path.read_bytes() == mine
-    assert capsys.readouterr().err.count("stays as it is") == 2
-
-
-def test_a_network_of_a_stranger_in_the_folder_is_refused(masks, tmp_path, capsys):
-    (tmp_path / "network.json").write_text("mine")
-    assert main(["calibrate", *masks, "--out", str(tmp_path), *WORDS]) == 2
-    assert "not written by epibar" in capsys.readouterr().err
-    assert (tmp_path / "network.json").read_text() == "mine"
-
-
-def test_one_at_a_time_scales_a_network(again, capsys):
-    with Folder(again):
-        assert main(["scale", str(again), "--person-height", "1.6"]) == 2
-    assert "at work" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("text", ["{", "[]", "[" * 100_000])
-def test_kept_files_that_are_damaged_are_made_again(text, masks, again):
-    before = (again / "calibration.json").read_bytes()
-    (again / "network.json").write_text(text)
-    (again / "recordings" / "clocks.json").write_text(text)
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--quiet"]) == 0
-    assert (again / "calibration.json").read_bytes() == before
-
-
-def test_files_of_a_network_that_is_no_more_are_removed(masks, again):
-    words = ["--method", "lines", "--quiet"]
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, *words]) == 0
-    assert not (again / "network.json").exists()
-    assert not (again / "cameras.toml").exists()
-    assert "frontier points" in read(again)["network_reason"]
-
-
-@pytest.mark.parametrize("stage", ["find_clocks", "join_cameras"])
-def test_a_failure_loses_no_pair(stage, masks, again, monkeypatch, capsys):
-    """A bug is raised when all else is written; what was finished stays."""
-
-    def broken(*_):
-        raise RuntimeError("broken")
-
-    monkeypatch.setattr(runner, stage, broken)
-    monkeypatch.setattr(network_stage, stage, broken)
-    (again / "recordings" / "clocks.json").unlink()
-    words = ["calibrate", *masks, "--out", str(again), *WORDS, "--person-height", "1.7"]
-    with pytest.raises(RuntimeError, match="broken"):
-        main(words)
-    assert "broken" in capsys.readouterr().err
-    result = read(again)
-    assert result["network"] is None
-    assert "broken" in result["network_reason"]
-    assert len(result["pairs"]) == (3 if stage == "join_cameras" else 0)
-    monkeypatch.undo()
-    assert main([*words, "--quiet"]) == 0
-    assert read(again)["network"]["accepted"]
-
-
-def test_a_length_counts_on_until_it_is_forgotten(again, capsys):
-    scale = ["scale", str(again)]
-    assert main([*scale, "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0
-    assert main([*scale, "--distance", "cam1", "cam3", "40"]) == 2
-    assert "contradict each other" in capsys.readouterr().err
-    kept = epibar.Network.load(again / "network.json").scale
-    assert len(kept.lengths) == 1
-    assert main([*scale, "--distance", "cam1", "cam3", "40", "--forget", "--quiet"]) == 0
-    assert "40 m between cam1 and cam3" in " ".join(epibar.Network.load(again / "network.json").scale.sources)
-
-
-def test_a_network_that_cannot_be_written_is_an_error(masks, again, capsys):
-    """What is still of an earlier one is named."""
-    assert main(["scale", str(again), "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0
-    (again / "network.json").unlink()
-    (again / "network.json").mkdir()
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 3
-    err = capsys.readouterr().err
-    assert "network.json: cannot be written" in err
-    assert "of an earlier run: cameras.toml" in err
-    assert read(again)["network"]["unit"] == "baseline"
-    (again / "network.json").rmdir()
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--quiet"]) == 0
-    assert epibar.Network.load(again / "network.json").unit == "baseline"
-
-
-def test_a_table_that_cannot_be_removed_is_never_taken_for_the_new_networks(
-    masks, again, capsys, monkeypatch
-):
-    assert main(["scale", str(again), "--distance", "cam1", "cam2", "4.2", "--quiet"]) == 0
-    unlink = Path.unlink
-
-    def held(path, missing_ok=False):
-        if path.name == "tracks.csv":
-            raise PermissionError(13, "in use")
-        unlink(path, missing_ok=missing_ok)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Path, "unlink", held)
-        assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 3
-    assert "tracks.csv: cannot be removed (in use)" in capsys.readouterr().err
-    assert epibar.Network.load(again / "network.json").unit == "baseline"
-    assert load_tracks(again / "tracks.csv").unit == "metre"
-    assert not (again / "sync.csv").exists()
-    assert main(["calibrate", *masks, "--out", str(again), *WORDS, "--quiet"]) == 0
-    assert load_tracks(again / "tracks.csv").unit == "baseline"
-    assert (again / "sync.csv").exists()
 
 
 def test_a_camera_that_cannot_be_recorded(masks, again, capsys):

@@ -194,6 +194,8 @@ def test_export_from_the_command_line(words, name, run, capsys):
     printed = capsys.readouterr()
     assert (run / name).exists()
     assert "left out: cam3" in printed.err
+    assert "left out: left out" not in printed.err
+    assert printed.err.count("cam3: nothing moves in it") == printed.err.count("left out: cam3")
     assert "not in metres" in printed.err
 
 

@@ -229,6 +229,18 @@ def test_the_command_line_prints_what_to_keep(run, capsys):
     assert told[1]["offset"] == 0.48
 
 
+def test_no_command_is_for_a_video_that_is_not_there(run, capsys):
+    (run / "cam1.mp4").unlink()
+    assert main(["sync", str(run), "--commands"]) == 0
+    printed = capsys.readouterr()
+    (command,) = printed.out.splitlines()
+    assert "it's" in shlex.split(command)[-6]
+    assert f"warning: cam1: no command, for {run / 'cam1.mp4'} is not there" in printed.err
+    assert main(["sync", str(run), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)["cameras"]
+    assert [one["command"] is None for one in told] == [True, False]
+
+
 def test_a_recording_that_was_given_is_read_where_it_is(run, capsys):
     path = run / "calibration.json"
     content = json.loads(path.read_text())

@@ -165,6 +165,7 @@ def record(
             health=health.numbers,
             first_frame=source.first,
             pictures=None if taker is None else taker.pictures(),
+            lens=intrinsics,
         )
 
 

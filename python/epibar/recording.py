@@ -31,6 +31,7 @@ from .arguments import (
 from .errors import EpibarError
 from .files.archive import ArrayHeader, read_archive, write_archive
 from .files.checks import check_format, check_recording
+from .lens.intrinsics import Intrinsics
 from .sources.pictures import Pictures
 
 __all__ = ["DEFAULT_LINES", "MIN_COMPONENT_AREA", "Recording", "as_recording", "new_recorder"]
@@ -63,6 +64,8 @@ class Recording:
         What was wrong with the video but bearable, in plain English.
     matrix : ndarray, shape (3, 3), or None
         Camera matrix of the undistorted pixels that all is in; None where no intrinsics were given.
+    lens : Intrinsics or None
+        What was taken out of the video; None where nothing was, or all that is known is the matrix.
     health : dict of str to float
         What was counted while the video was watched: how often the camera moved, by how much the light
         flickers and so on. Empty where there were no images, as for ready masks. :func:`epibar.inspect` says
@@ -84,11 +87,13 @@ class Recording:
         health: Mapping[str, float] | None = None,
         first_frame: int = 0,
         pictures: Pictures | None = None,
+        lens: Intrinsics | None = None,
     ) -> None:
         self._core = core
         self.name = as_text("name", name)
         self.warnings = list(warnings)
         self.matrix = None if matrix is None else as_camera_matrix(matrix)
+        self.lens = lens
         self.health = dict(health or {})
         self.first_frame = first_frame
         self.pictures = pictures
@@ -271,6 +276,8 @@ class Recording:
         arrays["first_frame"] = np.array(self.first_frame)
         if self.matrix is not None:
             arrays["matrix"] = self.matrix
+        if self.lens is not None:
+            arrays["distortions"], arrays["fisheye"] = self.lens.distortions, np.array(self.lens.fisheye)
         return arrays
 
     @classmethod
@@ -296,13 +303,15 @@ class Recording:
             core = {
                 key.removeprefix(PREFIX): value for key, value in arrays.items() if key.startswith(PREFIX)
             }
+            name, made = str(arrays["name"]), _core.Recording.from_arrays(core)
             return cls(
-                _core.Recording.from_arrays(core),
-                name=str(arrays["name"]),
+                made,
+                name=name,
                 warnings=[str(text) for text in np.atleast_1d(arrays["warnings"])],
                 matrix=matrix,
                 health=_stored_health(arrays),
                 first_frame=as_whole_number("first_frame", arrays.get("first_frame", np.array(0))[()], 0),
+                lens=_stored_lens(arrays, name, (made.width, made.height)),
             )
         except (ValueError, TypeError, KeyError, OverflowError) as error:
             text = str(error)
@@ -316,6 +325,14 @@ def as_recording(name: str, value: Any) -> Recording:
             f"{name} is a {type(value).__name__}, expected a Recording, e.g. from epibar.record"
         )
     return value
+
+
+def _stored_lens(arrays: Mapping[str, AnyArray], name: str, size: tuple[int, int]) -> Intrinsics | None:
+    """Read the lens that was taken out; files of older versions have the matrix alone."""
+    matrix, distortions = arrays.get("matrix"), arrays.get("distortions")
+    if matrix is None or distortions is None:
+        return None
+    return Intrinsics(name, size, matrix, distortions, bool(arrays.get("fisheye", np.array(False))))
 
 
 def _stored_health(arrays: Mapping[str, AnyArray]) -> dict[str, float]:

@@ -35,7 +35,8 @@ DESCRIPTION = (
 EXIT_CODES = explanation(
     "done (a refused pair is a result too: read its verdict)",
     partly="a camera or a pair could not be done, or the network not be made or written; the others are",
-    more="The same command again goes on where it was interrupted.",
+    more="Of fewer than two cameras that can be read nothing comes: 2. The same command again goes on where "
+    "it was interrupted.",
 )
 
 
@@ -130,7 +131,8 @@ def run(args: Namespace) -> int:
     job = _job(args)
     if job.out.exists() and not job.out.is_dir():
         raise EpibarError(f"--out {job.out}: this is a file; give a folder")
-    if job.intrinsics is None and len(job.cameras) > 2 and job.pair.method == "frontier":
+    saved = all(camera.is_saved(job.record) for camera in job.cameras)
+    if job.intrinsics is None and not saved and len(job.cameras) > 2 and job.pair.method == "frontier":
         console.note(
             "without --intrinsics each pair is searched as it was filmed, and may be refused for its lenses; "
             "what counts is the network in the end"
@@ -151,14 +153,16 @@ def run(args: Namespace) -> int:
 def _summary(job: Job, found: AllPairs) -> str:
     """What came out, and where it is."""
     accepted = sum(calibration.accepted for calibration in found.calibrations.values())
-    said = f"accepted: {accepted} of {len(found.searched)} pairs"
+    # Of cameras that cannot be read there are no pairs.
+    pairs = len(found.calibrations) or len(found.searched)
+    said = f"accepted: {accepted} of {pairs} pairs"
     if found.leaves_earlier:
         stays = f"what an earlier run wrote in {job.out} stays as it is"
         return f"{said}; errors: {len(found.errors)}, see above; {stays}"
     files = ["calibration.json"]
     if found.network is not None:
         cameras = len(found.network.cameras) - len(found.network.left_out)
-        alone = f"{accepted} of {len(found.searched)} pairs also by themselves"
+        alone = f"{accepted} of {pairs} pairs also by themselves"
         said = f"accepted: {cameras} of {len(job.cameras)} cameras ({alone})"
         files += [path.name for path in found.network_files]
     files += ["report.html"] * job.report
@@ -169,17 +173,20 @@ def _summary(job: Job, found: AllPairs) -> str:
 
 def _about_lenses(found: AllPairs) -> str | None:
     """What silence would mislead about: whose lens is in which result."""
-    if all(recording.matrix is not None for recording in found.recordings.values()):
+    unknown = [name for name, recording in found.recordings.items() if recording.matrix is None]
+    if not unknown:
         return None
     network = found.network
+    some = f" of {', '.join(unknown)}" if len(unknown) < len(found.recordings) else ""
     if network is not None and len(network.left_out) < len(network.cameras):
         return (
-            "focal lengths and lenses were not given: they were found with the network, whose F are in "
-            "undistorted pixels. A pair alone has no lens, and may be refused where the lens bends lines"
+            f"focal lengths and lenses{some} were not given: they were found with the network, whose F are "
+            "in undistorted pixels. A pair alone has no lens, and may be refused where the lens bends lines"
         )
+    third = ", or a third camera" if len(found.recordings) == 2 else ""
     return (
-        "pairs were calibrated without a lens model: what a lens bends is part of their error; give "
-        "--intrinsics, or a third camera"
+        f"pairs{some} were calibrated without a lens model: what a lens bends is part of their error; give "
+        f"--intrinsics{third}"
     )
 
 
@@ -195,6 +202,7 @@ def _job(args: Namespace) -> Job:
             background=args.background,
             ignore=args.ignore,
             intrinsics=args.intrinsics,
+            masks=args.masks,
             time_offset=args.time_offset,
             lengths=known_lengths,
             spelt=_option,

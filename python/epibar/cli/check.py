@@ -13,15 +13,14 @@ from .recording_options import add_recording_options, record_options
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
-    from pathlib import Path
 
     from ..jobs.folder import Folder
     from ..jobs.inputs import CameraInput
-    from ..lens.intrinsics import Intrinsics
     from ..network.checking import NetworkCheck
     from ..network.offsets import TimeOffset
     from ..network.result import Network
     from ..recording import Recording
+    from .check_lenses import Lenses
     from .console import Console
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
@@ -90,18 +89,18 @@ def run(args: Namespace) -> int:
         folder = held.enter_context(Folder(path))
         folder.refuse_foreign([path / NETWORK_FILE])
         network = Network.load(path / NETWORK_FILE)
-        return _checked(args, network, Update(folder, args.intrinsics), console)
+        return _checked(args, network, Update(folder, args.intrinsics, network), console)
 
 
 class Update:
     """The folder of a run, held, whose network is to be updated; what can be refused is before any work."""
 
-    def __init__(self, folder: Folder, intrinsics: str | None) -> None:
+    def __init__(self, folder: Folder, intrinsics: str | None, network: Network) -> None:
         from ..outcome.run import Run
 
         self._folder = folder
         self._made = Run.load(folder.path) if (folder.path / "calibration.json").exists() else None
-        self._lenses = self._made.lenses(intrinsics) if self._made else {}
+        self._lenses = self._made.lenses(intrinsics, network.known_lenses) if self._made else {}
 
     def write(self, network: Network, moved: Sequence[str]) -> list[str]:
         """Write the network after some cameras moved or were added; returns warnings."""
@@ -127,8 +126,10 @@ def _checked(args: Namespace, network: Network, update: Update | None, console: 
     additions = Additions(
         network, videos, known_lenses(args.intrinsics, set(videos) - network.cameras.keys()), bool(update)
     )
-    cameras = _cameras(args, network, videos, additions.names if update else ())
-    recordings, failed = _recorded(cameras, args, console)
+    cameras, lenses = _cameras(args, network, videos, additions.names if update else ())
+    for text in lenses.warnings:
+        console.warning(text)
+    recordings, failed = _recorded(cameras, lenses, args, console)
     old = {name: one for name, one in recordings.items() if name in network.cameras}
     if len(old) < 2:
         raise EpibarError("fewer than two cameras could be recorded, so none can be checked; see above")
@@ -211,14 +212,16 @@ def _videos(args: Namespace, network: Network) -> dict[str, str]:
 
 def _cameras(
     args: Namespace, network: Network, videos: Mapping[str, str], new: Sequence[str]
-) -> list[CameraInput]:
-    """Return what is to be recorded; all that can be refused is refused before any work."""
+) -> tuple[list[CameraInput], Lenses]:
+    """Return what is to be recorded, and its lenses; all that can be refused is refused before any work."""
     from dataclasses import replace
     from pathlib import Path
 
     from ..errors import EpibarError
+    from ..jobs.given_rate import refuse_rate
     from ..jobs.inputs import camera_inputs
     from ..network.checking import cameras_to_check
+    from .check_lenses import Lenses
 
     old = [name for name in videos if name in network.cameras]
     if len(old) < 2 and new:
@@ -229,39 +232,23 @@ def _cameras(
     if len(old) < 2:
         network.refuse_unknown(videos)
     chosen, _ = cameras_to_check(network, old)
-    cameras = camera_inputs(videos, background=args.background, ignore=args.ignore, spelt=_option)
-    lenses = _lenses(Path(args.folder), args.intrinsics, chosen, bool(new))
-    recorded = (*chosen, *new)
-    return [replace(one, intrinsics=lenses.get(one.name)) for one in cameras if one.name in recorded]
-
-
-def _lenses(folder: Path, given: str | None, names: list[str], adds: bool) -> Mapping[str, Intrinsics]:
-    """Lenses to take out: those of the file that is given, or else those that were when it was calibrated.
-
-    Where cameras are added the file may be of these alone: the others need theirs only if it was taken out.
-    """
-    from ..errors import EpibarError
-    from ..lens.cameras_toml import find_camera, load_cameras
-    from ..outcome.run import Run
-
-    made = Run.load(folder) if (folder / "calibration.json").exists() else None
-    if given is not None:
-        known = load_cameras(given)
-        # One that was added later was recorded with its lens.
-        of_run = names if made is None else [name for name in names if name in made.by_name]
-        if adds and made is not None:
-            of_run = [name for name in of_run if made.by_name[name].matrix is not None]
-        return {name: find_camera(known, name, None) for name in of_run}
-    if made is None:
-        return {}
-    try:
-        return made.lenses()
-    except EpibarError as error:
-        raise EpibarError(f"{error}; --intrinsics says where the lenses of these cameras are") from error
+    cameras = camera_inputs(
+        videos, background=args.background, ignore=args.ignore, masks=args.masks, spelt=_option
+    )
+    others = [name for name in videos if name not in chosen]
+    lenses = Lenses.of(Path(args.folder), network, args.intrinsics, chosen, others)
+    recorded = [
+        replace(one, intrinsics=lenses.taken_out.get(one.name))
+        for one in cameras
+        if one.name in (*chosen, *new)
+    ]
+    lenses.refuse_videos(recorded, record_options(args))
+    refuse_rate([one.source for one in recorded], record_options(args))
+    return recorded, lenses
 
 
 def _recorded(
-    cameras: list[CameraInput], args: Namespace, console: Console
+    cameras: list[CameraInput], lenses: Lenses, args: Namespace, console: Console
 ) -> tuple[dict[str, Recording], dict[str, str]]:
     """Record each camera; also returns why which could not be."""
     from functools import partial
@@ -279,6 +266,7 @@ def _recorded(
             console.error(str(error))
             failed[camera.name] = str(error)
             continue
+        lenses.refuse_raw(camera.name, recording)
         console.recorded(camera.name, recording, taken)
         recordings[camera.name] = recording
     return recordings, failed

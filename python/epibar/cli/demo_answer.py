@@ -18,11 +18,12 @@ PARTS = ("focal length", "rotation", "position")
 def compared(network: Network, staging: Staging) -> list[str]:
     """Say of every accepted camera how wrong it is, and whether what was stated of it holds."""
     from ..files.text_table import aligned
+    from ..network.parts import METRE
     from ..synthetic.network_errors import accepted_cameras, network_errors, world_error
 
     found = accepted_cameras(network)
     lines = [
-        f"{name}: left out: {camera.reason}"
+        f"{name}: left out: {camera.why_left_out}"
         for name, camera in network.cameras.items()
         if not camera.accepted
     ]
@@ -36,8 +37,10 @@ def compared(network: Network, staging: Staging) -> list[str]:
         held, below = held + len(good), below + sum(good)
         rows.append((name, *cells, _clock(network, staging, name)))
     lines += aligned(rows) + _world(network, world_error(staging, found))
+    length = "a metre" if network.unit == METRE else "the unit of length"
     lines.append(
-        f"{below} of {held} errors are below what was stated; nine in ten are meant to be, over many scenes"
+        f"{below} of {held} errors are below what was stated; nine in ten are meant to be, over many scenes. "
+        f"Positions are in true metres, what was stated of them too: {length} of the network is {unit:.3f} m"
     )
     return lines
 

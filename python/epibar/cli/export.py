@@ -66,7 +66,7 @@ def run(args: Namespace) -> int:
     from ..errors import EpibarError
     from ..jobs.folder import is_part_of_run
     from ..jobs.inputs import NETWORK_FILE
-    from ..lens.cameras_toml import load_cameras
+    from ..lens.cameras_toml import load_cameras, not_used
     from ..outcome.run import Run
     from .console import Console
 
@@ -86,7 +86,11 @@ def run(args: Namespace) -> int:
         else:
             selected = found.selected(every=args.all)
             if args.intrinsics:
-                selected = selected.with_intrinsics(load_cameras(args.intrinsics), args.intrinsics)
+                known = load_cameras(args.intrinsics)
+                selected = selected.with_intrinsics(known, args.intrinsics)
+                strange = not_used(known, selected.some_in(known, args.intrinsics).values())
+                if strange:
+                    console.warning(f"{args.intrinsics}: no camera is called {', '.join(strange)}")
             written = _export_pairs(args, chosen, selected, of_cameras, console)
             left_out = len(found.pairs) - len(selected.pairs)
             if left_out:
@@ -145,7 +149,9 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
         points = {(pair.a, pair.b): pair.frontier_points for pair in run.pairs if pair.accepted}
     elif wanted.tracks and table.exists():
         tracks = _walkers(table, network.unit, console)
-    written = network.export(args.out, chosen, run.lenses(args.intrinsics), tracks, points)
+    written = network.export(
+        args.out, chosen, run.lenses(args.intrinsics, network.known_lenses), tracks, points
+    )
     if network.unit != "metre":
         console.note("lengths are not in metres: 'epibar scale' makes them so")
     return written

@@ -35,9 +35,10 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..health.inspection import inspect
+    from ..jobs.given_rate import refuse_rate
     from ..jobs.inputs import CameraInput, one_each
     from ..jobs.tasks import record_camera
-    from ..lens.cameras_toml import find_camera, load_cameras
+    from ..lens.cameras_toml import find_cameras, load_cameras
     from ..sources.source import source_name
     from .console import Console
 
@@ -45,16 +46,22 @@ def run(args: Namespace) -> int:
     count = len(args.videos)
     backgrounds = one_each("--background", args.background, count)
     ignored = one_each("--ignore", args.ignore, count)
-    known = load_cameras(args.intrinsics) if args.intrinsics else None
+    names = [source_name(video) for video in args.videos]
+    lenses = find_cameras(load_cameras(args.intrinsics), names) if args.intrinsics else {}
+    lacking = [name for name in names if name not in lenses] if args.intrinsics else []
+    if lacking:
+        console.warning(f"{args.intrinsics} does not have {', '.join(lacking)}: taken as filmed")
     options = record_options(args)
+    refuse_rate(args.videos, options)
     entries: list[dict[str, Any]] = []
-    for index, video in enumerate(args.videos):
-        camera = CameraInput(source_name(video), video, index, backgrounds[index], ignored[index])
+    for index, (name, video) in enumerate(zip(names, args.videos, strict=True)):
+        camera = CameraInput(name, video, index, backgrounds[index], ignored[index])
         try:
-            names = [source_name(one) for one in args.videos]
-            lens = find_camera(known, camera.name, index, names) if known is not None else None
             recording, _ = record_camera(
-                replace(camera, intrinsics=lens), options, console.interactive, pictures=False
+                replace(camera, intrinsics=lenses.get(camera.name)),
+                options,
+                console.interactive,
+                pictures=False,
             )
         except EpibarError as error:
             console.error(str(error))

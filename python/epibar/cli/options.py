@@ -6,6 +6,7 @@ import argparse
 import math
 import re
 import sys
+from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..errors import printable, without_secrets
@@ -16,6 +17,7 @@ __all__ = [
     "add_length_options",
     "add_output_options",
     "frame_numbers",
+    "frame_rate",
     "length",
     "lengths",
     "positive",
@@ -27,6 +29,9 @@ __all__ = [
 ]
 
 VIDEOS = "videos"
+
+NAME = "\0"
+"""Before a name that begins with a dash, which argparse takes for an option. No word of a shell holds it."""
 
 
 class CommandParser(argparse.ArgumentParser):
@@ -54,7 +59,8 @@ class CommandParser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse, and give back the videos that an option took."""
-        found, rest = super().parse_known_args(args, namespace)
+        words = sys.argv[1:] if args is None else args
+        found, rest = super().parse_known_args(self._with_names(words), namespace)
         if self._takes_videos:
             # What stands between and after options is a video as well.
             found.videos += [word for word in rest if not word.startswith("-")]
@@ -63,6 +69,17 @@ class CommandParser(argparse.ArgumentParser):
             if not found.videos:
                 self.error("the following arguments are required: VIDEO")
         return found, rest
+
+    def _with_names(self, words: Sequence[str]) -> list[str]:
+        """Mark the names that an option takes before its last value, where they begin with a dash."""
+        marked = list(words)
+        for place, word in enumerate(words):
+            action = self._option_string_actions.get(word)
+            names = action.nargs - 1 if action is not None and isinstance(action.nargs, int) else 0
+            for k in range(place + 1, min(place + 1 + names, len(words))):
+                if words[k].startswith("-") and words[k] not in ("--", *self._option_string_actions):
+                    marked[k] = NAME + words[k]
+        return marked
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong with the arguments, of which some may be addresses with passwords, and exit."""
@@ -143,6 +160,11 @@ def seconds(text: str) -> float:
     return _positive_number(text, "seconds")
 
 
+def frame_rate(text: str) -> float:
+    """Read a positive number of frames per second."""
+    return _positive_number(text, "frames per second")
+
+
 def length(text: str) -> float | tuple[float, float]:
     """Read a length in metres, with its standard error where that is said: 4.20, 4.20±0.01 or 4.20+-0.01."""
     metres, says, error = text.replace("+-", "±").partition("±")
@@ -190,9 +212,14 @@ def add_length_options(command: argparse.ArgumentParser) -> None:
 def lengths(args: argparse.Namespace) -> dict[str, Any]:
     """Take the lengths that were given."""
     return {
-        "distance": [(a, b, _length("--distance", given)) for a, b, given in args.distance],
+        "distance": [
+            (a.removeprefix(NAME), b.removeprefix(NAME), _length("--distance", given))
+            for a, b, given in args.distance
+        ],
         "person_height": args.person_height,
-        "camera_height": [(a, _length("--camera-height", given)) for a, given in args.camera_height],
+        "camera_height": [
+            (a.removeprefix(NAME), _length("--camera-height", given)) for a, given in args.camera_height
+        ],
     }
 
 

@@ -29,6 +29,7 @@ def run(args: Namespace) -> int:
     from pathlib import Path
 
     from ..errors import EpibarError
+    from ..jobs.given_rate import refuse_rate
     from ..jobs.inputs import CameraInput
     from ..jobs.tasks import record_camera
     from ..lens.cameras_toml import intrinsics_of
@@ -42,6 +43,7 @@ def run(args: Namespace) -> int:
         raise EpibarError(f"--out {out}: there is no folder {out.parent}")
     if os.path.realpath(out) == os.path.realpath(args.video):
         raise EpibarError(f"--out {out}: this is the input itself")
+    refuse_rate([args.video], record_options(args))
     name = source_name(args.video)
     intrinsics = intrinsics_of(args.intrinsics, name) if args.intrinsics else None
     camera = CameraInput(name, args.video, 0, args.background, args.ignore, intrinsics)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from .options import CommandParser, frame_numbers, positive, seconds, seed_number
+from .options import CommandParser, frame_numbers, frame_rate, positive, seconds, seed_number
 
 if TYPE_CHECKING:
     from ..jobs.inputs import RecordOptions
@@ -69,6 +69,13 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         help="use only so many seconds, from the first frame used on; a live stream needs this, or a LAST",
     )
     group.add_argument(
+        "--fps",
+        type=frame_rate,
+        metavar="N",
+        help="frames per second of folders of images, and of masks that state none; not for videos, which do "
+        "(default: 25, with a warning)",
+    )
+    group.add_argument(
         "--chapters",
         action="store_true",
         help="a folder of videos, or a pattern in quotes as in 'cam1_*.mp4', is one camera whose files "
@@ -114,4 +121,4 @@ def record_options(args: argparse.Namespace) -> RecordOptions:
     from ..sources.frame_range import FrameRange
 
     frames = FrameRange.of(args.frames, args.seconds)
-    return RecordOptions(args.lines, args.seed, args.masks, args.foreground, frames, args.chapters)
+    return RecordOptions(args.lines, args.seed, args.masks, args.foreground, frames, args.chapters, args.fps)

@@ -58,7 +58,9 @@ def run(args: Namespace) -> int:
         network = before.scaled(**given, keep=not args.forget)
         if tracks is not None:
             tracks = rescaled_tracks(tracks, before, network)
-        for text in write_update(folder, network, (), found.lenses(), found.intrinsics, tracks):
+        for text in write_update(
+            folder, network, (), found.lenses(known=before.known_lenses), found.intrinsics, tracks
+        ):
             console.warning(text)
         for text in rewrite_report(folder, network):
             console.warning(text)

@@ -56,10 +56,15 @@ def run(args: Namespace) -> int:
             if one.command is not None and not args.json:
                 # As it is: a changed command would cut another file, and it holds no control characters.
                 print(one.command, flush=True)
+            elif one.absent:
+                console.warning(
+                    f"{one.name}: no command, for {one.file} is not there; where that is no full path, call "
+                    "this in the folder in which 'epibar calibrate' was"
+                )
             elif one.command is None:
                 console.note(f"{one.name}: {one.file} is no video file that ffmpeg could cut")
         for name in network.left_out:
-            console.warning(f"left out: {name}: {network.cameras[name].reason}")
+            console.warning(f"left out: {name}: {network.cameras[name].why_left_out}")
         if args.json:
             console.json(json_text({"cameras": [one.as_dict() for one in starts]}))
     return DONE

@@ -103,7 +103,7 @@ def write_placed(
     """
     if format not in FORMATS:
         raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
-    run, lenses = _with_lenses(run, intrinsics)
+    run, lenses, pixels = _with_lenses(run, intrinsics)
     poses, reasons = run.poses()
     if not poses:
         raise EpibarError(f"no pair has a pose ({'; '.join(reasons)})")
@@ -112,28 +112,41 @@ def write_placed(
     try:
         placed = place_cameras(run, poses)
     except EpibarError as error:
-        return _write_pairs(target, with_pose, poses, lenses, format, str(error))
-    notes = (*map(_verdict, with_pose), *reasons)
+        return _write_pairs(target, with_pose, poses, lenses, format, str(error), pixels)
+    notes = (*map(_verdict, with_pose), *reasons, *pixels)
     unit = f"the distance between {' and '.join(next(iter(poses)))}"
     return _write(target, placed, lenses, format, World(unit, notes=notes))
 
 
-def _with_lenses(run: Run, intrinsics: PathLike | None) -> tuple[Run, dict[str, Intrinsics]]:
+def _with_lenses(run: Run, intrinsics: PathLike | None) -> tuple[Run, dict[str, Intrinsics], tuple[str, ...]]:
+    """Lenses of the cameras, and what to say of those of which only the matrix of the recording is known."""
     where = intrinsics or run.intrinsics
-    if where is None:
+    matrices = {one.name: one.matrix for one in run.cameras if one.matrix is not None}
+    lenses = {
+        one.name: Intrinsics(one.name, one.size, matrices[one.name])
+        for one in run.cameras
+        if one.name in matrices
+    }
+    if where is None and not lenses:
         raise EpibarError(
             "a camera file holds intrinsics, and this run has none: give --intrinsics FILE.toml"
         )
+    if where is None:
+        return run, lenses, tuple(map(_pixels, lenses))
     if intrinsics is None and not Path(where).is_file():
         raise EpibarError(
             f"{where}: the camera file of this run is not there any more: give --intrinsics FILE.toml"
         )
     known = load_cameras(where)
     run = run.with_intrinsics(known, os.fspath(where))
-    found = run.found_in(known, os.fspath(where))
-    return run, {
-        camera.name: replace(lens, name=camera.name) for camera, lens in zip(run.cameras, found, strict=True)
-    }
+    found = run.some_in(known, os.fspath(where))
+    notes = tuple(_pixels(name) for name in lenses if name not in found)
+    lenses |= {name: replace(lens, name=name) for name, lens in found.items()}
+    return run, {one.name: lenses[one.name] for one in run.cameras if one.name in lenses}, notes
+
+
+def _pixels(name: str) -> str:
+    return f"{name}: in undistorted pixels, not in those of the video: no camera file has its lens"
 
 
 def _write_pairs(
@@ -143,6 +156,7 @@ def _write_pairs(
     lenses: Mapping[str, Intrinsics],
     chosen: str,
     why: str,
+    pixels: tuple[str, ...],
 ) -> list[Path]:
     """Write a file per pair."""
     written = []
@@ -153,7 +167,7 @@ def _write_pairs(
         while path in written:
             path = path.with_stem(f"{path.stem}_")
         placed = {pair.a: (np.eye(3), np.zeros(3)), pair.b: (pose.R, pose.t)}
-        notes = (_verdict(pair), f"one file per pair: {why}")
+        notes = (_verdict(pair), f"one file per pair: {why}", *pixels)
         world = World("the distance between the two cameras", notes=notes)
         written += _write(path, placed, lenses, chosen, world)
     return written

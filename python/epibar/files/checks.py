@@ -60,6 +60,8 @@ RECORDING: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "health_values": ("f", ("health",)),
     "first_frame": ("iu", ()),
     "matrix": ("f", (3, 3)),
+    "distortions": ("f", ("distortions",)),
+    "fisheye": ("b", ()),
     "core_size": ("u", (2,)),
     "core_seed": ("u", (1,)),
     "core_times": ("f", ("frames",)),
@@ -80,6 +82,8 @@ RECORDING: dict[str, tuple[str, tuple[int | str, ...]]] = {
 
 OPTIONAL = {
     "matrix",
+    "distortions",
+    "fisheye",
     "core_visible",
     "health_names",
     "health_values",

@@ -10,10 +10,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS, Calibration
+from ..lens.cameras_toml import load_cameras, not_used
 from ..network.result import Network
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
 from .folder import Folder
+from .given_rate import refuse_rate
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
 from .runner import Runner
 from .threads import own_threads, thread_count
@@ -90,6 +92,7 @@ def calibrate_all(
     every_pair: bool = False,
     seconds: float | None = None,
     chapters: bool = False,
+    fps: float | None = None,
     executor: Executor | None = None,
     fresh: bool = False,
     report: bool = True,
@@ -118,10 +121,13 @@ def calibrate_all(
         every pair searches by itself; a number, in frames of B, is for two cameras, or 0 for all.
     lines, seed, masks, foreground, frames, seconds, chapters
         Of every camera, see :func:`epibar.record`.
+    fps : float, optional
+        Frames per second of folders of images, and of masks that state none. Not for videos, which do.
     background, ignore : sequence of path, optional
         One per camera, see :func:`epibar.record`.
     intrinsics : path, optional
-        Camera file in which each is found by its name, or else by its place.
+        Camera file in which each is found by its name, or else by its place. Of more than two cameras it may
+        lack some, whose lenses are then found with the network.
     person_height, distances, camera_heights : optional
         Metres, as ``person_height``, ``distance`` and ``camera_height`` of :meth:`epibar.Network.scaled`.
     every_pair : bool
@@ -168,11 +174,12 @@ def calibrate_all(
             background=background,
             ignore=ignore,
             intrinsics=intrinsics,
+            masks=masks,
             time_offset=time_offset,
             lengths=lengths,
         ),
         out=Path(out),
-        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds), chapters),
+        record=RecordOptions(lines, seed, masks, foreground, FrameRange.of(frames, seconds), chapters, fps),
         pair=PairOptions(
             method=method,
             seed=seed,
@@ -197,6 +204,7 @@ def calibrate_all(
 def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
     """Run a job whose arguments are checked; see :func:`calibrate_all`."""
     # What is wrong with the arguments is told before a folder is made.
+    refuse_rate([camera.source for camera in job.cameras], job.record)
     Folder(job.out).refuse_inputs(job.inputs, job.files)
     with Folder(job.out) as folder:
         folder.refuse_foreign(job.files)
@@ -204,13 +212,7 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
 
 
 def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> AllPairs:
-    for camera in job.cameras:
-        lens = camera.intrinsics
-        if lens is not None and lens.name.casefold() != camera.name.casefold():
-            watch.warning(
-                f"{camera.name}: {job.intrinsics} has no camera of this name; by its place it is taken to be "
-                f"{lens.name!r}"
-            )
+    _tell_of_intrinsics(job, watch)
     if executor is None:
         with own_threads() as (threads, reporting):
             runner = Runner(job, folder, threads, watch, at_once=thread_count(), reporting=reporting)
@@ -237,3 +239,22 @@ def _run(job: Job, folder: Folder, executor: Executor | None, watch: Watch) -> A
         results.network_files,
         results.leaves_earlier,
     )
+
+
+def _tell_of_intrinsics(job: Job, watch: Watch) -> None:
+    """Say which camera is which in the camera file, where names do not tell, and whom it lacks."""
+    if job.intrinsics is None:
+        return
+    lenses = {camera.name: camera.intrinsics for camera in job.cameras}
+    for name, lens in lenses.items():
+        if lens is not None and lens.name.casefold() != name.casefold():
+            watch.warning(
+                f"{name}: {job.intrinsics} has no camera of this name; by its place it is taken to be "
+                f"{lens.name!r}"
+            )
+    strange = not_used(load_cameras(job.intrinsics), filter(None, lenses.values()))
+    if strange:
+        watch.warning(f"{job.intrinsics}: no video is called {', '.join(strange)}, so that is not used")
+    lacking = [camera.name for camera in job.cameras if camera.intrinsics is None]
+    if lacking:
+        watch.warning(f"{job.intrinsics} does not have {', '.join(lacking)}: taken as filmed, lens unknown")

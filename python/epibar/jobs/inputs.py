@@ -14,13 +14,14 @@ from ..arguments import MAX_SEED, as_positive, as_whole_number
 from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
 from ..errors import EpibarError, address_without_secrets, is_address, printable
 from ..foreground.options import METHODS as FOREGROUNDS
-from ..lens.cameras_toml import find_camera, load_cameras
+from ..lens.cameras_toml import find_camera, find_cameras, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..network.metres import check_lengths
 from ..network.pair_choice import ALL_PAIRS
 from ..recording import DEFAULT_LINES, MAX_LINES
 from ..sources.frame_range import FrameRange
 from ..sources.source import source_name
+from .mixed_sources import refuse_mixed
 
 __all__ = [
     "CAMERAS_FILE",
@@ -55,6 +56,9 @@ CAMERAS_FILE = "cameras.toml"
 CLOCKS_FILE = "recordings/clocks.json"
 TRACKS_FILE = "tracks.csv"
 SYNC_FILE = "sync.csv"
+
+SAVED = ".npz"
+"""How the names of recordings end; those of masks may, too."""
 
 
 def recording_file(out: Path, name: str) -> Path:
@@ -92,8 +96,11 @@ class RecordOptions:
     foreground: str = "auto"
     frames: FrameRange = field(default_factory=FrameRange)
     chapters: bool = False
+    fps: float | None = None
 
     def __post_init__(self) -> None:
+        if self.fps is not None:
+            as_positive("fps", self.fps, "frames per second")
         if self.foreground not in FOREGROUNDS:
             raise EpibarError(f"foreground = {self.foreground!r}: it must be one of {', '.join(FOREGROUNDS)}")
         as_whole_number("lines", self.lines, 1, MAX_LINES)
@@ -152,7 +159,7 @@ class CameraInput:
 
     def is_saved(self, options: RecordOptions) -> bool:
         """Whether the source is a recording, not a video."""
-        return self.source.lower().endswith(".npz") and not options.masks
+        return self.source.lower().endswith(SAVED) and not options.masks
 
     @property
     def shown(self) -> str:
@@ -241,6 +248,7 @@ def camera_inputs(
     background: Sequence[PathLike] | None = None,
     ignore: Sequence[PathLike] | None = None,
     intrinsics: PathLike | None = None,
+    masks: bool = False,
     time_offset: float | str = "auto",
     lengths: Mapping[str, Any] | None = None,
     spelt: Callable[[str], str] = str,
@@ -254,7 +262,10 @@ def camera_inputs(
     background, ignore : sequence of path, optional
         One per camera.
     intrinsics : path, optional
-        Camera file in which each is found by name, or else by its place.
+        Camera file in which each is found by name, or else by its place; of more than two cameras it may lack
+        some, of which nothing is known then.
+    masks : bool
+        All are ready masks, and none a saved recording.
     time_offset : float, "auto" or "search"
         Of all pairs.
     lengths : mapping, optional
@@ -293,7 +304,8 @@ def camera_inputs(
             "is for; use 'auto', or calibrate the pairs one by one"
         )
     check_lengths(names, **(lengths or {}))
-    known = load_cameras(intrinsics) if intrinsics is not None else None
+    refuse_mixed(sources, masks, spelt)
+    known = _lenses(load_cameras(intrinsics), names, sources, masks) if intrinsics is not None else {}
     backgrounds = one_each(spelt("background"), background, len(sources))
     ignored = one_each(spelt("ignore"), ignore, len(sources))
     return [
@@ -303,10 +315,22 @@ def camera_inputs(
             index,
             backgrounds[index],
             ignored[index],
-            find_camera(known, name, index, names) if known is not None else None,
+            known.get(name),
         )
         for index, (name, source) in enumerate(zip(names, sources, strict=True))
     ]
+
+
+def _lenses(
+    known: Sequence[Intrinsics], names: list[str], sources: list[str], masks: bool
+) -> dict[str, Intrinsics]:
+    """Lenses of the cameras that a file has; of two that are still to be recorded it must have both."""
+    found = find_cameras(known, names)
+    if len(names) == 2:
+        for index, name in enumerate(names):
+            if name not in found and (masks or not sources[index].lower().endswith(SAVED)):
+                find_camera(known, name, index, names)
+    return found
 
 
 def one_each(option: str, given: Sequence[PathLike] | None, count: int) -> list[str | None]:

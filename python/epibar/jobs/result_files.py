@@ -87,6 +87,8 @@ class Results:
     def take(self, camera: CameraInput, recording: Recording) -> None:
         """Take a recording; its pictures stay here when it goes to the tasks of its pairs."""
         self.recordings[camera] = recording
+        if recording.matrix is not None and recording.lens is None:  # kept by a version that did not keep it
+            recording.lens = camera.intrinsics
         if recording.pictures is not None:
             self.pictures[camera], recording.pictures = recording.pictures, None
 
@@ -141,6 +143,7 @@ class Results:
     def content(self) -> dict[str, Any]:
         """Return what calibration.json holds. No times are in it: the same job gives the same file."""
         job = self._job
+        straight = {one.matrix is not None for one in self.recordings.values()}
         result = run_entry(
             seed=job.record.seed,
             method=job.pair.method,
@@ -149,7 +152,7 @@ class Results:
             upright=job.pair.upright,
             max_expected_error=job.pair.max_expected_error,
             intrinsics=job.intrinsics,
-            undistorted=any(one.matrix is not None for one in self.recordings.values()),
+            undistorted=None if len(straight) > 1 else straight == {True},
         )
         result["cameras"] = [
             camera_entry(camera.name, camera.shown, camera.index, self.recordings[camera])

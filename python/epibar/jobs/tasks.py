@@ -47,6 +47,7 @@ def record_camera(
             foreground=options.foreground,
             intrinsics=camera.intrinsics,
             ignore=camera.ignore,
+            fps=options.fps,
             frames=(options.frames.first, options.frames.last),
             seconds=options.frames.seconds,
             chapters=options.chapters,

@@ -21,7 +21,15 @@ from ..errors import UNPRINTABLE, EpibarError
 from ..files.atomic import write_text
 from .intrinsics import Intrinsics
 
-__all__ = ["find_camera", "intrinsics_of", "load_cameras", "write_cameras", "written_by_epibar"]
+__all__ = [
+    "find_camera",
+    "find_cameras",
+    "intrinsics_of",
+    "load_cameras",
+    "not_used",
+    "write_cameras",
+    "written_by_epibar",
+]
 
 ROUNDED = 3e-2
 """By how much RᵀR of a rotation that was written with few digits may differ from the identity."""
@@ -141,6 +149,39 @@ def find_camera(
         return found
     nor = "" if index is None else f", nor one at place {index}"
     raise EpibarError(f"{stem}: no camera of that name in the camera file{nor}; it has {known}")
+
+
+def find_cameras(
+    cameras: Sequence[Intrinsics], names: Sequence[str], places: Sequence[int] | None = None
+) -> dict[str, Intrinsics]:
+    """Find the cameras of several videos, by their names, as far as the file has them.
+
+    Places, by default those in the list, say something only where the file has a camera for every one of
+    them: of a file of some of the cameras it is not known which it lacks.
+
+    Raises
+    ------
+    EpibarError
+        There is none of any of the videos.
+    """
+    places = range(len(names)) if places is None else places
+    by_place = len(cameras) > max(places, default=0)
+    found = {}
+    why: EpibarError | None = None
+    for name, place in zip(names, places, strict=True):
+        try:
+            found[name] = find_camera(cameras, name, place if by_place else None, names)
+        except EpibarError as error:
+            why = why or error
+    if why is not None and not found:
+        raise why
+    return found
+
+
+def not_used(cameras: Sequence[Intrinsics], used: Iterable[Intrinsics]) -> list[str]:
+    """Names of the cameras of a file that no video has."""
+    names = {camera.name for camera in used}
+    return [camera.name for camera in cameras if camera.name not in names]
 
 
 def write_cameras(

@@ -251,7 +251,7 @@ def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[
     left_out = {}
     for name, camera in network.cameras.items():
         if not camera.accepted:
-            left_out[name] = f"not accepted in the network: {camera.reason}"
+            left_out[name] = f"not accepted in the network: {camera.why_left_out}"
         elif name not in filmed:
             left_out[name] = "there is no new recording of it"
     chosen = [name for name in filmed if name not in left_out]
@@ -270,7 +270,7 @@ def stored_camera(camera: NetworkCamera, recording: Recording) -> dict[str, Any]
     Raises
     ------
     EpibarError
-        The recording is of another size or camera matrix.
+        The recording is of another size or camera matrix, or has a lens that was known and taken out before.
     """
     name = camera.name
     if recording.size != camera.size:
@@ -278,6 +278,11 @@ def stored_camera(camera: NetworkCamera, recording: Recording) -> dict[str, Any]
         raise EpibarError(
             f"{name}: {new} frames, but the network was calibrated at {stored}; film as then, or calibrate "
             "anew"
+        )
+    if camera.lens is not None and camera.undistorted and recording.matrix is None:
+        raise EpibarError(
+            f"{name}: the network has it in undistorted pixels, and this recording still has its lens; "
+            f"record the video with intrinsics=network.cameras[{name!r}].lens"
         )
     assert camera.matrix is not None
     assert camera.distortions is not None

@@ -9,13 +9,21 @@ from typing import Any
 import numpy as np
 
 from ..arguments import Array
+from ..lens.intrinsics import Intrinsics
+from ..recording import Recording
 from .parts import Ground, NetworkCamera, NetworkClock, NetworkPair, evidence_of
 
 __all__ = ["camera_of", "clock_of", "covariance_of", "finite", "ground_of", "pair_of"]
 
 
-def camera_of(one: Mapping[str, Any], size: tuple[int, int]) -> NetworkCamera:
-    """Make a camera whose images are of a size."""
+def camera_of(
+    one: Mapping[str, Any], size: tuple[int, int], recording: Recording | None = None
+) -> NetworkCamera:
+    """Make a camera whose images are of a size; ``recording`` knows of which pixels it is."""
+    lens = None if recording is None else recording.lens
+    straight = recording is not None and recording.matrix is not None
+    if lens is not None:
+        lens = Intrinsics(one["name"], lens.size, lens.matrix, lens.distortions, lens.fisheye)
     return NetworkCamera(
         name=one["name"],
         size=size,
@@ -29,6 +37,8 @@ def camera_of(one: Mapping[str, Any], size: tuple[int, int]) -> NetworkCamera:
         expected=None if one["expected"] is None else dict(one["expected"]),
         position_covariance=covariance_of(one["position_covariance"]),
         evidence=evidence_of(one["deviates"]),
+        undistorted=straight and (lens is None or lens.distorted),
+        lens=lens,
     )
 
 

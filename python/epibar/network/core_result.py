@@ -16,8 +16,12 @@ __all__ = ["network_of"]
 def network_of(found: Mapping[str, Any], recordings: Mapping[str, Recording]) -> Network:
     """Make a network of the dict that ``_core.join_network`` returns."""
     names = list(recordings)
+    cameras = {}
+    for one in found["cameras"]:
+        recording = recordings[one["name"]]
+        cameras[one["name"]] = camera_of(one, recording.size, recording)
     return Network(
-        cameras={one["name"]: camera_of(one, recordings[one["name"]].size) for one in found["cameras"]},
+        cameras=cameras,
         pairs=NetworkPairs([pair_of(one, names) for one in found["pairs"]]),
         clocks={one["name"]: clock_of(one) for one in found["cameras"]},
         accepted=bool(found["accepted"]),

@@ -214,7 +214,9 @@ def _extension(
     held: Sequence[str],
 ) -> Extension:
     """What the compiled module says of the new cameras."""
-    cameras = {one["name"]: camera_of(one, new[one["name"]].size) for one in found["cameras"]}
+    cameras = {
+        one["name"]: camera_of(one, new[one["name"]].size, new[one["name"]]) for one in found["cameras"]
+    }
     accepted = [name for name, camera in cameras.items() if camera.accepted]
     clocks = {
         one["name"]: _in_network_time(clock_of(one), network.clocks.get(held[0], NetworkClock()))

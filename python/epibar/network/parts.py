@@ -74,6 +74,11 @@ class NetworkCamera:
     evidence : dict of str to float
         What speaks for it on moments kept aside, as normal deviates: of ``tangents``, and of whole
         ``silhouettes``.
+    undistorted : bool
+        Whether all this is in pixels that are not those of the video: the lens was taken out of the
+        recording, or only its camera matrix is known, as where masks were given with one.
+    lens : Intrinsics or None
+        That lens; None where it is not known, or none was taken out.
     """
 
     name: str
@@ -88,6 +93,13 @@ class NetworkCamera:
     expected: dict[str, float] | None = None
     position_covariance: Array | None = None
     evidence: dict[str, float] = field(default_factory=dict)
+    undistorted: bool = False
+    lens: Intrinsics | None = None
+
+    @property
+    def why_left_out(self) -> str:
+        """:attr:`reason` without the words that it was left out, for where these are said before it."""
+        return self.reason.removeprefix("left out: ")
 
     @property
     def position(self) -> Array | None:
@@ -138,7 +150,10 @@ class NetworkCamera:
         return k1, k2, p1, p2, k3
 
     def intrinsics(self, lens: Intrinsics | None = None) -> Intrinsics:
-        """Return it as camera files describe it; ``lens`` is one that was taken out of the recording.
+        """Return it as camera files describe it, through the lens that was taken out of the recording.
+
+        That is ``lens``, or else the one that the recording knew; where neither is known it is in undistorted
+        pixels.
 
         Raises
         ------
@@ -150,6 +165,7 @@ class NetworkCamera:
         rotation = rotation_vector(self.rotation)
         distortions = np.zeros(5) if self.distortions is None else self.distortions
         found = Intrinsics(self.name, self.size, self.matrix, distortions, False, rotation, self.translation)
+        lens = lens or self.lens
         if lens is None or not lens.distorted:
             return found
         return replace(found, distortions=lens.distortions, fisheye=lens.fisheye)
@@ -355,6 +371,11 @@ class NetworkParts:
     ground: Ground
     radius: float | None = None
     scale: Scale | None = None
+
+    @property
+    def known_lenses(self) -> list[str]:
+        """Names of the cameras of which it is stored what lens was taken out."""
+        return [name for name, camera in self.cameras.items() if camera.lens is not None]
 
     def refuse_unknown(self, names: Iterable[str]) -> None:
         """Check that there is a camera of every name.

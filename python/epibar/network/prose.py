@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 import numpy as np
 
 from ..files.text_table import aligned
 from .parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
 
-__all__ = ["network_notes", "network_table"]
+__all__ = ["network_notes", "network_table", "pixels_note"]
 
 HEADER = ("camera", "verdict", "focal length", "position", "errors: focal, rotation, position", "clock")
 
@@ -56,9 +56,22 @@ def _level(network: NetworkParts) -> str:
     return f", to {100 * error:.2g} cm (standard error)"
 
 
+def pixels_note(network: NetworkParts, lenses: Collection[str] = ()) -> list[str]:
+    """Say of which cameras pixels are not those of the video; ``lenses`` are names of known ones."""
+    cameras = [one for one in network.cameras.values() if one.accepted and one.undistorted]
+    names = [one.name for one in cameras if one.lens is None and one.name not in lenses]
+    if not names:
+        return []
+    return [
+        f"{', '.join(names)}: in undistorted pixels, not in those of the video: the recording knows its "
+        "camera matrix, and not the lens that was taken out; give its intrinsics too"
+    ]
+
+
 def network_notes(network: NetworkParts) -> list[str]:
     """Say what the table leaves open: why cameras are refused, what up and the unit are."""
     notes = [f"{name}: {camera.reason}" for name, camera in network.cameras.items() if not camera.accepted]
+    notes += pixels_note(network)
     standing = [name for name, camera in network.cameras.items() if camera.matrix is not None]
     if len(standing) < 2:
         return notes

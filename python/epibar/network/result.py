@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,6 +22,7 @@ from .knowledge import KnownCamera
 from .metres import NOT_IN_METRES, rescaled
 from .offsets import TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
+from .prose import pixels_note
 from .recordings import Recordings
 from .saved import as_dict, as_file, network_from
 from .stages import Progress
@@ -332,7 +333,7 @@ class Network(NetworkParts):
         if not accepted:
             raise EpibarError(f"no camera is accepted, so there is nothing to export: {self.reason}")
         for name in self.left_out:
-            logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].reason)
+            logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].why_left_out)
         lenses = lenses or {}
         cameras = [camera.intrinsics(lenses.get(camera.name)) for camera in accepted]
         chosen = FORMATS[format]
@@ -343,7 +344,7 @@ class Network(NetworkParts):
                 chosen.program,
                 chosen.unit,
             )
-        world = replace(self._world(), ways=tuple(tracks.ways()) if tracks is not None else ())
+        world = replace(self._world(lenses), ways=tuple(tracks.ways()) if tracks is not None else ())
         if chosen.points:
             world = replace(world, two_views=two_views(self, lenses, tracks, frontier_points))
         return chosen.write(cameras, Path(path), world)
@@ -359,15 +360,15 @@ class Network(NetworkParts):
                 "make them anew with Network.tracks, or bring them over with WalkerTracks.scaled"
             )
 
-    def _world(self) -> World:
+    def _world(self, lenses: Collection[str]) -> World:
         """What a camera file says of itself, beside its cameras."""
         unit = self.unit
         if self.unit == BASELINE:
             first, second = [name for name, camera in self.cameras.items() if camera.rotation is not None][:2]
             unit = f"the distance between {first} and {second} when calibrated, not metres"
         zero = "the floor" if self.ground.source == "floor" else "the mean height of the cameras"
-        notes = [self.reason, *(self.scale.sources if self.scale else ())]
-        notes += [f"left out: {name}: {self.cameras[name].reason}" for name in self.left_out]
+        notes = [self.reason, *(self.scale.sources if self.scale else ()), *pixels_note(self, lenses)]
+        notes += [f"left out: {name}: {self.cameras[name].why_left_out}" for name in self.left_out]
         return World(unit, zero, tuple(notes))
 
     def as_dict(self) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from ..arguments import Array, as_camera_matrix, as_numbers, as_rotation, is_num
 from ..errors import EpibarError
 from ..files.checks import LONGEST_SIDE, check_format
 from ..files.network_json import FORMAT, SCHEMA
+from ..lens.intrinsics import Intrinsics
 from .parts import (
     BASELINE,
     METRE,
@@ -111,6 +112,14 @@ def _camera_dict(camera: NetworkCamera, clock: NetworkClock) -> dict[str, Any]:
         "position_covariance": camera.position_covariance,
         "clock": {"offset": clock.offset, "drift": clock.drift, "offset_error": clock.offset_error},
         "evidence": camera.evidence,
+        "undistorted": camera.undistorted,
+        "lens": None
+        if camera.lens is None
+        else {
+            "matrix": camera.lens.matrix,
+            "distortions": camera.lens.distortions,
+            "fisheye": camera.lens.fisheye,
+        },
     }
 
 
@@ -200,6 +209,7 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
     parts = {key: one[key] for key in ("matrix", "distortions", "rotation", "translation", "expected")}
     missing = [key for key, value in parts.items() if value is None]
     accepted = _truth(one)
+    lens = one.get("lens")
     if missing and (accepted or len(missing) < len(parts)):
         raise EpibarError(f"{name} has no {', '.join(missing)}")
     size = as_numbers(f"{name}: size", (one["width"], one["height"]), (2,))
@@ -218,7 +228,13 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
         expected=None if missing else _expected(parts["expected"]),
         position_covariance=None if missing else _covariance(name, one.get("position_covariance")),
         evidence=_evidence(one),
+        undistorted="undistorted" in one and _truth(one, "undistorted"),
+        lens=None if lens is None else _lens(name, (int(size[0]), int(size[1])), lens),
     )
+
+
+def _lens(name: str, size: tuple[int, int], lens: Mapping[str, Any]) -> Intrinsics:
+    return Intrinsics(name, size, lens["matrix"], lens["distortions"], _truth(lens, "fisheye"))
 
 
 def _expected(value: Mapping[str, Any]) -> dict[str, float]:
@@ -268,10 +284,10 @@ def _word(content: Mapping[str, Any], key: str) -> str:
     return str(content[key])
 
 
-def _truth(content: Mapping[str, Any]) -> bool:
-    if not isinstance(content["accepted"], bool):
-        raise EpibarError(f"accepted is {content['accepted']!r}")
-    return bool(content["accepted"])
+def _truth(content: Mapping[str, Any], key: str = "accepted") -> bool:
+    if not isinstance(content[key], bool):
+        raise EpibarError(f"{key} is {content[key]!r}")
+    return bool(content[key])
 
 
 def _finite(content: Mapping[str, Any], key: str) -> float | None:

@@ -26,14 +26,18 @@ def run_entry(
     upright: bool,
     max_expected_error: float,
     intrinsics: str | None,
-    undistorted: bool,
+    undistorted: bool | None,
 ) -> dict[str, Any]:
-    """Start a calibration.json: the settings that the result depends on, and empty lists to fill."""
+    """Start a calibration.json: the settings that the result depends on, and empty lists to fill.
+
+    ``undistorted`` says whether lenses were taken out of the recordings; None where of some.
+    """
+    matrices = "each camera" if undistorted else "each camera that has one, of others as in the video"
     return {
         "$schema": SCHEMA,
         "format": FORMAT,
         "convention": "x_b^T F x_a = 0; pixels, pixel centres at integers; "
-        + ("undistorted with the matrix of each camera" if undistorted else "as in the video"),
+        + ("as in the video" if undistorted is False else f"undistorted with the matrix of {matrices}"),
         "seed": seed,
         "method": method,
         "lines": lines,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -19,7 +19,7 @@ from ..files.checks import LONGEST_SIDE
 from ..files.frontier_csv import read_frontier_points
 from ..geometry.correspondences import FrontierPoints
 from ..geometry.pose import RelativePose, relative_pose
-from ..lens.cameras_toml import find_camera, load_cameras
+from ..lens.cameras_toml import find_camera, find_cameras, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 from .recordings import recording_of
@@ -228,22 +228,21 @@ class Run:
     def with_intrinsics(self, known: Sequence[Intrinsics], where: str) -> Run:
         """Give camera matrices to a run that was made without; check them in a run that was made with.
 
+        Cameras that the file does not have stay as they are.
+
         Raises
         ------
         EpibarError
-            A camera is missing, has another size or matrix, or has a lens that the run did not take out.
+            It has none of them; or one has another size or matrix, or a lens that the run did not take out.
         """
         cameras = []
-        for camera, given in zip(self.cameras, self.found_in(known, where), strict=True):
-            if camera.matrix is None and given.distorted:
-                raise EpibarError(
-                    f"{where}: {given.name} has lens distortion, but {camera.name} was calibrated without; "
-                    "run 'epibar calibrate' again with --intrinsics"
-                )
-            if camera.matrix is not None and not np.allclose(camera.matrix, given.matrix):
-                raise EpibarError(
-                    f"{where}: {given.name} has another camera matrix than {camera.name} was calibrated with"
-                )
+        found = self.some_in(known, where)
+        for camera in self.cameras:
+            given = found.get(camera.name)
+            if given is None:
+                cameras.append(camera)
+                continue
+            _check_lens(camera, given, where)
             cameras.append(replace(camera, matrix=given.matrix))
         return replace(self, cameras=cameras)
 
@@ -255,41 +254,61 @@ class Run:
         EpibarError
             One is not there, or is for images of another size; ``where`` names the file.
         """
-        found = []
-        for place, camera in enumerate(self.cameras):
-            place = place if camera.index is None else camera.index
-            given = find_camera(known, camera.name, place, [one.name for one in self.cameras])
-            if given.size != camera.size:
-                raise EpibarError(
-                    f"{where}: {given.name} is for {given.size[0]}x{given.size[1]}, "
-                    f"but {camera.name} was recorded at {camera.size[0]}x{camera.size[1]}"
-                )
-            found.append(given)
+        names = [camera.name for camera in self.cameras]
+        found = [
+            find_camera(known, name, place, names) for name, place in zip(names, self._places, strict=True)
+        ]
+        for camera, given in zip(self.cameras, found, strict=True):
+            _check_size(camera, given, where)
         return found
 
-    def lenses(self, where: str | None = None) -> dict[str, Intrinsics]:
+    def some_in(self, known: Sequence[Intrinsics], where: str) -> dict[str, Intrinsics]:
+        """Find cameras of the run in a file of some of them, by the names of the run.
+
+        Raises
+        ------
+        EpibarError
+            None is there, or one is for images of another size; ``where`` names the file.
+        """
+        found = find_cameras(known, [camera.name for camera in self.cameras], self._places)
+        for camera in self.cameras:
+            if camera.name in found:
+                _check_size(camera, found[camera.name], where)
+        return found
+
+    @property
+    def _places(self) -> list[int]:
+        """Place of each camera among those that were given to the run."""
+        return [place if one.index is None else one.index for place, one in enumerate(self.cameras)]
+
+    def lenses(self, where: str | None = None, known: Collection[str] = ()) -> dict[str, Intrinsics]:
         """Lenses that were taken out of the recordings, by camera; none of a run without intrinsics.
 
         Parameters
         ----------
         where : str, optional
             Camera file; by default that of the run.
+        known : collection of str
+            Cameras whose lens is known already, so that the file of the run need not be there for them.
 
         Raises
         ------
         EpibarError
             The file is not there any more, or does not fit.
         """
-        where = where or self.intrinsics
-        if where is None or all(camera.matrix is None for camera in self.cameras):
+        straight = [camera.name for camera in self.cameras if camera.matrix is not None]
+        if where is None:
+            where, straight = self.intrinsics, [name for name in straight if name not in known]
+        if where is None or not straight:
             return {}
         if not Path(where).is_file():
             raise EpibarError(
                 f"{where}: the camera file of this run is not there any more, but its lenses are needed here"
             )
-        known = load_cameras(where)
-        found = self.with_intrinsics(known, where).found_in(known, where)
-        return {camera.name: lens for camera, lens in zip(self.cameras, found, strict=True)}
+        found = self.some_in(load_cameras(where), where)
+        for name in set(straight) & found.keys():
+            _check_lens(self.by_name[name], found[name], where)
+        return {name: found[name] for name in straight if name in found}
 
     def poses(self) -> tuple[dict[tuple[str, str], RelativePose], list[str]]:
         """Relative pose of each pair whose camera matrices are known, and why others have none."""
@@ -310,6 +329,26 @@ class Run:
 def no_points() -> FrontierPoints:
     """Those of a pair that has none."""
     return FrontierPoints(np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
+
+
+def _check_size(camera: Camera, given: Intrinsics, where: str) -> None:
+    if given.size != camera.size:
+        raise EpibarError(
+            f"{where}: {given.name} is for {given.size[0]}x{given.size[1]}, "
+            f"but {camera.name} was recorded at {camera.size[0]}x{camera.size[1]}"
+        )
+
+
+def _check_lens(camera: Camera, given: Intrinsics, where: str) -> None:
+    if camera.matrix is None and given.distorted:
+        raise EpibarError(
+            f"{where}: {given.name} has lens distortion, but {camera.name} was calibrated without; "
+            "run 'epibar calibrate' again with --intrinsics"
+        )
+    if camera.matrix is not None and not np.allclose(camera.matrix, given.matrix):
+        raise EpibarError(
+            f"{where}: {given.name} has another camera matrix than {camera.name} was calibrated with"
+        )
 
 
 def _camera(entry: Stored) -> Camera:

@@ -6,7 +6,7 @@ import os
 import re
 import shlex
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -45,12 +45,15 @@ class CameraStart:
     command : str or None
         For a POSIX shell: cuts the video, into the folder where it is run. None where the source is no video
         file, or its name holds what no line can.
+    absent : bool
+        Whether there is none because the video is not where it was.
     """
 
     name: str
     file: str
     time: StartTime
     command: str | None
+    absent: bool = False
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as ``epibar sync --json`` prints it."""
@@ -147,4 +150,8 @@ def starts_of_run(folder: str | os.PathLike[str], network: Network) -> list[Came
             continue
         sources[name] = entry.text("file")
         recordings[name] = recording_of(path.parent, entry)
-    return camera_starts(network.start_times(recordings), sources)
+    starts = camera_starts(network.start_times(recordings), sources)
+    return [
+        one if one.command is None or os.path.exists(one.file) else replace(one, command=None, absent=True)
+        for one in starts
+    ]

@@ -20,6 +20,7 @@ from .network_table import network_section, no_network_note
 from .overview import camera_cards, error_list, legend, matrix, summary
 from .payload import camera_entry, pair_entries
 from .pictures import data_url, heat_picture, pictures_within
+from .prose import pairs_pixels
 from .space_payload import space_entry
 
 __all__ = ["SIZE_LIMIT", "write_report"]
@@ -32,10 +33,7 @@ LEAST_FOR_PICTURES = 2_000_000
 
 MOST_PER_PICTURE = 160_000
 CARD_RESERVE = 80_000
-PAIRS_NOTE = (
-    "As they were filmed, without what the network knows of the lenses. That one is refused here does not "
-    "speak against the network, which weighs all of them."
-)
+PAIRS_NOTE = "That one is refused here does not speak against the network, which weighs all of them."
 
 BESIDE = 3
 """Cameras that fit beside the matrix of their pairs."""
@@ -134,7 +132,7 @@ def _render(
         style=_asset("style.css"),
         summary=escape(summary(cameras, pairs, errors, shown.network)),
         errors=error_list(errors),
-        **_headings(shown),
+        **_headings(shown, cameras),
         many=" many" if len(cameras) > BESIDE else "",
         cameras=camera_cards(cameras, cards),
         matrix=matrix(cameras, pairs),
@@ -145,7 +143,7 @@ def _render(
     )
 
 
-def _headings(shown: NetworkReport) -> dict[str, str]:
+def _headings(shown: NetworkReport, cameras: Sequence[ReportCamera]) -> dict[str, str]:
     """What the page says otherwise where there is a network."""
     network = shown.network
     if network is None:
@@ -161,7 +159,7 @@ def _headings(shown: NetworkReport) -> dict[str, str]:
         "heading": "Camera network",
         "network": network_section(network, shown.tracks),
         "pairs_title": "Pairs, each by itself",
-        "pairs_note": f'<p class="caption">{PAIRS_NOTE}</p>',
+        "pairs_note": f'<p class="caption">{escape(pairs_pixels(cameras))} {PAIRS_NOTE}</p>',
         "cameras_title": "What was filmed",
         "scripted": "The network in space and the views of each pair",
     }

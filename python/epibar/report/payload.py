@@ -97,7 +97,7 @@ def _pair_entry(
         "verdict": verdict_prose(calibration),
         "kind": calibration.kind,
         "reason": calibration.reason,
-        "advice": advice(calibration),
+        "advice": advice(calibration, a.matrix is not None and b.matrix is not None),
         "F": calibration.F,
         "expected_error": calibration.expected_error,
         "time_offset": calibration.time_offset,

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from .. import _core
 from ..calibration import Calibration
+from .inputs import ReportCamera
 
-__all__ = ["advice", "verdict_prose"]
+__all__ = ["advice", "pairs_pixels", "verdict_prose"]
 
 SOME_EVIDENCE = _core.SOME_Z
 """Standard deviations above chance: by chance one pair in 44 has more."""
@@ -20,6 +23,8 @@ TITLES = {
     "moved": "A camera has moved since",
     "inaccurate": "Not accurate enough",
 }
+
+ABOUT_LENSES = "Lens distortion bends lines: give `--intrinsics` for anything but a narrow lens."
 
 ADVICE = {
     "too_little_motion": [
@@ -55,7 +60,7 @@ ADVICE = {
     ],
     "inaccurate": [
         "Film longer, or give better masks: ragged outlines are the usual cause.",
-        "Lens distortion bends lines: give `--intrinsics` for anything but a narrow lens.",
+        ABOUT_LENSES,
         "If a coarser answer is good enough, raise `--max-expected-error`; not with boxes or ellipses "
         "as masks, whose true error is larger than expected.",
     ],
@@ -73,12 +78,25 @@ def verdict_prose(calibration: Calibration) -> str:
     return TITLES.get(kind, kind.replace("_", " ").capitalize())
 
 
-def advice(calibration: Calibration) -> list[str]:
-    """Say what to do about a refused pair; code is between backticks."""
+def pairs_pixels(cameras: Sequence[ReportCamera]) -> str:
+    """Say in which pixels pairs were calibrated by themselves, in a report that has a network too."""
+    straight = [camera.name for camera in cameras if camera.recording.matrix is not None]
+    if not straight:
+        return "As they were filmed, without what the network knows of the lenses."
+    if len(straight) == len(cameras):
+        return "In undistorted pixels, those of the camera matrices that were given."
+    return (
+        f"{', '.join(straight)} in undistorted pixels, those of the camera matrices that were given; the "
+        "others as they were filmed, without what the network knows of their lenses."
+    )
+
+
+def advice(calibration: Calibration, lenses_known: bool = False) -> list[str]:
+    """Say what to do about a refused pair, whose lenses were taken out or not; code is between backticks."""
     if calibration.accepted:
         return []
     known = ADVICE.get(calibration.kind, ["Read docs/trust.md on this verdict."])
     z = calibration.evidence.get("z")
     if calibration.kind == "no_common_scene" and z is not None and z > SOME_EVIDENCE:
         return [FILM_LONGER, *known[:-1]]
-    return known
+    return [text for text in known if not (lenses_known and text is ABOUT_LENSES)]

@@ -90,7 +90,7 @@ class FrameSource(Generic[T]):
             self.fps = DEFAULT_FPS
             self._warn(
                 f"{self.shown}: no frame rate given, {DEFAULT_FPS:g} frames per second assumed; if it is "
-                "another one clocks cannot agree: give fps to epibar.record, or to the .npz of masks"
+                "another one clocks cannot agree: give --fps (fps=), or fps to the .npz of masks"
             )
 
     def _check_size(self, shape: tuple[int, ...], where: str) -> None:
