@@ -23,6 +23,7 @@ VERDICTS = {
     "rotation": "Left out: direction open",
     "position": "Left out: position open",
     "ambiguous": "Left out: ambiguous",
+    "clock": "Left out: its clock is not told",
     "contradicted": "Left out: what was given contradicts what moves",
     "no_baseline": "Left out: no baseline",
     "one_plane": "Left out: all keeps to one plane",

@@ -15,9 +15,10 @@ use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::by_lines::{self, Filmed};
 use crate::search::{Found, SearchOptions, Solution, TrainingSet, search, settle};
+use crate::verify::other_clocks::other_clocks;
 use crate::verify::second_look::Earlier;
 use crate::verify::split::{Fold, Split, Stay};
-use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
+use crate::verify::thresholds::{CLOCK_BETTER, MIN_Z_FOR_CLOCK, reaches};
 use crate::verify::trials::falls_for;
 use crate::verify::{Case, Verdict, Verified, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
@@ -45,21 +46,35 @@ pub fn calibrate_watched(
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
     options.check()?;
-    let found = calibrate_from(a, b, options.time_offset, options, watch)?;
+    let found = at_better_clock(a, b, options.time_offset, options, watch)?;
     let next = options.time_offset.where_refused();
     let Some(next) = next.filter(|_| !found.accepted()) else { return Ok(found) };
-    let other = calibrate_from(a, b, next, options, watch)?;
+    let other = at_better_clock(a, b, next, options, watch)?;
     Ok(if other.accepted() || other.evidence.z > found.evidence.z { other } else { found })
 }
 
-/// From what is known of the offset, which is learned with the geometry.
-fn calibrate_from(
+/// From what is known of the offset, and once more from another one near it where that is clearly better.
+fn at_better_clock(
     a: &Recording,
     b: &Recording,
     offset: TimeOffset,
     options: &CalibrateOptions,
     watch: &mut dyn Watch,
 ) -> Result<Calibration> {
+    let (found, better) = calibrate_from(a, b, offset, options, watch)?;
+    let Some(better) = better else { return Ok(found) };
+    let (other, _) = calibrate_from(a, b, TimeOffset::About(better), options, watch)?;
+    Ok(if other.evidence.z > found.evidence.z { other } else { found })
+}
+
+/// From what is known of the offset, which is learned with the geometry; and another offset that is clearly better, if there is one.
+fn calibrate_from(
+    a: &Recording,
+    b: &Recording,
+    offset: TimeOffset,
+    options: &CalibrateOptions,
+    watch: &mut dyn Watch,
+) -> Result<(Calibration, Option<f64>)> {
     let mut clocks = Clocks::new(a, b, offset, options.upright, watch)?;
     loop {
         let found = calibrate_at(&clocks.aligned(), options, watch)?;
@@ -68,9 +83,30 @@ fn calibrate_from(
             // Only where their number decides is it asked more closely.
             let decides = found.accepted() && falls_for(timing.trials, &found.evidence);
             let trials = if decides { clocks.trials_by_parts(watch)? } else { timing.trials };
-            return Ok(found.with_timing(timing, trials));
+            let found = found.with_timing(timing, trials);
+            return Ok(if offset.is_given() {
+                (found, None)
+            } else {
+                told_by_motion(found, &clocks, options)
+            });
         }
     }
+}
+
+/// An accepted geometry, unless what moves does not tell the clock that it was found with; and a clock that is clearly better.
+fn told_by_motion(
+    found: Calibration,
+    clocks: &Clocks,
+    options: &CalibrateOptions,
+) -> (Calibration, Option<f64>) {
+    let Some(f) = found.fundamental.filter(|_| found.accepted()) else { return (found, None) };
+    let others = other_clocks(|later| clocks.moved_by(later), &f, options.cameras, options.seed);
+    let best = others.iter().max_by(|p, q| p.share.total_cmp(&q.share));
+    let better = best.filter(|o| reaches(o.share, CLOCK_BETTER)).map(|o| clocks.offset() + o.later);
+    let open = others.iter().filter(|o| o.is_open(options.max_expected_error));
+    let farthest = open.max_by(|p, q| p.distance.total_cmp(&q.distance));
+    let verdict = farthest.map(|other| other.verdict(clocks.frame_interval()));
+    (Calibration { verdict: verdict.unwrap_or_else(|| found.verdict.clone()), ..found }, better)
 }
 
 /// By a known clock.

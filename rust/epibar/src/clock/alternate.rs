@@ -85,6 +85,21 @@ impl<'a> Clocks<'a> {
         if matches!(self.next, Next::First) { aligned.thinned(SOME_FRAMES) } else { aligned }
     }
 
+    /// The offset of that time line, frames of B.
+    pub fn offset(&self) -> f64 {
+        self.clock.offset
+    }
+
+    /// How far apart frames of B are, seconds.
+    pub fn frame_interval(&self) -> f64 {
+        self.b.frame_interval()
+    }
+
+    /// Both recordings with the clock moved by so many frames of B.
+    pub fn moved_by(&self, frames: f64) -> Aligned<'_> {
+        self.aligned_at(Clock { offset: self.clock.offset + frames, ..self.clock })
+    }
+
     /// Takes the geometry that was found, if there is evidence for it that the recordings show the same moments at all.
     /// `None`: the clock is better known now, and a geometry is wanted for it.
     pub fn learn(&mut self, f: Option<Fundamental>) -> Option<Timing> {

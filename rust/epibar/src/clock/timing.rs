@@ -19,7 +19,7 @@ pub enum TimeOffset {
         seconds: f64,
     },
     /// It is not known whether the cameras were started together. No offset is tried first: what is accepted so has passed the test of shifted
-    /// clocks, so that another offset would have been noticed. Only where it is refused one is searched for; where neither is accepted, it is the one for
+    /// clocks, and no other clock near it explains as much. Only where it is refused one is searched for; where neither is accepted, it is the one for
     /// which more speaks.
     Auto {
         /// Largest offset considered, seconds.
@@ -34,6 +34,11 @@ impl TimeOffset {
             Self::Auto { seconds } => Some(Self::Search { seconds }),
             Self::Known(_) | Self::About(_) | Self::Search { .. } => None,
         }
+    }
+
+    /// Whether it is told, and not found.
+    pub(crate) fn is_given(self) -> bool {
+        matches!(self, Self::Known(_))
     }
 
     pub(crate) fn check(self) -> Result<()> {

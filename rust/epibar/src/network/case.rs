@@ -23,6 +23,8 @@ pub(super) struct NetworkCase<'a> {
     pub(super) cameras: Vec<Camera>,
     pub(super) beliefs: Vec<Beliefs>,
     pub(super) hypotheses: Vec<PairHypotheses>,
+    /// Clocks were given, and are not asked for.
+    pub(super) clocks_given: bool,
 }
 
 impl<'a> NetworkCase<'a> {
@@ -40,7 +42,7 @@ impl<'a> NetworkCase<'a> {
             .filter(|p| clocks.seconds[p.a].is_finite() && clocks.seconds[p.b].is_finite())
             .filter_map(|p| p.hypotheses(inputs[p.a].recording, inputs[p.b].recording))
             .collect();
-        Self { inputs, pairs, observed, cameras, beliefs, hypotheses }
+        Self { inputs, pairs, observed, cameras, beliefs, hypotheses, clocks_given: clocks.given }
     }
 
     /// Whether nobody gave what a camera is held to: pixels are taken for square unless it is said.

@@ -46,6 +46,8 @@ pub enum CameraStatus {
     Position,
     /// Its pairs cannot be told from other geometries.
     Ambiguous,
+    /// What moves does not tell its clock, and with that where it stands.
+    Clock,
     /// What was given of it is contradicted by what moves.
     Contradicted,
     /// All cameras that it has something in common with stand where it does.
@@ -70,6 +72,7 @@ impl CameraStatus {
             Self::Rotation => "rotation",
             Self::Position => "position",
             Self::Ambiguous => "ambiguous",
+            Self::Clock => "clock",
             Self::Contradicted => "contradicted",
             Self::NoBaseline => "no_baseline",
             Self::OnePlane => "one_plane",

@@ -16,6 +16,10 @@ pub const NO_OFFSET_SHARE: f64 = 0.97;
 /// Share of the pairs that must have no offset for all cameras to have started together; of the others some are wrong.
 pub const NO_OFFSET_PAIRS: f64 = 0.6;
 
+/// What moves leaves a clock open where another one has a geometry of its own that is further away than so many pixels of a 640×480 image, and explains as
+/// much ([`CLOCK_SHARE`](crate::verify::thresholds::CLOCK_SHARE)).
+pub const CLOCK_OPEN: f64 = 3.0;
+
 // --- who enters ---
 
 /// Relative standard deviation below which a focal length that is given is known; two known ones make a network of two cameras.

@@ -8,6 +8,7 @@
 //! * `throughout`, `sides`, `turned_in_part`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
 //! * `halves`: does either half ask for another geometry?
 //! * `planarity`, `plane`, `turning`: does one plane explain everything, which one is it, and how far may `F` turn about it?
+//! * `other_clocks`: does another clock explain as much, with a geometry of its own?
 //! * `room`: has what moves the depth of a room?
 //! * `rivals`: does another geometry explain as much?
 //! * `expected_error`, `covariance`: how far off it may be: by chance, alike, and by what other geometries ask for.
@@ -25,6 +26,7 @@ mod expected_error;
 mod findings;
 mod halves;
 mod independence;
+pub mod other_clocks;
 mod over_image;
 pub mod planarity;
 mod plane;

@@ -78,6 +78,7 @@ impl<'a> Newcomer<'a> {
                 (
                     status(&CameraFindings {
                         rivalled: false,
+                        clock_open: false,
                         contradicted,
                         parallax: parallax(&found.solved.settled)[self.camera],
                         // The cameras that are there are held, and tell its focal length before a plane too.

@@ -82,7 +82,10 @@ fn of_move(which: &str, found: &Move, since: Option<f64>) -> String {
     let when = since.map_or_else(|| "before this footage".to_owned(), |s| format!("at about {s:.0} s"));
     let shifted = match found.shifted_error {
         error if error.is_finite() => {
-            format!("and {:.3} from where it stood (to {error:.3}), in the unit of the network", found.shifted)
+            format!(
+                "and {:.3} from where it stood (to {error:.3}), in the unit of the network",
+                found.shifted
+            )
         }
         _ => "and may stand elsewhere on the line to who sees the same, which nothing tells".to_owned(),
     };

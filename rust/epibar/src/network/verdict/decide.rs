@@ -174,9 +174,12 @@ pub(in crate::network) fn is_as_good(
 
 /// A camera that stands.
 #[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools, reason = "each is the answer to a question of its own")]
 pub(in crate::network) struct CameraFindings<'a> {
     /// Another network explains what moves nearly as well.
     pub(in crate::network) rivalled: bool,
+    /// What moves leaves open when it filmed.
+    pub(in crate::network) clock_open: bool,
     /// What was given of it is contradicted by what moves.
     pub(in crate::network) contradicted: bool,
     /// At which angle its rays meet those of others, pixels of a 640×480 image.
@@ -194,8 +197,9 @@ pub(in crate::network) struct CameraFindings<'a> {
 type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
 
 /// Tests of a camera that stands by name, in their order.
-pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 8] = [
+pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 9] = [
     ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
+    ("what moves tells its clock", |f| f.clock_open.then_some(CameraStatus::Clock)),
     ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
     ("rays meet at an angle", |f| unless(f.parallax >= limits::PARALLAX, CameraStatus::NoBaseline)),
     ("a plane leaves no focal length open", |f| unless(f.relief >= limits::RELIEF, CameraStatus::OnePlane)),
@@ -249,6 +253,7 @@ mod tests {
         let status_by_errors = |expected: &Expected, rig| {
             status(&CameraFindings {
                 rivalled: false,
+                clock_open: false,
                 contradicted: false,
                 parallax: limits::PARALLAX,
                 relief: limits::RELIEF,
@@ -268,6 +273,7 @@ mod tests {
     fn the_first_fault_is_said_of_a_camera() {
         let unknown = CameraFindings {
             rivalled: true,
+            clock_open: true,
             contradicted: true,
             parallax: f64::NAN,
             relief: f64::NAN,
@@ -276,7 +282,9 @@ mod tests {
             rig: 1.0,
         };
         assert_eq!(status(&unknown), CameraStatus::Ambiguous);
-        let contradicted = CameraFindings { rivalled: false, ..unknown };
+        let at_any_time = CameraFindings { rivalled: false, ..unknown };
+        assert_eq!(status(&at_any_time), CameraStatus::Clock);
+        let contradicted = CameraFindings { clock_open: false, ..at_any_time };
         assert_eq!(status(&contradicted), CameraStatus::Contradicted);
         let at_one_place = CameraFindings { contradicted: false, ..contradicted };
         assert_eq!(status(&at_one_place), CameraStatus::NoBaseline);

@@ -9,6 +9,7 @@ pub mod prose;
 use self::decide::CameraFindings;
 use crate::image::ImageSize;
 use crate::network::case::{Finished, NetworkCase, Out};
+use crate::network::evidence::clocks_told;
 use crate::network::evidence::floor_errors::FloorErrors;
 use crate::network::evidence::stated_errors::Expected;
 use crate::network::evidence::support::{Deviates, Support};
@@ -36,11 +37,13 @@ impl NetworkCase<'_> {
         let World { cameras: placed, ground, turn, unit } = world::placed(network, floor, [vertical, level]);
         let rig = rig(&placed, &network.pairs());
         let expected = |c: usize| finished.expected[c].in_world(&turn, unit);
+        let clock_open = self.clocks_left_open(finished);
         let status = |c: usize, pair_refused: bool| match out.iter().find(|o| o.camera == c) {
             Some(out) => out.status,
             None if !network.placed[c] => CameraStatus::NothingInCommon,
             None => decide::status(&CameraFindings {
                 rivalled,
+                clock_open: clock_open[c],
                 contradicted: self.contradicted(finished, c).is_some(),
                 parallax: finished.parallax[c],
                 relief: finished.relief[c],
@@ -84,6 +87,18 @@ impl NetworkCase<'_> {
         let accepted = cameras.iter().all(NetworkCamera::accepted);
         let reason = prose::of_network(&cameras, &pairs, &ground);
         Network { cameras, pairs, accepted, reason, ground, radius }
+    }
+
+    /// Of each camera whether what moves leaves its clock open, by the pairs that agree with the network.
+    fn clocks_left_open(&self, finished: &Finished) -> Vec<bool> {
+        if self.clocks_given {
+            return vec![false; self.count()];
+        }
+        let (cameras, confirmed) = (&finished.solved.network.cameras, finished.support.confirmed());
+        let agrees = |p: &&PairFound| {
+            confirmed.contains(&(p.a, p.b)) && !self.contradicts(p.a, p.b, &cameras[p.a], &cameras[p.b])
+        };
+        clocks_told::left_open(self.inputs, &self.pairs.iter().filter(agrees).collect::<Vec<_>>())
     }
 
     /// Whether these are two cameras, whose pair was not accepted by itself with the geometry that they have here. Nothing else speaks for them: whether one was knocked and whether all

@@ -67,6 +67,9 @@ pub(in crate::network) fn of_camera(
         CameraStatus::Ambiguous => {
             "it may as well stand elsewhere: another network explains what moves nearly as well. Film for longer, with movers everywhere in the images".to_owned()
         }
+        CameraStatus::Clock => {
+            "what moves does not tell when it filmed, and with that where it stands: with another offset of its clock other geometries explain as much, as where all moves one way at one speed. Give the offsets, or film what moves in different ways".to_owned()
+        }
         CameraStatus::Contradicted => "what is given of it contradicts what moves".to_owned(),
         CameraStatus::NoBaseline => {
             "seen from here all that moves is in the same directions as from the other cameras, so they stand at one place, or what moves is too far away for them to stand apart: nothing tells how far, and which way. Place cameras at different sides of what moves".to_owned()
