@@ -1,4 +1,4 @@
-"""Where all moves one way at one speed nothing tells when the cameras filmed, and a wrong offset has a geometry that fits."""
+"""Where all moves one way at one speed nothing tells the clocks: a wrong offset has a geometry that fits."""
 
 from __future__ import annotations
 
@@ -58,7 +58,8 @@ def recordings(spread: float, later: float) -> tuple[epibar.Recording, epibar.Re
 def error(found: epibar.Calibration) -> float:
     rng = np.random.default_rng(0)
     points = rng.uniform((-3.0, -1.5, 0.0), (3.0, 1.5, 1.7), (300, 3))
-    return float(epibar.symmetric_epipolar_distance(found.F, A.project(points)[0], B.project(points)[0]).mean())
+    in_a, in_b = A.project(points)[0], B.project(points)[0]
+    return float(epibar.symmetric_epipolar_distance(found.F, in_a, in_b).mean())
 
 
 def test_the_scene_has_an_answer() -> None:
@@ -71,15 +72,17 @@ def test_the_scene_has_an_answer() -> None:
 def test_of_one_speed_an_offset_that_is_given_is_believed_and_no_other_one_found(later: float) -> None:
     a, b = recordings(0.0, later)
     told = epibar.calibrate(a, b, seed=0, time_offset=-later * FPS)
-    assert told.accepted and error(told) < 1.0, (told.reason, error(told))
+    assert told.accepted, told.reason
+    assert error(told) < 1.0, error(told)
     found = epibar.calibrate(a, b, seed=0, time_offset="auto")
-    assert not found.accepted or error(found) < 3.0, (found.time_offset, error(found))
-    assert not found.accepted, found.reason
-    assert found.kind == "ambiguous" and "Give the offset" in found.reason
+    assert not found.accepted, (found.time_offset, error(found))
+    assert found.kind == "ambiguous"
+    assert "Give the offset" in found.reason
 
 
 def test_of_speeds_that_differ_the_offset_is_found() -> None:
     a, b = recordings(0.25, 0.2)
     found = epibar.calibrate(a, b, seed=0, time_offset="auto")
     assert found.accepted, found.reason
-    assert error(found) < 1.0 and abs(found.time_offset + 2.0) < 0.3, (found.time_offset, error(found))
+    assert error(found) < 1.0, (found.time_offset, error(found))
+    assert abs(found.time_offset + 2.0) < 0.3, found.time_offset
