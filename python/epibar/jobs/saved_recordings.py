@@ -28,8 +28,8 @@ def load_saved(camera: CameraInput, options: RecordOptions) -> Recording:
     Raises
     ------
     EpibarError
-        It cannot be read, is of other frames than are asked for, or of another camera matrix than the
-        or lens than the intrinsics say, or of none though the lens bends lines.
+        It cannot be read, is of other frames than are asked for, or of another camera matrix or lens than the
+        intrinsics say, or of none though the lens bends lines.
     """
     recording = Recording.load(camera.source)
     _check_frames(recording, camera.source, options)

@@ -276,6 +276,39 @@ def visits(track: Track) -> list[list[tuple[float, float]]]:
     return table
 
 
+def one_way(
+    rng: np.random.Generator,
+    count: int,
+    length: float,
+    area: tuple[float, float],
+    pace: float,
+    spread: float,
+) -> Track:
+    """Cross the area along x, in a lane and at a speed drawn anew each time, leave, and come in again later.
+
+    Parameters
+    ----------
+    pace : float
+        Metres per second.
+    spread : float
+        Standard deviation of a speed, as a share of it.
+    """
+    times = samples(length)
+    reach = area[0] + 2.0
+    position = np.zeros((len(times), count, 2))
+    present = np.zeros((len(times), count), bool)
+    for mover in range(count):
+        first = -rng.uniform(0, reach / pace)
+        while first < length:
+            speed, lane = pace * (1 + spread * rng.normal()), rng.uniform(-0.5, 0.5) * area[1]
+            there = (times >= first) & (times <= first + reach / speed)
+            position[there, mover, 0] = speed * (times[there] - first) - reach / 2
+            position[there, mover, 1] = lane
+            present[there, mover] = True
+            first += reach / speed + 2 * STEP + rng.exponential(0.5 * reach / pace)
+    return Track(position, np.zeros((len(times), count)), present)
+
+
 def coming_and_going(
     rng: np.random.Generator,
     table: list[list[tuple[float, float]]],

@@ -19,6 +19,7 @@ from .figures import Discs, Movers, Walkers
 from .film import Film, Lights
 from .flights import Carousel, InOnePlane, Pendulum
 from .motion import rotations
+from .networks import hand_started
 from .rigs import Rig
 from .settings import Area, Rng, Setting, draw, ragged, stream, turned, whole
 from .situations import Fault, Situation
@@ -178,6 +179,13 @@ def path_and_strays(rng: Rng, count: int, length: float, area: Area) -> list[Mov
     return [*found, Walkers(rng, Track(strays.position, strays.heading, present))]
 
 
+def one_way(rng: Rng, count: int, length: float, area: Area) -> list[Movers]:
+    """All walk one way, at 1–1.7 m/s, and at that speed to within 0–3 %."""
+    return [
+        Walkers(rng, tracks.one_way(rng, count, length, area, rng.uniform(1.0, 1.7), rng.uniform(0, 0.03)))
+    ]
+
+
 def in_one_plane(rng: Rng, count: int, length: float, area: Area) -> list[Movers]:
     """Flat things in one plane: upright, leaning, or level at the height of a table."""
     level = rng.random() < 0.25
@@ -266,6 +274,15 @@ def no_baseline(seed: int, family: str) -> Situation:
 
 
 PATH = replace(PAIR, movers=path_walkers)
+ONE_WAY = replace(
+    PAIR,
+    movers=one_way,
+    count=(4, 14),
+    area=((8.0, 14.0), (2.0, 5.0)),
+    clocks=hand_started,
+    frames=(600, 1500),
+    rates=(25.0,),
+)
 PLANE_RIG = Rig(("before",), (0.8, 5.0), (4.0, 12.0), roll=0.2)
 
 WITHOUT_ANSWER: dict[str, Callable[[int, str], Situation]] = {
@@ -274,6 +291,7 @@ WITHOUT_ANSWER: dict[str, Callable[[int, str], Situation]] = {
     "shifted": shifted,
     "one_path": undetermined(PATH, "one path"),
     "one_path_strays": undetermined(replace(PATH, movers=path_and_strays), "one path, a few strays"),
+    "one_way": undetermined(ONE_WAY, "one way at one speed, and nobody knows when"),
     "one_plane": undetermined(
         replace(PAIR, movers=in_one_plane, area=((4.0, 8.0), (2.0, 6.0)), rig=PLANE_RIG), "one plane"
     ),
