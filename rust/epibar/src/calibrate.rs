@@ -64,6 +64,10 @@ fn at_better_clock(
     let (found, better) = calibrate_from(a, b, offset, options, watch)?;
     let Some(better) = better else { return Ok(found) };
     let (other, _) = calibrate_from(a, b, TimeOffset::About(better), options, watch)?;
+    // It is still the best of as many as were tried before.
+    let Timing { trials, runner_up, .. } = found.timing;
+    let timing = Timing { trials, runner_up, ..other.timing };
+    let other = other.with_timing(timing, trials);
     Ok(if other.evidence.z > found.evidence.z { other } else { found })
 }
 
@@ -100,7 +104,7 @@ fn told_by_motion(
     options: &CalibrateOptions,
 ) -> (Calibration, Option<f64>) {
     let Some(f) = found.fundamental.filter(|_| found.accepted()) else { return (found, None) };
-    let others = other_clocks(|later| clocks.moved_by(later), &f, options.cameras, options.seed);
+    let others = other_clocks(|later| clocks.moved_by(later), &f, options.cameras_used(), options.seed);
     let best = others.iter().max_by(|p, q| p.share.total_cmp(&q.share));
     let better = best.filter(|o| reaches(o.share, CLOCK_BETTER)).map(|o| clocks.offset() + o.later);
     let open = others.iter().filter(|o| o.is_open(options.max_expected_error));
@@ -208,9 +212,7 @@ impl<'a> Pair<'a> {
 
     /// Silhouettes of both at some of the frames.
     fn views(&self, frames: &[FramePair]) -> Views {
-        // The paper's method knows nothing of camera matrices.
-        let cameras = self.options.cameras.filter(|_| self.options.method == Method::Frontier);
-        self.aligned.views(frames).with_cameras(cameras)
+        self.aligned.views(frames).with_cameras(self.options.cameras_used())
     }
 
     /// The method of frontier points: search on the fitted frames, then refine on all.

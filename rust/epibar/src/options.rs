@@ -142,6 +142,11 @@ impl CalibrateOptions {
         Self { matching, ..self }
     }
 
+    /// Camera matrices, for the method that makes use of them: the paper's knows nothing of such.
+    pub(crate) fn cameras_used(&self) -> Option<CameraMatrices> {
+        self.cameras.filter(|_| self.method == Method::Frontier)
+    }
+
     /// How candidates are chosen.
     pub(crate) fn candidate_options(&self) -> CandidateOptions {
         let mut options = self.matching.clone();
