@@ -65,8 +65,8 @@ fn at_better_clock(
     let Some(better) = better else { return Ok(found) };
     let (other, _) = calibrate_from(a, b, TimeOffset::About(better), options, watch)?;
     // It is still the best of as many as were tried before.
-    let Timing { trials, runner_up, .. } = found.timing;
-    let timing = Timing { trials, runner_up, ..other.timing };
+    let Timing { runner_up, trials, .. } = found.timing;
+    let timing = Timing { runner_up, trials, ..other.timing };
     let other = other.with_timing(timing, trials);
     Ok(if other.evidence.z > found.evidence.z { other } else { found })
 }
