@@ -52,13 +52,16 @@ def test_places_say_something_where_every_video_has_one():
         find_cameras([lens("a"), lens("b")], ["x", "y", "z"])
 
 
-def test_two_cameras_need_both(cubes, given):
+def test_two_cameras_need_both(cubes, given, tmp_path):
     with pytest.raises(EpibarError, match="cam2: no camera of that name in the camera file"):
         camera_inputs(cubes[:2], intrinsics=given("cam1"), masks=True)
     # One that was recorded already may know its own.
+    saved = [str(tmp_path / f"cam{k}.npz") for k in (1, 2)]
+    for path, masks in zip(saved, cubes, strict=False):
+        epibar.record(masks, masks=True, lines=100).save(path)
     with pytest.raises(EpibarError, match=r"cam2: no camera"):
-        camera_inputs([cubes[0], "cam2.mp4"], intrinsics=given("cam1"))
-    one, other = camera_inputs(["cam1.mp4", cubes[1]], intrinsics=given("cam1"))
+        camera_inputs([saved[0], "cam2.mp4"], intrinsics=given("cam1"))
+    one, other = camera_inputs(["cam1.mp4", saved[1]], intrinsics=given("cam1"))
     assert (one.intrinsics.name, other.intrinsics) == ("cam1", None)
 
 
