@@ -9,7 +9,9 @@ import pytest
 from check_input import stand_in
 from extended_input import stand_in_adding
 from network_input import WORDS, write_masks
+from pairs_input import calibrated_pairs, people, recorded
 
+from epibar import export
 from epibar.cli import main
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "msedge")
@@ -51,6 +53,28 @@ def network_run(network_masks, tmp_path_factory):
 def masks(network_masks):
     """The same; other files have their own of that name."""
     return list(network_masks)
+
+
+@pytest.fixture(scope="module")
+def scene():
+    """Three cameras before people, whose pairs are calibrated; other files have their own of these names."""
+    return people()
+
+
+@pytest.fixture(scope="module")
+def recordings():
+    return recorded()
+
+
+@pytest.fixture(scope="module")
+def calibrations():
+    return calibrated_pairs()
+
+
+@pytest.fixture(scope="module")
+def run(recordings, calibrations):
+    """What exports read of these."""
+    return export.Run.of(recordings, calibrations)
 
 
 @pytest.fixture

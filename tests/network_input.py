@@ -1,6 +1,7 @@
 """A made-up network that is calibrated once, and one put together by hand, for the tests of networks."""
 
 import functools
+import json
 
 import numpy as np
 
@@ -92,3 +93,8 @@ def write_masks(folder, count=3):
             made = situation()
             np.savez_compressed(paths[-1], masks=made.masks(k, 0, FRAMES), fps=made.clocks[k].fps)
     return [str(path) for path in paths]
+
+
+def read(out):
+    """What the calibration.json of a run holds."""
+    return json.loads((out / "calibration.json").read_text())

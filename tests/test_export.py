@@ -8,32 +8,12 @@ import cv2
 import numpy as np
 import pytest
 from known_poses import DEGREES, angle, between, true_pose
-from pairs_input import calibrated_pairs, people, recorded, write_camera_file, write_run
+from pairs_input import write_camera_file, write_run
 
 import epibar
 from epibar import export
 from epibar.cli import main
 from epibar.lens.intrinsics import Intrinsics
-
-
-@pytest.fixture(scope="module")
-def scene():
-    return people()
-
-
-@pytest.fixture(scope="module")
-def recordings():
-    return recorded()
-
-
-@pytest.fixture(scope="module")
-def calibrations():
-    return calibrated_pairs()
-
-
-@pytest.fixture(scope="module")
-def run(recordings, calibrations):
-    return export.Run.of(recordings, calibrations)
 
 
 @pytest.fixture(scope="module")

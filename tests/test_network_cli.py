@@ -7,7 +7,7 @@ from dataclasses import replace
 import jsonschema
 import numpy as np
 import pytest
-from network_input import WORDS, made_up, situation
+from network_input import WORDS, made_up, read, situation
 from test_report import Page
 from test_schema import strict
 
@@ -24,10 +24,6 @@ from epibar.network.tracks_csv import load_tracks
 @pytest.fixture(scope="module")
 def done(network_run):
     return network_run
-
-
-def read(out):
-    return json.loads((out / "calibration.json").read_text())
 
 
 def test_what_is_written(done):

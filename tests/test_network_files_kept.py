@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
-from network_input import WORDS
+from network_input import WORDS, read
 
 import epibar
 from epibar.cli import main
@@ -16,10 +16,6 @@ from epibar.network.tracks_csv import load_tracks
 @pytest.fixture(scope="module")
 def done(network_run):
     return network_run
-
-
-def read(out):
-    return json.loads((out / "calibration.json").read_text())
 
 
 def test_tables_of_the_user_are_refused(masks, tmp_path, capsys):

@@ -1,11 +1,10 @@
 """Metres from the command line: lengths that are given, combined, contradict each other or are forgotten."""
 
-import json
 import tomllib
 
 import numpy as np
 import pytest
-from network_input import WORDS, made_up
+from network_input import WORDS, made_up, read
 
 import epibar
 from epibar.cli import main
@@ -15,10 +14,6 @@ from epibar.jobs.folder import Folder
 @pytest.fixture(scope="module")
 def done(network_run):
     return network_run
-
-
-def read(out):
-    return json.loads((out / "calibration.json").read_text())
 
 
 def test_metres(masks, again, capsys):
