@@ -97,20 +97,25 @@ fn calibrate_from(
     }
 }
 
-/// An accepted geometry, unless what moves does not tell the clock that it was found with; and a clock that is clearly better.
+/// An accepted geometry, unless what moves does not tell the clock that it was found with; and an offset that is clearly better.
 fn told_by_motion(
     found: Calibration,
     clocks: &Clocks,
     options: &CalibrateOptions,
 ) -> (Calibration, Option<f64>) {
     let Some(f) = found.fundamental.filter(|_| found.accepted()) else { return (found, None) };
-    let others = other_clocks(|later| clocks.moved_by(later), &f, options.cameras_used(), options.seed);
+    let others = other_clocks(|frames| clocks.later(frames), &f, options.cameras_used(), options.seed);
     let best = others.iter().max_by(|p, q| p.share.total_cmp(&q.share));
-    let better = best.filter(|o| reaches(o.share, CLOCK_BETTER)).map(|o| clocks.offset() + o.later);
+    let better =
+        best.filter(|o| reaches(o.share, CLOCK_BETTER)).map(|o| clocks.later(o.later).clock().offset);
     let open = others.iter().filter(|o| o.is_open(options.max_expected_error));
-    let farthest = open.max_by(|p, q| p.distance.total_cmp(&q.distance));
-    let verdict = farthest.map(|other| other.verdict(clocks.frame_interval()));
-    (Calibration { verdict: verdict.unwrap_or_else(|| found.verdict.clone()), ..found }, better)
+    match open.max_by(|p, q| p.distance.total_cmp(&q.distance)) {
+        Some(other) => {
+            let frame_interval = clocks.later(0.0).b().frame_interval();
+            (Calibration { verdict: other.verdict(frame_interval), ..found }, better)
+        }
+        None => (found, better),
+    }
 }
 
 /// By a known clock.

@@ -85,19 +85,9 @@ impl<'a> Clocks<'a> {
         if matches!(self.next, Next::First) { aligned.thinned(SOME_FRAMES) } else { aligned }
     }
 
-    /// The offset of that time line, frames of B.
-    pub fn offset(&self) -> f64 {
-        self.clock.offset
-    }
-
-    /// How far apart frames of B are, seconds.
-    pub fn frame_interval(&self) -> f64 {
-        self.b.frame_interval()
-    }
-
-    /// Both recordings with the clock moved by so many frames of B.
-    pub fn moved_by(&self, frames: f64) -> Aligned<'_> {
-        self.aligned_at(Clock { offset: self.clock.offset + frames, ..self.clock })
+    /// Both recordings with what is in A so many frames of B later.
+    pub fn later(&self, frames: f64) -> Aligned<'_> {
+        self.aligned_at(self.clock.later(frames))
     }
 
     /// Takes the geometry that was found, if there is evidence for it that the recordings show the same moments at all.
@@ -204,9 +194,8 @@ impl<'a> Clocks<'a> {
     fn nearest_frame(&self, f: &Fundamental) -> Clock {
         const REACH: i32 = 4;
         const FRAMES: usize = 400;
-        let moved = |k: i32| Clock { offset: self.clock.offset + f64::from(k), ..self.clock };
         let score = |k: i32| {
-            let aligned = self.aligned_at(moved(k));
+            let aligned = self.later(f64::from(k));
             let pairs = aligned.frame_pairs();
             if pairs.len() < LEAST_COMMON {
                 return f64::NEG_INFINITY;
@@ -217,6 +206,6 @@ impl<'a> Clocks<'a> {
         let by_score = (-REACH..=REACH).map(|k| (score(k), k));
         by_score
             .max_by(|p, q| p.0.total_cmp(&q.0).then(q.1.abs().cmp(&p.1.abs())))
-            .map_or(self.clock, |(_, k)| moved(k))
+            .map_or(self.clock, |(_, k)| self.clock.later(f64::from(k)))
     }
 }

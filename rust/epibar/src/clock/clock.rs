@@ -22,6 +22,12 @@ impl Clock {
         Self { offset, rate: frames_per_frame / interval_ratio(a, b) }
     }
 
+    /// The clock by which what is in A is so many frames of B later.
+    #[must_use]
+    pub fn later(self, frames: f64) -> Self {
+        Self { offset: self.offset + frames, ..self }
+    }
+
     /// Frames of B for each frame of A, dropped frames apart.
     pub fn frames_per_frame(&self, a: &Recording, b: &Recording) -> f64 {
         self.rate * interval_ratio(a, b)

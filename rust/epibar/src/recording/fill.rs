@@ -4,16 +4,27 @@ use super::silhouettes::Silhouettes;
 use crate::geometry::median::median;
 
 /// Silhouettes of fewer pixels say nothing of their shape.
-pub(super) const SHAPELY: u32 = 150;
+const SHAPELY: u32 = 150;
 /// Most silhouettes that are looked at.
 const MOST: usize = 2000;
 
 /// Median share of the pixels of a hull that are the silhouette's, of those that are large enough to tell, evenly over time; NaN of none.
 pub fn fill(silhouettes: &Silhouettes) -> f64 {
-    let large: Vec<usize> =
-        (0..silhouettes.len()).filter(|&hull| silhouettes.area(hull) >= SHAPELY).collect();
-    let share = |&hull: &usize| f64::from(silhouettes.area(hull)) / pixels_of(silhouettes.hull(hull));
-    median(large.iter().step_by(large.len().div_ceil(MOST).max(1)).map(share)).unwrap_or(f64::NAN)
+    let large = shapely(silhouettes, |_| true);
+    median(large.into_iter().map(|hull| filled(silhouettes, hull))).unwrap_or(f64::NAN)
+}
+
+/// Silhouettes that are large enough to tell their shape, and asked for, evenly over time.
+pub(super) fn shapely(silhouettes: &Silhouettes, asked: impl Fn(usize) -> bool) -> Vec<usize> {
+    let is_shapely = |&i: &usize| silhouettes.area(i) >= SHAPELY && asked(i);
+    let all: Vec<usize> = (0..silhouettes.len()).filter(is_shapely).collect();
+    let step = all.len().div_ceil(MOST).max(1);
+    all.into_iter().step_by(step).collect()
+}
+
+/// The share of the pixels of a hull that are the silhouette's.
+pub(super) fn filled(silhouettes: &Silhouettes, hull: usize) -> f64 {
+    f64::from(silhouettes.area(hull)) / pixels_of(silhouettes.hull(hull))
 }
 
 /// Pixels in and on a convex polygon with corners at pixels (Pick's theorem).

@@ -5,11 +5,9 @@
 
 use std::f64::consts::FRAC_PI_4;
 
-use super::fill::{SHAPELY, pixels_of};
+use super::fill::{filled, pixels_of, shapely};
 use super::silhouettes::Silhouettes;
 
-/// Most silhouettes that are looked at.
-const MOST: usize = 2000;
 /// A shape fills its hull by more than this share: outlines of whole pixels leave some of it.
 const FILLED: f64 = 0.96;
 /// A shape is a box or an ellipse if it has this share of the pixels of the box fewer or more, at most, and so many for each of half its outline: pixels
@@ -21,15 +19,13 @@ const CORNER_OFF: (f64, f64) = (0.05, 1.5);
 /// The share of silhouettes that are upright boxes or ellipses, of those that are large enough to tell and that no border cuts, evenly over time; NaN
 /// of none.
 pub fn stand_ins(silhouettes: &Silhouettes) -> f64 {
-    let can_tell = |&i: &usize| silhouettes.area(i) >= SHAPELY && !silhouettes.is_cut(i);
-    let whole: Vec<usize> = (0..silhouettes.len()).filter(can_tell).collect();
-    let some = || whole.iter().step_by(whole.len().div_ceil(MOST).max(1));
-    let found = some().filter(|&&i| is_stand_in(silhouettes.hull(i), f64::from(silhouettes.area(i))));
-    found.count() as f64 / some().count() as f64
+    let whole = shapely(silhouettes, |i| !silhouettes.is_cut(i));
+    let is_one = |&&i: &&usize| filled(silhouettes, i) >= FILLED && is_upright(silhouettes.hull(i));
+    whole.iter().filter(is_one).count() as f64 / whole.len() as f64
 }
 
-/// Whether a silhouette of so many pixels is an upright box, or the ellipse in one.
-fn is_stand_in(hull: &[[u16; 2]], area: f64) -> bool {
+/// Whether a hull is an upright box, or the ellipse in one.
+fn is_upright(hull: &[[u16; 2]]) -> bool {
     let pixels = pixels_of(hull);
     let ends = |axis: usize| {
         let along = || hull.iter().map(|p| f64::from(p[axis]));
@@ -45,9 +41,7 @@ fn is_stand_in(hull: &[[u16; 2]], area: f64) -> bool {
         let radius = along.hypot((2.0 * y - top - bottom) / height);
         (radius - 1.0).abs() * shorter <= CORNER_OFF.0 * shorter + CORNER_OFF.1
     };
-    let is_box = off(width * height);
-    let is_ellipse = off(FRAC_PI_4 * width * height) && hull.iter().all(on_ellipse);
-    area >= FILLED * pixels && (is_box || is_ellipse)
+    off(width * height) || off(FRAC_PI_4 * width * height) && hull.iter().all(on_ellipse)
 }
 
 #[cfg(test)]
@@ -80,13 +74,8 @@ mod tests {
 
     #[test]
     fn what_is_convex_by_itself_is_none() {
-        let turned = |x: f64, y: f64| (0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x);
-        let of_turned = |inside: fn(f64, f64) -> bool| {
-            of(|x, y| {
-                let (x, y) = turned(x, y);
-                inside(x, y)
-            })
-        };
+        let of_turned =
+            |inside: fn(f64, f64) -> bool| of(|x, y| inside(0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x));
         assert_eq!(of_turned(|x, y| x.abs() <= 15.0 && y.abs() <= 40.0), 0.0);
         assert_eq!(of_turned(|x, y| (x / 15.0).hypot(y / 40.0) <= 1.0), 0.0);
         // A cube from aside, of three faces, and a diamond, whose corners are on the ellipse of its box.

@@ -78,6 +78,7 @@ impl<'a> Newcomer<'a> {
                 (
                     status(&CameraFindings {
                         rivalled: false,
+                        // Only of cameras that are calibrated together is it asked.
                         clock_open: false,
                         contradicted,
                         parallax: parallax(&found.solved.settled)[self.camera],

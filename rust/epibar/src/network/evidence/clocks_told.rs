@@ -37,10 +37,7 @@ fn is_open(inputs: &[CameraInput], pair: &PairFound) -> bool {
     let [a, b] = [pair.a, pair.b].map(|c| inputs[c].recording);
     let Some(f) = Fundamental::from_matrix(&pair.geometries[0].0, a.size(), b.size()) else { return false };
     let (clock, links) = (Clock::of_frames(pair.offset, pair.frames_per_frame, a, b), Links::new(b));
-    let later = |frames: f64| {
-        let clock = Clock { offset: clock.offset + frames, ..clock };
-        Aligned::new(a, b, &links, clock, [Up::IMAGE; 2])
-    };
+    let later = |frames| Aligned::new(a, b, &links, clock.later(frames), [Up::IMAGE; 2]);
     let pixels = limits::CLOCK_OPEN * ImageSize::pixel_scale([a.size(), b.size()]);
     other_clocks(later, &f, None, 0).iter().any(|other| other.is_open(pixels))
 }
