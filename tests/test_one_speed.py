@@ -73,11 +73,28 @@ def test_of_one_speed_an_offset_that_is_given_is_believed_and_no_other_one_found
     a, b = recordings(0.0, later)
     told = epibar.calibrate(a, b, seed=0, time_offset=-later * FPS)
     assert told.accepted, told.reason
+    assert "is believed, as what moves does not tell it" in told.reason
     assert error(told) < 1.0, error(told)
     found = epibar.calibrate(a, b, seed=0, time_offset="auto")
     assert not found.accepted, (found.time_offset, error(found))
     assert found.kind == "ambiguous"
     assert "Give the offset" in found.reason
+
+
+def test_of_speeds_that_differ_a_little_a_wrong_offset_is_not_believed() -> None:
+    a, b = recordings(0.1, 0.2)
+    told = epibar.calibrate(a, b, seed=0, time_offset=0.0)
+    assert not told.accepted, error(told)
+    assert told.kind == "ambiguous"
+    assert "speaks against the offset that was given" in told.reason
+
+
+def test_of_speeds_that_differ_the_right_offset_needs_no_remark() -> None:
+    a, b = recordings(0.25, 0.2)
+    told = epibar.calibrate(a, b, seed=0, time_offset=-2.0)
+    assert told.accepted, told.reason
+    assert error(told) < 1.0, error(told)
+    assert "believed" not in told.reason
 
 
 def test_of_speeds_that_differ_the_offset_is_found() -> None:

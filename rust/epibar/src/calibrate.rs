@@ -15,7 +15,7 @@ use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::by_lines::{self, Filmed};
 use crate::search::{Found, SearchOptions, Solution, TrainingSet, search, settle};
-use crate::verify::other_clocks::other_clocks;
+use crate::verify::other_clocks::{OtherClock, other_clocks};
 use crate::verify::second_look::Earlier;
 use crate::verify::split::{Fold, Split, Stay};
 use crate::verify::thresholds::{CLOCK_BETTER, MIN_Z_FOR_CLOCK, reaches};
@@ -89,7 +89,7 @@ fn calibrate_from(
             let trials = if decides { clocks.trials_by_parts(watch)? } else { timing.trials };
             let found = found.with_timing(timing, trials);
             return Ok(if offset.is_given() {
-                (found, None)
+                (borne_out_by_motion(found, &clocks, options), None)
             } else {
                 told_by_motion(found, &clocks, options)
             });
@@ -103,19 +103,39 @@ fn told_by_motion(
     clocks: &Clocks,
     options: &CalibrateOptions,
 ) -> (Calibration, Option<f64>) {
-    let Some(f) = found.fundamental.filter(|_| found.accepted()) else { return (found, None) };
-    let others = other_clocks(|frames| clocks.later(frames), &f, options.cameras_used(), options.seed);
+    let others = clocks_beside(&found, clocks, options);
     let best = others.iter().max_by(|p, q| p.share.total_cmp(&q.share));
     let better =
         best.filter(|o| reaches(o.share, CLOCK_BETTER)).map(|o| clocks.later(o.later).clock().offset);
     let open = others.iter().filter(|o| o.is_open(options.max_expected_error));
     match open.max_by(|p, q| p.distance.total_cmp(&q.distance)) {
-        Some(other) => {
-            let frame_interval = clocks.later(0.0).b().frame_interval();
-            (Calibration { verdict: other.verdict(frame_interval), ..found }, better)
-        }
+        Some(other) => (Calibration { verdict: other.verdict(clocks.frame_interval()), ..found }, better),
         None => (found, better),
     }
+}
+
+/// An accepted geometry, unless another clock than the one that was given explains clearly more; where one explains as much it is said.
+fn borne_out_by_motion(found: Calibration, clocks: &Clocks, options: &CalibrateOptions) -> Calibration {
+    let (limit, frame_interval) = (options.max_expected_error, clocks.frame_interval());
+    let others = clocks_beside(&found, clocks, options);
+    let better = others.iter().filter(|o| o.is_better(limit)).max_by(|p, q| p.gain.total_cmp(&q.gain));
+    if let Some(other) = better {
+        return Calibration { verdict: other.verdict_of_given(frame_interval), ..found };
+    }
+    let open = others.iter().filter(|o| o.is_open(limit));
+    match open.max_by(|p, q| p.distance.total_cmp(&q.distance)) {
+        Some(other) => {
+            let verdict = found.verdict.with_remark(&other.remark_on_given(frame_interval));
+            Calibration { verdict, ..found }
+        }
+        None => found,
+    }
+}
+
+/// Other clocks under which a geometry of its own explains most of what an accepted one does.
+fn clocks_beside(found: &Calibration, clocks: &Clocks, options: &CalibrateOptions) -> Vec<OtherClock> {
+    let Some(f) = found.fundamental.filter(|_| found.accepted()) else { return Vec::new() };
+    other_clocks(|frames| clocks.later(frames), &f, options.cameras_used(), options.seed)
 }
 
 /// By a known clock.

@@ -85,6 +85,11 @@ impl<'a> Clocks<'a> {
         if matches!(self.next, Next::First) { aligned.thinned(SOME_FRAMES) } else { aligned }
     }
 
+    /// Seconds between frames of B.
+    pub fn frame_interval(&self) -> f64 {
+        self.b.frame_interval()
+    }
+
     /// Both recordings with what is in A so many frames of B later.
     pub fn later(&self, frames: f64) -> Aligned<'_> {
         self.aligned_at(self.clock.later(frames))

@@ -17,7 +17,7 @@ pub const NO_OFFSET_SHARE: f64 = 0.97;
 pub const NO_OFFSET_PAIRS: f64 = 0.6;
 
 /// What moves leaves a clock open where another one has a geometry of its own that is further away than so many pixels of a 640×480 image, and explains as
-/// much ([`CLOCK_SHARE`](crate::verify::thresholds::CLOCK_SHARE)).
+/// much ([`CLOCK_SHARE`](crate::verify::thresholds::CLOCK_SHARE)), and speaks against one that was given where it explains more ([`CLOCK_BETTER`](crate::verify::thresholds::CLOCK_BETTER)).
 pub const CLOCK_OPEN: f64 = 3.0;
 
 // --- who enters ---

@@ -3,6 +3,7 @@
 //! A camera that was turned a little at half time, or that sinks, leaves two geometries near each other, and what is found on all
 //! frames is neither: a compromise that explains both halves, and either less well than what is refined on it alone.
 
+use super::gains::{BLOCKS, deviate};
 use super::thresholds::{HALF_DIFFERS, HALF_SHARE, reaches, within};
 use crate::frontier::symmetric::score_by_frame;
 use crate::frontier::volume::{Correspondence, disagreement, moving_correspondences};
@@ -12,8 +13,6 @@ use crate::refine::polish;
 
 /// Frames of a half, at most.
 const FRAMES: usize = 200;
-/// Blocks of them by which gains are compared.
-const BLOCKS: usize = 16;
 /// Fewest frames of a half.
 const LEAST: usize = 2 * BLOCKS;
 
@@ -61,16 +60,6 @@ fn of_half(views: &Views, frames: std::ops::Range<usize>, f: &Fundamental) -> Ha
     // What is no number asks for another.
     let asks_for_another = !reaches(share, HALF_SHARE) && !within(deviate(&gains), HALF_DIFFERS);
     Half { polished, asks_for_another }
-}
-
-/// Normal deviate of the mean of gains, by blocks of frames.
-fn deviate(gains: &[f64]) -> f64 {
-    let blocks: Vec<f64> =
-        gains.chunks(gains.len().div_ceil(BLOCKS)).map(|block| block.iter().sum()).collect();
-    let n = blocks.len() as f64;
-    let mean = blocks.iter().sum::<f64>() / n;
-    let variance = blocks.iter().map(|block| (block - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    mean / (variance / n).sqrt()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 //! * `evidence`: the numbers that this gives.
 //! * `repetition`: does what moves look the same with others in its place?
 //! * `throughout`, `sides`, `turned_in_part`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
-//! * `halves`: does either half ask for another geometry?
+//! * `halves`, `gains`: does either half ask for another geometry, and is what it gains by that more than chance?
 //! * `planarity`, `plane`, `turning`: does one plane explain everything, which one is it, and how far may `F` turn about it?
 //! * `other_clocks`: does another clock explain as much, with a geometry of its own?
 //! * `room`: has what moves the depth of a room?
@@ -24,6 +24,7 @@ pub mod error_map;
 pub mod evidence;
 mod expected_error;
 mod findings;
+mod gains;
 mod halves;
 mod independence;
 pub mod other_clocks;

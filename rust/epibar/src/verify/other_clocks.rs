@@ -5,14 +5,16 @@
 //! clock. So the clock is moved step by step to either side, and the geometry refined at each from that of the step before, for as long as it keeps
 //! its evidence.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use rayon::prelude::*;
 
+use super::gains::deviate;
 use super::prose;
-use super::thresholds::{CLOCK_LOST, CLOCK_SHARE, reaches, within};
+use super::thresholds::{CLOCK_GAIN, CLOCK_LOST, CLOCK_SHARE, reaches, within};
 use super::verdict::{Kind, Verdict};
 use crate::clock::Aligned;
+use crate::frontier::symmetric::score_by_frame;
 use crate::frontier::volume::{disagreement, met_correspondences};
 use crate::frontier::{Views, busy_frames, compare, symmetric_score};
 use crate::geometry::{CameraMatrices, Fundamental};
@@ -43,6 +45,8 @@ pub struct OtherClock {
     pub later: f64,
     /// Its evidence as a share of that of the clock as found, both without what chance has to offer.
     pub share: f64,
+    /// By how many standard errors it explains more than the clock as found on the same frames.
+    pub gain: f64,
     /// How far its geometry is from the one as found over the volume where things moved, pixels.
     pub distance: f64,
 }
@@ -53,9 +57,26 @@ impl OtherClock {
         reaches(self.share, CLOCK_SHARE) && !within(self.distance, pixels)
     }
 
+    /// Whether it explains more beyond chance, and its geometry is further away than so many pixels. Only of one that is whole frames away: silhouettes that are
+    /// drawn between frames meet less exactly, which tells frames from what is between them and nothing else.
+    pub fn is_better(&self, pixels: f64) -> bool {
+        reaches(self.gain, CLOCK_GAIN) && !within(self.distance, pixels) && self.later.fract() == 0.0
+    }
+
     /// What is said of a geometry beside which it is open; frames of B are so many seconds apart.
     pub fn verdict(&self, frame_interval: f64) -> Verdict {
         Verdict::new(Kind::Ambiguous, prose::clock_not_told(self.later * frame_interval, self.distance))
+    }
+
+    /// What is said of a geometry whose clock was given, where this one is better.
+    pub fn verdict_of_given(&self, frame_interval: f64) -> Verdict {
+        let seconds = self.later * frame_interval;
+        Verdict::new(Kind::Ambiguous, prose::given_clock_doubted(seconds, self.distance, self.gain))
+    }
+
+    /// What is added to the verdict on a geometry whose clock was given, beside which it is open.
+    pub fn remark_on_given(&self, frame_interval: f64) -> String {
+        prose::given_clock_believed(self.later * frame_interval, self.distance)
     }
 }
 
@@ -74,29 +95,39 @@ pub fn other_clocks<'r>(
         let aligned = later(frames);
         let mut pairs = aligned.frame_pairs();
         pairs.retain(|p| taken.contains(&p.a));
-        (2 * pairs.len() > taken.len()).then(|| aligned.views(&pairs).with_cameras(cameras))
+        (2 * pairs.len() > taken.len()).then(|| {
+            let views = aligned.views(&pairs).with_cameras(cameras);
+            let frames: Vec<u32> = pairs.iter().map(|p| p.a).collect();
+            (frames, views)
+        })
     };
     // Between frames silhouettes are drawn, which not all can be; so they are where they are compared with such.
-    let Some(views) = at(BETWEEN) else { return Vec::new() };
+    let Some((frames, views)) = at(BETWEEN) else { return Vec::new() };
     let radius = symmetric_score(&views, found).radius;
     // Refined on the frames on which the others are.
     let Some(own_best) = refine(&views, found, &[radius], ROUNDS) else { return Vec::new() };
     let longest = (STEP / own.b().frame_interval()).round().max(1.0);
     let by_chance: Vec<f64> =
-        CHANCE.into_par_iter().filter_map(|k| Some(score(&at(k * longest)?, &own_best))).collect();
+        CHANCE.into_par_iter().filter_map(|k| Some(score(&at(k * longest)?.1, &own_best))).collect();
     let chance = by_chance.iter().sum::<f64>() / by_chance.len().max(1) as f64;
     let whole = score(&views, &own_best) - chance;
     let share = |views: &Views, f: &Fundamental| (score(views, f) - chance) / whole;
-    let is_found = |step: &f64| at(*step).is_some_and(|v| reaches(share(&v, &own_best), STILL_FOUND));
+    let is_found = |step: &f64| at(*step).is_some_and(|(_, v)| reaches(share(&v, &own_best), STILL_FOUND));
     let steps = (0..=HALVINGS).map(|k| longest * 0.5_f64.powi(k));
     let Some(step) = steps.into_iter().find(is_found) else { return Vec::new() };
     let matches = compare(&views, &own_best, radius).matches;
+    let own_scores: Vec<(u32, f64)> = frames.into_iter().zip(by_frame(&views, &own_best)).collect();
+    let gain = |frames: Vec<u32>, views: &Views, f: &Fundamental| {
+        let scores: HashMap<u32, f64> = frames.into_iter().zip(by_frame(views, f)).collect();
+        let both = own_scores.iter().filter_map(|(frame, own)| Some(scores.get(frame)? - own));
+        deviate(&both.collect::<Vec<_>>())
+    };
     let volume = met_correspondences(&views, &own_best, &matches, VOLUME, seed);
     let to_one_side = |side: f64| {
         let mut followed = own_best;
         let mut others = Vec::new();
         for later in (1..=STEPS).map(|k| side * step * f64::from(k)) {
-            let Some(views) = at(later) else { break };
+            let Some((frames, views)) = at(later) else { break };
             let Some(f) = refine(&views, &followed, &[4.0 * radius, 2.0 * radius, radius], ROUNDS) else {
                 break;
             };
@@ -104,12 +135,18 @@ pub fn other_clocks<'r>(
             if !reaches(share, CLOCK_LOST) {
                 break;
             }
-            others.push(OtherClock { later, share, distance: disagreement(&volume, &f) });
+            let gain = gain(frames, &views, &f);
+            others.push(OtherClock { later, share, gain, distance: disagreement(&volume, &f) });
             followed = f;
         }
         others
     };
     [-1.0, 1.0].into_par_iter().flat_map_iter(to_one_side).collect()
+}
+
+/// Evidence of each frame, within the radius that suits all best.
+fn by_frame(views: &Views, f: &Fundamental) -> Vec<f64> {
+    score_by_frame(views, f, symmetric_score(views, f).radius)
 }
 
 /// Evidence of a frame.

@@ -183,6 +183,20 @@ pub(super) fn clock_not_told(seconds: f64, distance: f64) -> String {
     )
 }
 
+pub(super) fn given_clock_doubted(seconds: f64, distance: f64, gain: f64) -> String {
+    format!(
+        "What moves speaks against the offset that was given: changed by {seconds:+.2} s another geometry, {distance:.0} px away, explains \
+         more, by {gain:.1} standard errors. Have the offset found, or give the true one."
+    )
+}
+
+pub(super) fn given_clock_believed(seconds: f64, distance: f64) -> String {
+    format!(
+        " The offset that was given is believed, as what moves does not tell it: changed by {seconds:+.2} s another geometry, {distance:.0} px \
+         away, explains as much."
+    )
+}
+
 pub(super) fn inaccurate(error: f64, limit: f64) -> String {
     if error.is_nan() {
         return unmeasured();

@@ -53,13 +53,18 @@ impl Kind {
 pub struct Verdict {
     /// For programs.
     pub kind: Kind,
-    /// One sentence in plain English.
+    /// In plain English: a sentence, and another one where there is something to know beside it.
     pub reason: String,
 }
 
 impl Verdict {
     pub(crate) fn new(kind: Kind, reason: impl Into<String>) -> Self {
         Self { kind, reason: reason.into() }
+    }
+
+    /// The same, with something to know beside it.
+    pub(crate) fn with_remark(self, remark: &str) -> Self {
+        Self { reason: self.reason + remark, ..self }
     }
 
     /// Whether the matrix can be relied on.

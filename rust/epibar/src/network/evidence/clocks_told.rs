@@ -1,8 +1,8 @@
-//! Does what moves tell the clocks that nobody gave?
+//! Does what moves tell the clocks, where nobody gave them, and does it bear those out that were given?
 //!
 //! Where all moves one way at one speed, a camera that filmed later sees what one sees that stands further on, in every pair and round every cycle: a network
 //! fits with clocks and places that are wrong alike. So it is asked of pairs by their own geometries, which follow other clocks
-//! ([`other_clocks`](crate::verify::other_clocks)).
+//! ([`other_clocks`](crate::verify::other_clocks)). A clock that was given decides between such; but not where another one explains clearly more.
 
 use rayon::prelude::*;
 
@@ -20,24 +20,43 @@ use crate::verify::other_clocks::other_clocks;
 /// Pairs that are asked, at the most.
 const PAIRS: usize = 24;
 
-/// Of each camera whether what moves leaves its clock open in half or more of those of some pairs that it is in.
-pub fn left_open(inputs: &[CameraInput], pairs: &[&PairFound]) -> Vec<bool> {
+/// What is to be said of a camera's clock, by half or more of those of some pairs that it is in.
+#[derive(Debug, Clone, Copy)]
+pub struct ClockTold {
+    /// What moves leaves it open.
+    pub open: bool,
+    /// What moves speaks against it.
+    pub refuted: bool,
+}
+
+/// Of each camera what moves tells of its clock.
+pub fn clocks_told(inputs: &[CameraInput], pairs: &[&PairFound]) -> Vec<ClockTold> {
     let asked: Vec<&PairFound> = evenly(pairs.len(), PAIRS).map(|k| pairs[k]).collect();
-    let open: Vec<bool> = asked.par_iter().map(|pair| is_open(inputs, pair)).collect();
-    let of = |camera: usize| {
-        let own = asked.iter().zip(&open).filter(move |(p, _)| p.a == camera || p.b == camera);
-        let (count, open) = (own.clone().count(), own.filter(|(_, open)| **open).count());
-        open > 0 && 2 * open >= count
+    let told: Vec<ClockTold> = asked.par_iter().map(|pair| by_pair(inputs, pair)).collect();
+    let half_of = |camera: usize, says: fn(&ClockTold) -> bool| {
+        let own = asked.iter().zip(&told).filter(move |(p, _)| p.a == camera || p.b == camera);
+        let (count, say_so) = (own.clone().count(), own.filter(|(_, told)| says(told)).count());
+        say_so > 0 && 2 * say_so >= count
+    };
+    let of = |camera| ClockTold {
+        open: half_of(camera, |told| told.open),
+        refuted: half_of(camera, |told| told.refuted),
     };
     (0..inputs.len()).map(of).collect()
 }
 
-/// Whether another clock has a geometry of its own that explains as much of what a pair sees.
-fn is_open(inputs: &[CameraInput], pair: &PairFound) -> bool {
+/// Whether another clock has a geometry of its own that explains as much of what a pair sees, and one that clearly explains more.
+fn by_pair(inputs: &[CameraInput], pair: &PairFound) -> ClockTold {
     let [a, b] = [pair.a, pair.b].map(|c| inputs[c].recording);
-    let Some(f) = Fundamental::from_matrix(&pair.geometries[0].0, a.size(), b.size()) else { return false };
+    let Some(f) = Fundamental::from_matrix(&pair.geometries[0].0, a.size(), b.size()) else {
+        return ClockTold { open: false, refuted: false };
+    };
     let (clock, links) = (Clock::of_frames(pair.offset, pair.frames_per_frame, a, b), Links::new(b));
     let later = |frames| Aligned::new(a, b, &links, clock.later(frames), [Up::IMAGE; 2]);
     let pixels = limits::CLOCK_OPEN * ImageSize::pixel_scale([a.size(), b.size()]);
-    other_clocks(later, &f, None, 0).iter().any(|other| other.is_open(pixels))
+    let others = other_clocks(later, &f, None, 0);
+    ClockTold {
+        open: others.iter().any(|other| other.is_open(pixels)),
+        refuted: others.iter().any(|other| other.is_better(pixels)),
+    }
 }

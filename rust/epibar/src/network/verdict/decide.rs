@@ -178,8 +178,8 @@ pub(in crate::network) fn is_as_good(
 pub(in crate::network) struct CameraFindings<'a> {
     /// Another network explains what moves nearly as well.
     pub(in crate::network) rivalled: bool,
-    /// What moves leaves open when it filmed.
-    pub(in crate::network) clock_open: bool,
+    /// What moves leaves open when it filmed, or speaks against what was given of that.
+    pub(in crate::network) clock_doubted: bool,
     /// What was given of it is contradicted by what moves.
     pub(in crate::network) contradicted: bool,
     /// At which angle its rays meet those of others, pixels of a 640×480 image.
@@ -199,7 +199,7 @@ type CameraTest = fn(&CameraFindings) -> Option<CameraStatus>;
 /// Tests of a camera that stands by name, in their order.
 pub(in crate::network) const CAMERA_TESTS: [(&str, CameraTest); 9] = [
     ("no rival network", |f| f.rivalled.then_some(CameraStatus::Ambiguous)),
-    ("what moves tells its clock", |f| f.clock_open.then_some(CameraStatus::Clock)),
+    ("what moves tells its clock", |f| f.clock_doubted.then_some(CameraStatus::Clock)),
     ("what was given agrees", |f| f.contradicted.then_some(CameraStatus::Contradicted)),
     ("rays meet at an angle", |f| unless(f.parallax >= limits::PARALLAX, CameraStatus::NoBaseline)),
     ("a plane leaves no focal length open", |f| unless(f.relief >= limits::RELIEF, CameraStatus::OnePlane)),
@@ -253,7 +253,7 @@ mod tests {
         let status_by_errors = |expected: &Expected, rig| {
             status(&CameraFindings {
                 rivalled: false,
-                clock_open: false,
+                clock_doubted: false,
                 contradicted: false,
                 parallax: limits::PARALLAX,
                 relief: limits::RELIEF,
@@ -273,7 +273,7 @@ mod tests {
     fn the_first_fault_is_said_of_a_camera() {
         let unknown = CameraFindings {
             rivalled: true,
-            clock_open: true,
+            clock_doubted: true,
             contradicted: true,
             parallax: f64::NAN,
             relief: f64::NAN,
@@ -284,7 +284,7 @@ mod tests {
         assert_eq!(status(&unknown), CameraStatus::Ambiguous);
         let at_any_time = CameraFindings { rivalled: false, ..unknown };
         assert_eq!(status(&at_any_time), CameraStatus::Clock);
-        let contradicted = CameraFindings { clock_open: false, ..at_any_time };
+        let contradicted = CameraFindings { clock_doubted: false, ..at_any_time };
         assert_eq!(status(&contradicted), CameraStatus::Contradicted);
         let at_one_place = CameraFindings { contradicted: false, ..contradicted };
         assert_eq!(status(&at_one_place), CameraStatus::NoBaseline);

@@ -9,7 +9,7 @@ pub mod prose;
 use self::decide::CameraFindings;
 use crate::image::ImageSize;
 use crate::network::case::{Finished, NetworkCase, Out};
-use crate::network::evidence::clocks_told;
+use crate::network::evidence::clocks_told::{ClockTold, clocks_told};
 use crate::network::evidence::floor_errors::FloorErrors;
 use crate::network::evidence::stated_errors::Expected;
 use crate::network::evidence::support::{Deviates, Support};
@@ -37,13 +37,13 @@ impl NetworkCase<'_> {
         let World { cameras: placed, ground, turn, unit } = world::placed(network, floor, [vertical, level]);
         let rig = rig(&placed, &network.pairs());
         let expected = |c: usize| finished.expected[c].in_world(&turn, unit);
-        let clock_open = self.clocks_left_open(finished);
+        let clocks_told = self.clocks_told(&network.cameras, &finished.support);
         let status = |c: usize, pair_refused: bool| match out.iter().find(|o| o.camera == c) {
             Some(out) => out.status,
             None if !network.placed[c] => CameraStatus::NothingInCommon,
             None => decide::status(&CameraFindings {
                 rivalled,
-                clock_open: clock_open[c],
+                clock_doubted: self.is_clock_doubted(clocks_told[c]),
                 contradicted: self.contradicted(finished, c).is_some(),
                 parallax: finished.parallax[c],
                 relief: finished.relief[c],
@@ -71,7 +71,12 @@ impl NetworkCase<'_> {
                     ..self.unplaced(c, status, found, &expected, rig)
                 };
                 match (status, contradicted) {
-                    (CameraStatus::Accepted, _) => camera.reason += &self.remarks(finished, &camera, c),
+                    (CameraStatus::Accepted, _) => {
+                        camera.reason += &self.remarks(finished, &camera, c);
+                        if self.clocks_given && clocks_told[c].open {
+                            camera.reason += prose::GIVEN_CLOCK_BELIEVED;
+                        }
+                    }
                     (CameraStatus::Contradicted, Some(said)) => camera.reason = said,
                     (CameraStatus::FocalLength | CameraStatus::Rotation | CameraStatus::Position, _) => {
                         camera.reason += &prose::doubted(&finished.doubts, c, &network.cameras[c]);
@@ -89,16 +94,19 @@ impl NetworkCase<'_> {
         Network { cameras, pairs, accepted, reason, ground, radius }
     }
 
-    /// Of each camera whether what moves leaves its clock open, by the pairs that agree with the network.
-    fn clocks_left_open(&self, finished: &Finished) -> Vec<bool> {
-        if self.clocks_given {
-            return vec![false; self.count()];
-        }
-        let (cameras, confirmed) = (&finished.solved.network.cameras, finished.support.confirmed());
+    /// Whether what moves leaves a clock open, or speaks against one that was given.
+    pub(super) fn is_clock_doubted(&self, told: ClockTold) -> bool {
+        if self.clocks_given { told.refuted } else { told.open }
+    }
+
+    /// Of each camera what moves tells of its clock, by the pairs that agree with the network.
+    pub(super) fn clocks_told(&self, cameras: &[Camera], support: &Support) -> Vec<ClockTold> {
+        let confirmed = support.confirmed();
         let agrees = |p: &&PairFound| {
             confirmed.contains(&(p.a, p.b)) && !self.contradicts(p.a, p.b, &cameras[p.a], &cameras[p.b])
         };
-        clocks_told::left_open(self.inputs, &self.pairs.iter().filter(agrees).collect::<Vec<_>>())
+        let agreeing: Vec<&PairFound> = self.pairs.iter().filter(agrees).collect();
+        clocks_told(self.inputs, &agreeing)
     }
 
     /// Whether these are two cameras, whose pair was not accepted by itself with the geometry that they have here. Nothing else speaks for them: whether one was knocked and whether all
@@ -154,10 +162,14 @@ impl NetworkCase<'_> {
     ) -> NetworkCamera {
         let input = &self.inputs[camera];
         let knocked_at = out.and_then(|o| o.at);
+        let reason = match status {
+            CameraStatus::Clock if self.clocks_given => prose::GIVEN_CLOCK.to_owned(),
+            _ => prose::of_camera(status, expected, rig, knocked_at, input, &self.pairs_of(camera)),
+        };
         NetworkCamera {
             name: input.name.to_owned(),
             status,
-            reason: prose::of_camera(status, expected, rig, knocked_at, input, &self.pairs_of(camera)),
+            reason,
             camera: None,
             expected: None,
             deviates: out.map_or(Deviates::default(), |o| o.deviates),

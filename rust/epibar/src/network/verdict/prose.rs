@@ -86,6 +86,13 @@ pub(in crate::network) fn of_camera(
     }
 }
 
+/// Of a camera whose clock was given, where another one explains clearly more.
+pub(in crate::network) const GIVEN_CLOCK: &str = "what moves speaks against the offset that was given of its clock, or of those it is compared with: with another one other geometries explain clearly more. Have the offsets found, or give the true ones";
+
+/// Of a camera whose clock was given, where others explain as much.
+pub(in crate::network) const GIVEN_CLOCK_BELIEVED: &str =
+    "; the offset that was given of its clock is believed, as what moves does not tell it";
+
 /// What was given of a camera and is contradicted by what moves.
 pub(in crate::network) fn contradiction(found: &Contradiction, given: &Beliefs, fits: &Camera) -> String {
     let given = given.intrinsic.map(|belief| belief.mean);
