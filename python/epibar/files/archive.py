@@ -27,6 +27,7 @@ from .npy_header import LONGEST_HEADER, read_npy_header
 __all__ = [
     "DAMAGED",
     "ArrayHeader",
+    "array_names",
     "check_compression",
     "read_archive",
     "read_array",
@@ -82,6 +83,17 @@ def write_archive(path: str | os.PathLike[str], arrays: Mapping[str, Any]) -> No
             np.savez(stream, **arrays)
 
     write_atomically(path, write)
+
+
+def array_names(path: str | os.PathLike[str]) -> frozenset[str]:
+    """Return the names of the arrays; none of what is missing or damaged, which is told when it is read."""
+    if not os.path.isfile(path):  # a pipe would be waited for
+        return frozenset()
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return frozenset(name.removesuffix(".npy") for name in archive.namelist())
+    except DAMAGED:
+        return frozenset()
 
 
 def read_archive(

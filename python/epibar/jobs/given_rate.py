@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
 from ..errors import EpibarError, address_without_secrets, is_address
-from ..files.archive import DAMAGED
+from ..files.archive import array_names
 from ..sources.images import IMAGE_SUFFIXES
 from ..sources.mask_array_file import ARRAY_SUFFIXES
 from .inputs import RecordOptions
@@ -44,12 +43,4 @@ def _states_its_own(source: str, options: RecordOptions) -> str | None:
         return "a video, which states its own frame rate"
     if not options.masks:
         return "recorded already, with its frame rate"
-    return "its key 'fps' states the frame rate" if _has_rate(path) else None
-
-
-def _has_rate(path: Path) -> bool:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return "fps.npy" in archive.namelist()
-    except DAMAGED:
-        return False
+    return "its key 'fps' states the frame rate" if "fps" in array_names(path) else None

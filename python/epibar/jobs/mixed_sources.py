@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import zipfile
 from collections.abc import Callable, Sequence
 
 from ..errors import EpibarError, is_address
-from ..files.archive import DAMAGED
+from ..files.archive import array_names
 
 __all__ = ["refuse_mixed"]
 
-SAVED = "core_seed.npy"
-MASKS = "masks.npy"
+SAVED = "core_seed"
+MASKS = "masks"
 
 
 def refuse_mixed(sources: Sequence[str], masks: bool, spelt: Callable[[str], str]) -> None:
@@ -31,7 +30,8 @@ def refuse_mixed(sources: Sequence[str], masks: bool, spelt: Callable[[str], str
     EpibarError
         One is a saved recording and was said to be masks, or the other way round.
     """
-    inside = {source: _inside(source) for source in sources if source.lower().endswith(".npz")}
+    files = [source for source in sources if source.lower().endswith(".npz") and not is_address(source)]
+    inside = {source: array_names(source) for source in files}
     saved = [source for source, names in inside.items() if SAVED in names]
     ready = [source for source, names in inside.items() if MASKS in names and SAVED not in names]
     option = spelt("masks")
@@ -45,14 +45,3 @@ def refuse_mixed(sources: Sequence[str], masks: bool, spelt: Callable[[str], str
         raise EpibarError(f"{saved[0]}: a saved recording, not masks, which {option} says that all are")
     if ready and not masks:
         raise EpibarError(f"{ready[0]}: its key 'masks' says that it holds masks: give {option}")
-
-
-def _inside(source: str) -> set[str]:
-    """Names of the arrays; of what is not there, or is damaged, none: it is told when it is recorded."""
-    if is_address(source):
-        return set()
-    try:
-        with zipfile.ZipFile(source) as archive:
-            return set(archive.namelist())
-    except DAMAGED:
-        return set()
