@@ -78,7 +78,8 @@ impl<'a> Newcomer<'a> {
                 (
                     status(&CameraFindings {
                         rivalled: false,
-                        clock_doubted: self.is_clock_doubted(found),
+                        // Only of cameras that are calibrated together is it asked.
+                        clock_doubted: false,
                         contradicted,
                         parallax: parallax(&found.solved.settled)[self.camera],
                         // The cameras that are there are held, and tell its focal length before a plane too.
@@ -252,12 +253,6 @@ impl<'a> Newcomer<'a> {
         });
         let doubted = prose::doubted(&doubts, self.camera, &solved.network.cameras[self.camera]);
         FoundCamera { solved, support, expected, offset_error, contradicted, doubted, rig }
-    }
-
-    /// Whether what moves leaves its clock open, or speaks against the one that was given.
-    fn is_clock_doubted(&self, found: &FoundCamera) -> bool {
-        let told = self.case.clocks_told(&found.solved.network.cameras, &found.support);
-        self.case.is_clock_doubted(told[self.camera])
     }
 
     /// Root mean square of what the cameras that confirm this one are expected to be wrong by.

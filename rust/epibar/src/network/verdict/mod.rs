@@ -95,12 +95,12 @@ impl NetworkCase<'_> {
     }
 
     /// Whether what moves leaves a clock open, or speaks against one that was given.
-    pub(super) fn is_clock_doubted(&self, told: ClockTold) -> bool {
+    fn is_clock_doubted(&self, told: ClockTold) -> bool {
         if self.clocks_given { told.refuted } else { told.open }
     }
 
     /// Of each camera what moves tells of its clock, by the pairs that agree with the network.
-    pub(super) fn clocks_told(&self, cameras: &[Camera], support: &Support) -> Vec<ClockTold> {
+    fn clocks_told(&self, cameras: &[Camera], support: &Support) -> Vec<ClockTold> {
         let confirmed = support.confirmed();
         let agrees = |p: &&PairFound| {
             confirmed.contains(&(p.a, p.b)) && !self.contradicts(p.a, p.b, &cameras[p.a], &cameras[p.b])
