@@ -4,12 +4,14 @@
 //! the footage and by its end, for a camera that was knocked while it was filmed agrees as stored with a part of it. What each explains is
 //! compared; the one that clearly explains most is put where it stands now, and the others are asked again, until none moves any more.
 //!
+//! * `clocks`: clocks of the new footage, by cameras that stand.
 //! * `stretch`: new footage from some moment on.
 //! * `one_camera`, `zoom`: another pose of one camera, another focal length, and what that explains.
 //! * `which_moved`: which camera moved.
 //! * `replace`: where those that moved stand now.
 //! * `prose`: sentences.
 
+mod clocks;
 mod one_camera;
 mod prose;
 mod replace;
@@ -17,6 +19,7 @@ mod stretch;
 mod which_moved;
 mod zoom;
 
+use clocks::later_by_poses;
 use prose::{NewFootage, said};
 use replace::replaced;
 pub(super) use stretch::FRAMES;
@@ -34,6 +37,7 @@ use super::observations::survey::Survey;
 use super::result::CameraCheck;
 use super::solve::relocate::Placed;
 use super::solve::settle::settle;
+use super::thresholds as limits;
 use crate::error::{Error, Result};
 use crate::recording::Recording;
 use crate::watch::Watch;
@@ -136,8 +140,32 @@ pub(super) fn by_new_clocks(
         ..c.solvable()
     };
     let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
-    let placed = vec![true; at.len()];
-    let pairs = Placed { cameras: at.clone(), placed: placed.clone() }.pairs();
-    let settled = settle(survey, &at, &beliefs, &pairs, &placed, None);
+    let found = settled(survey, at.clone(), beliefs);
+    if clocks.given {
+        return found;
+    }
+    let later = later_by_poses(survey, &at);
+    // Within that they are solved for anyway.
+    if later.iter().all(|seconds| seconds.abs() < limits::CLOCK_FOUND) {
+        return found;
+    }
+    let mut beliefs = found.1.clone();
+    for (belief, later) in beliefs.iter_mut().zip(&later) {
+        belief.clock[0] = Belief::about(belief.clock[0].mean + later, limits::CLOCK_FOUND);
+    }
+    let moved = at.iter().zip(&later).map(|(c, later)| Camera { offset: c.offset + later, ..*c }).collect();
+    let by_poses = settled(survey, moved, beliefs);
+    let explained = |(network, _): &(Placed, Vec<Beliefs>)| {
+        let scores = survey.scores(&network.cameras, &network.pairs(), limits::COMPARED, 0);
+        scores.iter().map(|s| s.excess).sum::<f64>()
+    };
+    if explained(&by_poses) > explained(&found) { by_poses } else { found }
+}
+
+/// Stored cameras with their clocks and insets solved for.
+fn settled(survey: &Survey, cameras: Vec<Camera>, beliefs: Vec<Beliefs>) -> (Placed, Vec<Beliefs>) {
+    let placed = vec![true; cameras.len()];
+    let pairs = Placed { cameras: cameras.clone(), placed: placed.clone() }.pairs();
+    let settled = settle(survey, &cameras, &beliefs, &pairs, &placed, None);
     (Placed { cameras: settled.cameras, placed }, beliefs)
 }
