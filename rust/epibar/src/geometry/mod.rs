@@ -15,6 +15,7 @@ pub mod least_matrix;
 pub mod lens;
 pub mod median;
 pub mod pencil;
+pub mod possible_cameras;
 pub mod seven_parameters;
 pub mod tangent;
 

@@ -9,7 +9,7 @@ use super::rivals::Rival;
 use super::thresholds::{
     CLEAN_RADIUS, DEEP_POSSIBLE, DEPTH, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND,
     MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z,
-    MIRROR_SHARE, PLACE, REPEATS, ROOM_AREA, ROOM_HEIGHT, SAME, SHALLOW_POSSIBLE, SOME_AREA,
+    MIRROR_SHARE, NO_CAMERAS, PLACE, REPEATS, ROOM_AREA, ROOM_HEIGHT, SAME, SHALLOW_POSSIBLE, SOME_AREA,
     SOME_AREA_POSSIBLE, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
@@ -19,7 +19,7 @@ use crate::frontier::TangentMatch;
 type Test = fn(&Findings) -> Option<Verdict>;
 
 /// The tests by name, in their order.
-pub const TESTS: [(&str, Test); 14] = [
+pub const TESTS: [(&str, Test); 15] = [
     ("stands out against shifted clocks", stands_out),
     ("explains enough of the tangents", explains_enough),
     ("supported by tops and by bottoms", both_classes),
@@ -33,6 +33,7 @@ pub const TESTS: [(&str, Test); 14] = [
     ("known beyond the motion", known_beyond_motion),
     ("what was tested is what is returned", as_tested),
     ("no rival far away", no_rival),
+    ("may be of two cameras", of_two_cameras),
     ("accurate enough", accurate),
 ];
 
@@ -157,6 +158,11 @@ fn no_rival(f: &Findings) -> Option<Verdict> {
     Some(Verdict::new(Kind::Ambiguous, prose::rival(rival)))
 }
 
+fn of_two_cameras(f: &Findings) -> Option<Verdict> {
+    let off = f.from_cameras.unwrap_or(0.0);
+    unless(within(off, NO_CAMERAS), Kind::Inaccurate, || prose::no_cameras(off))
+}
+
 fn accurate(f: &Findings) -> Option<Verdict> {
     let (error, limit) = (f.expected_error, f.max_expected_error);
     unless(within(error, limit), Kind::Inaccurate, || prose::inaccurate(error, limit))
@@ -222,6 +228,7 @@ mod tests {
             rivals: &[],
             scale: 1.0,
             upright: true,
+            from_cameras: Some(0.001),
             max_expected_error: 3.0,
         }
     }
@@ -256,6 +263,14 @@ mod tests {
         assert_eq!(kind(&findings(&GOOD, &walk[..40])), Kind::Undetermined);
         assert_eq!(kind(&Findings { beyond_motion: 2.1, ..findings(&GOOD, &walk) }), Kind::Undetermined);
         assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
+        for (off, expected) in [(0.05, Kind::Accepted), (0.1, Kind::Inaccurate), (f64::NAN, Kind::Inaccurate)]
+        {
+            let found = decide(&Findings { from_cameras: Some(off), ..findings(&GOOD, &walk) });
+            assert_eq!(found.kind, expected, "{off}");
+            assert!(found.reason.contains("No two cameras"), "{}", found.reason);
+        }
+        assert!(!reason(&GOOD).contains("No two cameras"));
+        assert_eq!(kind(&Findings { from_cameras: None, ..findings(&GOOD, &walk) }), Kind::Accepted);
         let shallow = Evidence { plane_residual: 1.5, ..GOOD };
         for (evidence, possible_beyond, expected) in [
             (&shallow, 3.9, Kind::Accepted),

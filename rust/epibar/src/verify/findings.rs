@@ -26,6 +26,8 @@ pub struct Findings<'a> {
     pub scale: f64,
     /// It is known which end of what moves is up.
     pub upright: bool,
+    /// How far it is from any two cameras with square pixels and principal points in the middle; `None` where the cameras are known.
+    pub from_cameras: Option<f64>,
     /// A larger expected error is refused, pixels.
     pub max_expected_error: f64,
 }

@@ -60,6 +60,7 @@ use crate::frontier::matches::robust_deviation;
 use crate::frontier::volume::{Correspondence, disagreement, met_correspondences};
 use crate::frontier::{TangentMatch, compare};
 use crate::geometry::Fundamental;
+use crate::geometry::possible_cameras::least_deviation;
 use crate::watch::Watch;
 use decide::decide;
 use expected_error::{Away, Stated, beyond_chance};
@@ -118,6 +119,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
         rivals: &rivals,
         scale,
         upright: views.upright,
+        from_cameras: views.cameras.is_none().then(|| least_deviation(fundamental, views.sizes())),
         max_expected_error: case.max_expected_error,
     });
     let uncertainty = stated.map(|stated| stated.uncertainty);

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::findings::Findings;
 use super::rivals::Rival;
-use super::thresholds::{MIN_Z, SOME_Z};
+use super::thresholds::{CAMERAS_DOUBTED, MIN_Z, SOME_Z, reaches};
 
 /// How much suggests something, as a sentence begins.
 fn suggestion(z: f64) -> &'static str {
@@ -39,7 +39,24 @@ pub(super) fn accepted(f: &Findings) -> String {
             " That holds where things moved; in half of an image, beyond it, {beyond:.0} px are possible."
         );
     }
+    if let Some(off) = f.from_cameras.filter(|off| reaches(*off, CAMERAS_DOUBTED)) {
+        let _ = write!(
+            accepted,
+            " No two cameras with square pixels and principal points in the middle have quite this geometry, it is off by {:.1} %: {LOOK_AT_THEM}",
+            100.0 * off
+        );
+    }
     accepted
+}
+
+const LOOK_AT_THEM: &str = "look whether the silhouettes of one camera lack the same part of everybody, as feet or dark trousers, or have too much, as a shadow or a reflection. \
+     Where images are cropped or stretched, or a lens bends strongly, give intrinsics.";
+
+pub(super) fn no_cameras(off: f64) -> String {
+    format!(
+        "No two cameras with square pixels and principal points in the middle have this geometry, it is off by {:.0} %: {LOOK_AT_THEM}",
+        100.0 * off
+    )
 }
 
 pub(super) fn faint(z: f64) -> String {
