@@ -140,7 +140,7 @@ pub(super) fn by_new_clocks(
         ..c.solvable()
     };
     let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
-    let found = settled(survey, at.clone(), beliefs);
+    let found = settled(survey, &at, beliefs);
     if clocks.given {
         return found;
     }
@@ -153,8 +153,9 @@ pub(super) fn by_new_clocks(
     for (belief, later) in beliefs.iter_mut().zip(&later) {
         belief.clock[0] = Belief::about(belief.clock[0].mean + later, limits::CLOCK_FOUND);
     }
-    let moved = at.iter().zip(&later).map(|(c, later)| Camera { offset: c.offset + later, ..*c }).collect();
-    let by_poses = settled(survey, moved, beliefs);
+    let moved: Vec<Camera> =
+        at.iter().zip(&later).map(|(c, later)| Camera { offset: c.offset + later, ..*c }).collect();
+    let by_poses = settled(survey, &moved, beliefs);
     let explained = |(network, _): &(Placed, Vec<Beliefs>)| {
         let scores = survey.scores(&network.cameras, &network.pairs(), limits::COMPARED, 0);
         scores.iter().map(|s| s.excess).sum::<f64>()
@@ -163,9 +164,9 @@ pub(super) fn by_new_clocks(
 }
 
 /// Stored cameras with their clocks and insets solved for.
-fn settled(survey: &Survey, cameras: Vec<Camera>, beliefs: Vec<Beliefs>) -> (Placed, Vec<Beliefs>) {
+fn settled(survey: &Survey, cameras: &[Camera], beliefs: Vec<Beliefs>) -> (Placed, Vec<Beliefs>) {
     let placed = vec![true; cameras.len()];
-    let pairs = Placed { cameras: cameras.clone(), placed: placed.clone() }.pairs();
-    let settled = settle(survey, &cameras, &beliefs, &pairs, &placed, None);
+    let pairs = Placed { cameras: cameras.to_vec(), placed: placed.clone() }.pairs();
+    let settled = settle(survey, cameras, &beliefs, &pairs, &placed, None);
     (Placed { cameras: settled.cameras, placed }, beliefs)
 }
