@@ -2,15 +2,14 @@
 
 use std::collections::HashSet;
 
+use super::allowed_beyond::{is_flat, most_beyond, most_possible, most_turned};
 use super::evidence::Evidence;
 use super::findings::Findings;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
-    CLEAN_RADIUS, DEEP_POSSIBLE, DEPTH, FLAT, FLAT_BEYOND, FLAT_POSSIBLE, FLAT_TURN, HOLDS, MAX_BEYOND,
-    MAX_TURN, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES, MIN_WHOLE_Z, MIN_Z,
-    MIRROR_SHARE, NO_CAMERAS, PLACE, REPEATS, ROOM_AREA, ROOM_HEIGHT, SAME, SHALLOW_POSSIBLE, SOME_AREA,
-    SOME_AREA_POSSIBLE, reaches, within,
+    CLEAN_RADIUS, HOLDS, MIN_BOTH_ENDS, MIN_CLASS_EXPLAINED, MIN_CLASS_Z, MIN_EXPLAINED, MIN_PLACES,
+    MIN_WHOLE_Z, MIN_Z, MIRROR_SHARE, NO_CAMERAS, PLACE, REPEATS, SAME, reaches, within,
 };
 use super::verdict::{Kind, Verdict};
 use crate::frontier::TangentMatch;
@@ -95,53 +94,17 @@ fn depth_beyond_outlines(f: &Findings) -> Option<Verdict> {
     unless(clean || !is_flat(f), Kind::Undetermined, || prose::flat(f.evidence.plane_residual))
 }
 
-/// Little leaves the plane, as far as is known.
-fn is_flat(f: &Findings) -> bool {
-    !reaches(f.evidence.plane_residual, FLAT)
-}
-
-/// Not much leaves the plane, as far as is known: flat motion is that as well.
-fn is_shallow(f: &Findings) -> bool {
-    !reaches(f.evidence.plane_residual, DEPTH)
-}
-
-/// A limit for motion with depth, pixels: on small images no less than what is allowed where things moved, as outlines are of whole pixels.
-fn allowed(f: &Findings, most: f64) -> f64 {
-    most.max(f.max_expected_error)
-}
-
-/// What moves fills a room, so that it does not matter how `F` goes on beyond it.
-fn fills_a_room(f: &Findings) -> bool {
-    reaches(f.evidence.spread_of_bottoms, ROOM_AREA) && reaches(f.evidence.tops_off_floor, ROOM_HEIGHT)
-}
-
 fn may_not_turn(f: &Findings) -> Option<Verdict> {
     let turned = f.evidence.may_turn;
-    let most = f.scale * if is_flat(f) { FLAT_TURN } else { MAX_TURN };
-    let most = if is_shallow(f) { most } else { allowed(f, most) };
-    let most = if fills_a_room(f) { f64::INFINITY } else { most };
-    unless(within(turned, most), Kind::Undetermined, || prose::turns(turned))
+    unless(within(turned, most_turned(f)), Kind::Undetermined, || prose::turns(turned))
 }
 
 fn known_beyond_motion(f: &Findings) -> Option<Verdict> {
     if f.beyond_motion.is_nan() {
         return Some(Verdict::new(Kind::Inaccurate, prose::unmeasured()));
     }
-    let strictly = is_flat(f) && !fills_a_room(f);
-    let known = within(f.beyond_motion, f.scale * if strictly { FLAT_BEYOND } else { MAX_BEYOND });
-    let most = if fills_a_room(f) {
-        f64::INFINITY
-    } else if is_flat(f) && reaches(f.evidence.spread_of_bottoms, SOME_AREA) {
-        SOME_AREA_POSSIBLE * f.scale
-    } else if is_flat(f) {
-        FLAT_POSSIBLE * f.scale
-    } else if is_shallow(f) {
-        SHALLOW_POSSIBLE * f.scale
-    } else {
-        allowed(f, DEEP_POSSIBLE * f.scale)
-    };
-    let possible = within(f.possible_beyond, most);
-    unless(known && possible, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
+    let known = within(f.beyond_motion, most_beyond(f)) && within(f.possible_beyond, most_possible(f));
+    unless(known, Kind::Undetermined, || prose::unknown_beyond(f.possible_beyond))
 }
 
 fn as_tested(f: &Findings) -> Option<Verdict> {

@@ -15,8 +15,10 @@
 //! * `error_map`, `over_image`: where in the images, and places all over these.
 //! * `untestable`, `trials`: what is refused before there is anything to test, and what is allowed for a searched offset.
 //! * `findings`, `decide`, `thresholds`, `prose`: what the tests look at, the tests in their order, their numbers and their words.
+//! * `allowed_beyond`: how far it may be uncertain beyond the motion, by the depth of that.
 //! * `verdict`, `verified`: what comes out.
 
+mod allowed_beyond;
 mod case;
 pub mod covariance;
 pub mod decide;
