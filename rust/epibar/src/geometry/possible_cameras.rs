@@ -1,8 +1,8 @@
 //! How far a fundamental matrix is from that of any two cameras that somebody may have.
 //!
-//! Of seven parameters five are the pose of two cameras, and two are left for focal lengths; so no focal lengths need to fit. Where none do, with square pixels and
-//! principal points in the middle, it is not the geometry of two such cameras: the images are cropped or stretched, the lens bends strongly, or one camera's silhouettes lack
-//! the same part of everybody, which looks like a world that is stretched before one camera only.
+//! Of seven parameters five are the pose of two cameras, and two are left for focal lengths; so no focal lengths need to fit. Where none do, with the principal points and the
+//! shape of pixels that are known, or with square pixels and principal points in the middle, it is not the geometry of two such cameras: the images are cropped or stretched, the
+//! lens bends strongly, or one camera's silhouettes lack the same part of everybody, which looks like a world that is stretched before one camera only.
 
 use nalgebra::{Matrix3, Vector2};
 
@@ -18,14 +18,18 @@ const TRIED: usize = 24;
 const IMPROVED: usize = 3;
 const FINEST: f64 = 1e-4;
 
-/// The least of [`CameraMatrices::deviation`] over focal lengths of both cameras: 0 where some fit.
-pub fn least_deviation(f: &Fundamental, sizes: [ImageSize; 2]) -> f64 {
+/// The least of [`CameraMatrices::deviation`] over focal lengths of both cameras: 0 where some fit. Of cameras that are known only the focal lengths are not believed.
+pub fn least_deviation(f: &Fundamental, sizes: [ImageSize; 2], known: Option<&CameraMatrices>) -> f64 {
     let [least, most] = FOCAL_LENGTHS.map(f64::ln);
+    let matrices = known.map_or_else(|| sizes.map(central), |k| [k.a, k.b]);
     let deviation = |logarithms: Vector2<f64>| {
         if logarithms.min() < least || logarithms.max() > most {
             return f64::INFINITY;
         }
-        let [a, b] = [0, 1].map(|k| central(sizes[k], logarithms[k].exp()));
+        let [a, b] = [0, 1].map(|k| {
+            let focal = sizes[k].width as f64 * logarithms[k].exp();
+            with_focal_length(&matrices[k], focal)
+        });
         CameraMatrices { a, b }.deviation(f)
     };
     let step = (most - least) / (TRIED - 1) as f64;
@@ -57,11 +61,20 @@ fn improved(
     value
 }
 
-/// A camera with square pixels and its principal point in the middle, its focal length in widths.
-fn central(size: ImageSize, focal: f64) -> Matrix3<f64> {
+/// A camera with square pixels and its principal point in the middle; its focal length is a pixel.
+fn central(size: ImageSize) -> Matrix3<f64> {
     let [width, height] = [size.width, size.height].map(|side| side as f64);
-    let focal = focal * width;
-    Matrix3::new(focal, 0.0, 0.5 * (width - 1.0), 0.0, focal, 0.5 * (height - 1.0), 0.0, 0.0, 1.0)
+    Matrix3::new(1.0, 0.0, 0.5 * (width - 1.0), 0.0, 1.0, 0.5 * (height - 1.0), 0.0, 0.0, 1.0)
+}
+
+/// The camera with another focal length, pixels along a row.
+fn with_focal_length(camera: &Matrix3<f64>, focal: f64) -> Matrix3<f64> {
+    let mut camera = *camera;
+    let grown = focal / camera[(0, 0)];
+    for at in [(0, 0), (0, 1), (1, 1)] {
+        camera[at] *= grown;
+    }
+    camera
 }
 
 #[cfg(test)]
@@ -81,7 +94,10 @@ mod tests {
     fn geometry(sizes: [ImageSize; 2], focal: [f64; 2], stretched: f64) -> Fundamental {
         let places = [Vector3::new(-8.0, -5.0, 3.5), Vector3::new(7.0, -7.0, 2.5)];
         let seen = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, stretched));
-        let [a, b] = [0, 1].map(|k| central(sizes[k], focal[k]) * towards_the_middle(places[k]));
+        let [a, b] = [0, 1].map(|k| {
+            with_focal_length(&central(sizes[k]), focal[k] * sizes[k].width as f64)
+                * towards_the_middle(places[k])
+        });
         let inverse = |m: Matrix3<f64>| m.try_inverse().unwrap();
         let baseline = places[0] - inverse(seen) * places[1];
         let f = inverse(b * seen).transpose() * baseline.cross_matrix() * inverse(a);
@@ -92,9 +108,28 @@ mod tests {
     fn some_focal_lengths_fit_two_cameras_and_none_where_one_sees_all_stretched() {
         let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(1280, 720).unwrap()];
         for focal in [[0.8, 0.8], [0.7, 2.4], [1.5, 0.6]] {
-            let least = |stretched| least_deviation(&geometry(sizes, focal, stretched), sizes);
+            let least = |stretched| least_deviation(&geometry(sizes, focal, stretched), sizes, None);
             assert!(least(1.0) < 1e-3, "{focal:?}: {}", least(1.0));
             assert!(least(2.0) > 0.05, "{focal:?}: {}", least(2.0));
         }
+    }
+
+    #[test]
+    fn of_known_cameras_only_the_focal_lengths_are_not_believed() {
+        let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(640, 480).unwrap()];
+        let aside = |pixels: f64| {
+            let mut camera = central(sizes[0]);
+            camera[(0, 2)] += pixels;
+            camera[(1, 1)] *= 1.2;
+            camera
+        };
+        let centred = *geometry(sizes, [0.8, 1.1], 1.0).matrix();
+        // Columns are shifted and rows stretched: what is then in the middle of A was not before.
+        let moved = aside(90.0) * central(sizes[0]).try_inverse().unwrap();
+        let inverse = moved.try_inverse().unwrap();
+        let f = Fundamental::from_matrix(&(centred * inverse), sizes[0], sizes[1]).unwrap();
+        let known = CameraMatrices { a: aside(90.0), b: central(sizes[1]) };
+        assert!(least_deviation(&f, sizes, Some(&known)) < 1e-3);
+        assert!(least_deviation(&f, sizes, None) > 0.01);
     }
 }

@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use super::allowed_beyond::{is_flat, most_beyond, most_possible, most_turned};
 use super::evidence::Evidence;
 use super::findings::Findings;
+use super::given_cameras::Without;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
@@ -18,7 +19,7 @@ use crate::frontier::TangentMatch;
 type Test = fn(&Findings) -> Option<Verdict>;
 
 /// The tests by name, in their order.
-pub const TESTS: [(&str, Test); 15] = [
+pub const TESTS: [(&str, Test); 16] = [
     ("stands out against shifted clocks", stands_out),
     ("explains enough of the tangents", explains_enough),
     ("supported by tops and by bottoms", both_classes),
@@ -32,6 +33,7 @@ pub const TESTS: [(&str, Test); 15] = [
     ("known beyond the motion", known_beyond_motion),
     ("what was tested is what is returned", as_tested),
     ("no rival far away", no_rival),
+    ("what was given agrees", given_cameras_agree),
     ("may be of two cameras", of_two_cameras),
     ("accurate enough", accurate),
 ];
@@ -121,9 +123,13 @@ fn no_rival(f: &Findings) -> Option<Verdict> {
     Some(Verdict::new(Kind::Ambiguous, prose::rival(rival)))
 }
 
+fn given_cameras_agree(f: &Findings) -> Option<Verdict> {
+    let without = f.without_given_cameras.filter(Without::contradicts)?;
+    Some(Verdict::new(Kind::Inaccurate, prose::contradicted(&without)))
+}
+
 fn of_two_cameras(f: &Findings) -> Option<Verdict> {
-    let off = f.from_cameras.unwrap_or(0.0);
-    unless(within(off, NO_CAMERAS), Kind::Inaccurate, || prose::no_cameras(off))
+    unless(within(f.from_cameras, NO_CAMERAS), Kind::Inaccurate, || prose::no_cameras(f))
 }
 
 fn accurate(f: &Findings) -> Option<Verdict> {
@@ -191,7 +197,8 @@ mod tests {
             rivals: &[],
             scale: 1.0,
             upright: true,
-            from_cameras: Some(0.001),
+            from_cameras: 0.001,
+            without_given_cameras: None,
             max_expected_error: 3.0,
         }
     }
@@ -228,12 +235,16 @@ mod tests {
         assert_eq!(kind(&Findings { expected_error: 3.1, ..findings(&GOOD, &walk) }), Kind::Inaccurate);
         for (off, expected) in [(0.05, Kind::Accepted), (0.1, Kind::Inaccurate), (f64::NAN, Kind::Inaccurate)]
         {
-            let found = decide(&Findings { from_cameras: Some(off), ..findings(&GOOD, &walk) });
+            let found = decide(&Findings { from_cameras: off, ..findings(&GOOD, &walk) });
             assert_eq!(found.kind, expected, "{off}");
             assert!(found.reason.contains("No two cameras"), "{}", found.reason);
         }
         assert!(!reason(&GOOD).contains("No two cameras"));
-        assert_eq!(kind(&Findings { from_cameras: None, ..findings(&GOOD, &walk) }), Kind::Accepted);
+        for (share, gain, expected) in [(1.1, 9.0, Kind::Accepted), (1.3, 3.4, Kind::Inaccurate)] {
+            let without_given_cameras = Some(Without { share, gain });
+            let found = decide(&Findings { without_given_cameras, ..findings(&GOOD, &walk) });
+            assert_eq!(found.kind, expected, "{share} {gain}");
+        }
         let shallow = Evidence { plane_residual: 1.5, ..GOOD };
         for (evidence, possible_beyond, expected) in [
             (&shallow, 3.9, Kind::Accepted),

@@ -1,6 +1,7 @@
 //! What the tests of a geometry look at.
 
 use super::evidence::Evidence;
+use super::given_cameras::Without;
 use super::rivals::Rival;
 use crate::frontier::TangentMatch;
 
@@ -26,8 +27,11 @@ pub struct Findings<'a> {
     pub scale: f64,
     /// It is known which end of what moves is up.
     pub upright: bool,
-    /// How far it is from any two cameras with square pixels and principal points in the middle; `None` where the cameras are known.
-    pub from_cameras: Option<f64>,
+    /// How far it is from any two cameras that have the principal points and the shape of pixels of those that were given, or else square pixels and principal
+    /// points in the middle.
+    pub from_cameras: f64,
+    /// What is explained without the camera matrices that were given; `None` where none were, or nothing stands out.
+    pub without_given_cameras: Option<Without>,
     /// A larger expected error is refused, pixels.
     pub max_expected_error: f64,
 }

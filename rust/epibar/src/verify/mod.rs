@@ -8,6 +8,7 @@
 //! * `throughout`, `sides`, `turned_in_part`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
 //! * `halves`, `gains`: does either half ask for another geometry, and is what it gains by that more than chance?
 //! * `planarity`, `plane`, `turning`: does one plane explain everything, which one is it, and how far may `F` turn about it?
+//! * `from_cameras`, `given_cameras`: is it of any two cameras, and do camera matrices that were given agree with what moves?
 //! * `other_clocks`: does another clock explain as much, with a geometry of its own?
 //! * `room`: has what moves the depth of a room?
 //! * `rivals`: does another geometry explain as much?
@@ -26,7 +27,9 @@ pub mod error_map;
 pub mod evidence;
 mod expected_error;
 mod findings;
+mod from_cameras;
 mod gains;
+mod given_cameras;
 mod halves;
 mod independence;
 pub mod other_clocks;
@@ -62,11 +65,11 @@ use crate::frontier::matches::robust_deviation;
 use crate::frontier::volume::{Correspondence, disagreement, met_correspondences};
 use crate::frontier::{TangentMatch, compare};
 use crate::geometry::Fundamental;
-use crate::geometry::possible_cameras::least_deviation;
 use crate::watch::Watch;
 use decide::decide;
 use expected_error::{Away, Stated, beyond_chance};
 use findings::Findings;
+use from_cameras::{error_of, from_cameras};
 use halves::halves;
 use planarity::{median_width, plane_residual};
 use repetition::repeats;
@@ -102,13 +105,18 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     let winner = Winner::new(views, fundamental, case.block());
     let rivals = rivals(&winner, case.found.solutions.get(1..).unwrap_or_default(), &volume);
     // Where nothing stands out that is the verdict.
-    let away = if reaches(evidence.z, MIN_Z) {
-        questioned(case, &winner, &matches, &volume, &mut evidence, watch)?
+    let (away, without_given_cameras) = if reaches(evidence.z, MIN_Z) {
+        let away = questioned(case, &winner, &matches, &volume, &mut evidence, watch)?;
+        (away, given_cameras::without_given_cameras(case.busy_views, fundamental))
     } else {
-        Away::default()
+        (Away::default(), None)
     };
 
-    let stated = Stated::new(case, &winner, &matches, &rivals, &evidence, away);
+    let mut stated = Stated::new(case, &winner, &matches, &rivals, &evidence, away);
+    let from_cameras = from_cameras(views, fundamental, stated.as_ref().map(|s| &s.uncertainty));
+    if let Some(Stated { uncertainty, .. }) = &mut stated {
+        uncertainty.systematic = uncertainty.systematic.hypot(error_of(views, from_cameras));
+    }
     let expected_error = stated.as_ref().map_or(f64::NAN, |stated| stated.uncertainty.over(&volume));
     let verdict = decide(&Findings {
         evidence: &evidence,
@@ -121,7 +129,8 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
         rivals: &rivals,
         scale,
         upright: views.upright,
-        from_cameras: views.cameras.is_none().then(|| least_deviation(fundamental, views.sizes())),
+        from_cameras,
+        without_given_cameras,
         max_expected_error: case.max_expected_error,
     });
     let uncertainty = stated.map(|stated| stated.uncertainty);

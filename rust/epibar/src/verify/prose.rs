@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::findings::Findings;
+use super::given_cameras::Without;
 use super::rivals::Rival;
 use super::thresholds::{CAMERAS_DOUBTED, MIN_Z, SOME_Z, reaches};
 
@@ -39,23 +40,52 @@ pub(super) fn accepted(f: &Findings) -> String {
             " That holds where things moved; in half of an image, beyond it, {beyond:.0} px are possible."
         );
     }
-    if let Some(off) = f.from_cameras.filter(|off| reaches(*off, CAMERAS_DOUBTED)) {
+    if reaches(f.from_cameras, CAMERAS_DOUBTED) {
         let _ = write!(
             accepted,
-            " No two cameras with square pixels and principal points in the middle have quite this geometry, it is off by {:.1} %: {LOOK_AT_THEM}",
-            100.0 * off
+            " No two cameras with {} have quite this geometry, it is off by {:.1} %: {LOOK_AT_THEM} {}",
+            pixels_and_middle(f),
+            100.0 * f.from_cameras,
+            advice(f)
         );
     }
     accepted
 }
 
-const LOOK_AT_THEM: &str = "look whether the silhouettes of one camera lack the same part of everybody, as feet or dark trousers, or have too much, as a shadow or a reflection. \
-     Where images are cropped or stretched, or a lens bends strongly, give intrinsics.";
+const LOOK_AT_THEM: &str = "look whether the silhouettes of one camera lack the same part of everybody, as feet or dark trousers, or have too much, as a shadow or a reflection.";
 
-pub(super) fn no_cameras(off: f64) -> String {
+/// What two cameras are taken to have.
+fn pixels_and_middle(f: &Findings) -> &'static str {
+    if f.without_given_cameras.is_some() {
+        "the principal points that were given"
+    } else {
+        "square pixels and principal points in the middle"
+    }
+}
+
+/// What else may be done.
+fn advice(f: &Findings) -> &'static str {
+    if f.without_given_cameras.is_some() {
+        "Or are the intrinsics those of other cameras, or of images of another size?"
+    } else {
+        "Where images are cropped or stretched, or a lens bends strongly, give intrinsics."
+    }
+}
+
+pub(super) fn no_cameras(f: &Findings) -> String {
     format!(
-        "No two cameras with square pixels and principal points in the middle have this geometry, it is off by {:.0} %: {LOOK_AT_THEM}",
-        100.0 * off
+        "No two cameras with {} have this geometry, it is off by {:.0} %: {LOOK_AT_THEM} {}",
+        pixels_and_middle(f),
+        100.0 * f.from_cameras,
+        advice(f)
+    )
+}
+
+pub(super) fn contradicted(without: &Without) -> String {
+    format!(
+        "The camera matrices that were given contradict what moves: without them {:.1} times as many outline points meet. Are they of these cameras, and of images of this \
+         size? Or {LOOK_AT_THEM}",
+        without.share
     )
 }
 
