@@ -240,7 +240,7 @@ mod tests {
             assert!(found.reason.contains("No two cameras"), "{}", found.reason);
         }
         assert!(!reason(&GOOD).contains("No two cameras"));
-        for (share, gain, expected) in [(1.1, 9.0, Kind::Accepted), (1.3, 3.4, Kind::Inaccurate)] {
+        for (share, gain, expected) in [(1.5, 9.0, Kind::Accepted), (1.7, 3.4, Kind::Inaccurate)] {
             let without_given_cameras = Some(Without { share, gain });
             let found = decide(&Findings { without_given_cameras, ..findings(&GOOD, &walk) });
             assert_eq!(found.kind, expected, "{share} {gain}");
