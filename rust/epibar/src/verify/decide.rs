@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::allowed_beyond::{is_flat, most_beyond, most_possible, most_turned};
 use super::evidence::Evidence;
 use super::findings::Findings;
-use super::given_cameras::Without;
+use super::given_cameras::contradict;
 use super::prose;
 use super::rivals::Rival;
 use super::thresholds::{
@@ -124,7 +124,7 @@ fn no_rival(f: &Findings) -> Option<Verdict> {
 }
 
 fn given_cameras_agree(f: &Findings) -> Option<Verdict> {
-    let without = f.without_given_cameras.filter(Without::contradicts)?;
+    let without = f.without_given_cameras.filter(contradict)?;
     Some(Verdict::new(Kind::Inaccurate, prose::contradicted(&without)))
 }
 
@@ -145,6 +145,7 @@ fn places(matches: &[TangentMatch], cell: f64) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use super::super::gains::Gain;
     use super::*;
     use crate::frontier::{Class, CommonFrame};
 
@@ -240,10 +241,10 @@ mod tests {
             assert!(found.reason.contains("No two cameras"), "{}", found.reason);
         }
         assert!(!reason(&GOOD).contains("No two cameras"));
-        for (share, gain, expected) in [(1.5, 9.0, Kind::Accepted), (1.7, 3.4, Kind::Inaccurate)] {
-            let without_given_cameras = Some(Without { share, gain });
+        for (share, deviate, expected) in [(1.5, 9.0, Kind::Accepted), (1.7, 3.4, Kind::Inaccurate)] {
+            let without_given_cameras = Some(Gain { share, deviate });
             let found = decide(&Findings { without_given_cameras, ..findings(&GOOD, &walk) });
-            assert_eq!(found.kind, expected, "{share} {gain}");
+            assert_eq!(found.kind, expected, "{share} {deviate}");
         }
         let shallow = Evidence { plane_residual: 1.5, ..GOOD };
         for (evidence, possible_beyond, expected) in [

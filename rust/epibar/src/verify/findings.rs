@@ -1,7 +1,7 @@
 //! What the tests of a geometry look at.
 
 use super::evidence::Evidence;
-use super::given_cameras::Without;
+use super::gains::Gain;
 use super::rivals::Rival;
 use crate::frontier::TangentMatch;
 
@@ -31,7 +31,7 @@ pub struct Findings<'a> {
     /// points in the middle.
     pub from_cameras: f64,
     /// What is explained without the camera matrices that were given; `None` where none were, or nothing stands out.
-    pub without_given_cameras: Option<Without>,
+    pub without_given_cameras: Option<Gain>,
     /// A larger expected error is refused, pixels.
     pub max_expected_error: f64,
 }

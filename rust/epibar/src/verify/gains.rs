@@ -1,7 +1,31 @@
 //! Is what one geometry explains more than another in each frame more than chance?
 
+use crate::frontier::symmetric::score_by_frame;
+use crate::frontier::{Views, symmetric_score};
+use crate::geometry::Fundamental;
+
 /// Blocks of frames that are compared: what one frame shows the next shows nearly so.
 pub(super) const BLOCKS: usize = 16;
+
+/// What one geometry explains beside another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain {
+    /// As a share of what the other explains.
+    pub share: f64,
+    /// By how many standard errors more, over blocks of frames; NaN of too few.
+    pub deviate: f64,
+}
+
+impl Gain {
+    /// Of `f` beside `other`, each at the radius that suits it.
+    pub(super) fn of(views: &Views, f: &Fundamental, other: &Fundamental) -> Self {
+        let by_frame = |f: &Fundamental| score_by_frame(views, f, symmetric_score(views, f).radius);
+        let (own, others) = (by_frame(f), by_frame(other));
+        let gains: Vec<f64> = own.iter().zip(&others).map(|(own, other)| own - other).collect();
+        let share = own.iter().sum::<f64>() / others.iter().sum::<f64>();
+        Self { share, deviate: deviate(&gains) }
+    }
+}
 
 /// Normal deviate of the mean of gains, by blocks of frames; NaN of too few.
 pub(super) fn deviate(gains: &[f64]) -> f64 {

@@ -3,43 +3,27 @@
 //! They are a prior, which exact outlines overrule. Where they hold a geometry that explains far less than the one that is refined without them, the two contradict each
 //! other: the matrices are not those of these cameras, or one camera's silhouettes lack the same part of everybody, which no camera matrices fit.
 
-use super::gains::deviate;
+use super::gains::Gain;
 use super::thresholds::{CONTRADICTED_GAIN, CONTRADICTED_SHARE, within};
-use crate::frontier::symmetric::score_by_frame;
-use crate::frontier::{Views, symmetric_score};
+use crate::frontier::Views;
 use crate::geometry::Fundamental;
 use crate::refine::polish;
 
 /// Frames that are looked at, at most.
 const FRAMES: usize = 400;
 
-/// What is explained without the matrices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Without {
-    /// As a share of what is explained with them.
-    pub share: f64,
-    /// By how many standard errors more, over blocks of frames.
-    pub gain: f64,
+/// Whether the matrices contradict what moves by what is explained without them; what is no number does.
+pub(super) fn contradict(without: &Gain) -> bool {
+    !within(without.share, CONTRADICTED_SHARE) && !within(without.deviate, CONTRADICTED_GAIN)
 }
 
-impl Without {
-    /// Whether the matrices contradict what moves; what is no number does.
-    pub fn contradicts(&self) -> bool {
-        !within(self.share, CONTRADICTED_SHARE) && !within(self.gain, CONTRADICTED_GAIN)
-    }
-}
-
-/// What `f`, which was found with the camera matrices of `views`, explains without them once it is refined; `None` where none were given.
-pub(super) fn without_given_cameras(views: &Views, f: &Fundamental) -> Option<Without> {
+/// What `f`, which was found with the camera matrices of `views`, explains once it is refined without them, beside what it does; `None` where none were given.
+pub(super) fn without_given_cameras(views: &Views, f: &Fundamental) -> Option<Gain> {
     views.cameras?;
     let step = views.frames().div_ceil(FRAMES).max(1);
     let part = views.chosen(&(0..views.frames()).step_by(step).collect::<Vec<_>>());
     let freed = polish(&part.clone().with_cameras(None), f);
-    let by_frame = |f: &Fundamental| score_by_frame(&part, f, symmetric_score(&part, f).radius);
-    let (held, freed) = (by_frame(f), by_frame(&freed));
-    let gains: Vec<f64> = held.iter().zip(&freed).map(|(held, freed)| freed - held).collect();
-    let share = freed.iter().sum::<f64>() / held.iter().sum::<f64>();
-    Some(Without { share, gain: deviate(&gains) })
+    Some(Gain::of(&part, &freed, f))
 }
 
 #[cfg(test)]
@@ -57,19 +41,19 @@ mod tests {
         let known = Matrix3::new(400.0, 0.0, 319.5, 0.0, 400.0, 239.5, 0.0, 0.0, 1.0);
         let views = views.with_cameras(Some(CameraMatrices::new(known, known).unwrap()));
         let agree = without_given_cameras(&views, &f).unwrap();
-        assert!(!agree.contradicts(), "{agree:?}");
+        assert!(!contradict(&agree), "{agree:?}");
         // Held three pixels away.
         let mut held = *f.matrix();
         held[(2, 2)] -= 3.0 * held[(2, 1)];
         let sizes = views.sizes();
         let held = Fundamental::from_matrix(&held, sizes[0], sizes[1]).unwrap();
-        let contradict = without_given_cameras(&views, &held).unwrap();
-        assert!(contradict.contradicts(), "{contradict:?}");
+        let without = without_given_cameras(&views, &held).unwrap();
+        assert!(contradict(&without), "{without:?}");
     }
 
     #[test]
     fn what_is_no_number_contradicts() {
-        let contradicts = |share, gain| Without { share, gain }.contradicts();
+        let contradicts = |share, deviate| contradict(&Gain { share, deviate });
         assert!(!contradicts(1.01, 9.0) && !contradicts(2.0, 1.0));
         assert!(contradicts(2.0, 6.0) && contradicts(f64::NAN, 6.0) && contradicts(f64::NAN, f64::NAN));
     }

@@ -3,11 +3,10 @@
 //! A camera that was turned a little at half time, or that sinks, leaves two geometries near each other, and what is found on all
 //! frames is neither: a compromise that explains both halves, and either less well than what is refined on it alone.
 
-use super::gains::{BLOCKS, deviate};
+use super::gains::{BLOCKS, Gain};
 use super::thresholds::{HALF_DIFFERS, HALF_SHARE, reaches, within};
-use crate::frontier::symmetric::score_by_frame;
+use crate::frontier::Views;
 use crate::frontier::volume::{Correspondence, disagreement, moving_correspondences};
-use crate::frontier::{Views, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::refine::polish;
 
@@ -53,12 +52,9 @@ fn of_half(views: &Views, frames: std::ops::Range<usize>, f: &Fundamental) -> Ha
     let step = frames.len().div_ceil(FRAMES);
     let part = views.chosen(&frames.step_by(step).collect::<Vec<_>>());
     let polished = polish(&part, f);
-    let by_frame = |f: &Fundamental| score_by_frame(&part, f, symmetric_score(&part, f).radius);
-    let (whole, own) = (by_frame(f), by_frame(&polished));
-    let share = whole.iter().sum::<f64>() / own.iter().sum::<f64>();
-    let gains: Vec<f64> = whole.iter().zip(&own).map(|(whole, own)| own - whole).collect();
+    let whole = Gain::of(&part, f, &polished);
     // What is no number asks for another.
-    let asks_for_another = !reaches(share, HALF_SHARE) && !within(deviate(&gains), HALF_DIFFERS);
+    let asks_for_another = !reaches(whole.share, HALF_SHARE) && !within(-whole.deviate, HALF_DIFFERS);
     Half { polished, asks_for_another }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::findings::Findings;
-use super::given_cameras::Without;
+use super::gains::Gain;
 use super::rivals::Rival;
 use super::thresholds::{CAMERAS_DOUBTED, MIN_Z, SOME_Z, reaches};
 
@@ -81,7 +81,7 @@ pub(super) fn no_cameras(f: &Findings) -> String {
     )
 }
 
-pub(super) fn contradicted(without: &Without) -> String {
+pub(super) fn contradicted(without: &Gain) -> String {
     format!(
         "The camera matrices that were given contradict what moves: without them {:.1} times as many outline points meet. Are they of these cameras, and of images of this \
          size? Or {LOOK_AT_THEM}",
