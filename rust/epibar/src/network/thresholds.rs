@@ -163,6 +163,9 @@ pub const DRIFT: f64 = 30.0;
 
 // --- has a camera moved? ---
 
+/// Standard deviation of offsets that new footage has, beside what scatters, as a share of the time between two frames: that of
+/// anything that is rounded to whole frames is 0.29.
+pub const OFFSET_OF_FRAMES: f64 = 0.3;
 /// A camera has moved where it now looks another way, or stands elsewhere, by so many times what is below nine times in ten.
 pub const MOVED: f64 = 2.0;
 /// A move after this share of the footage is one that was filmed: from the fourth of 48 parts on.

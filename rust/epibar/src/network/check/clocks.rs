@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
 use crate::network::observations::evenly::evenly;
+use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
 use crate::network::thresholds as limits;
 
@@ -53,6 +54,12 @@ pub fn later_by_poses(survey: &Survey, cameras: &[Camera]) -> Vec<f64> {
     let by_peaks = climbed(&curves, along_peaks(&curves, cameras.len()));
     let best = if total(&by_peaks) > total(&as_found) { by_peaks } else { as_found };
     best.into_iter().map(|steps| STEP * f64::from(steps)).collect()
+}
+
+/// By how many seconds offsets that were solved for are wrong though scatter does not say so: what is drawn between two frames meets
+/// less closely than what is in one, so that they are pulled to whole frames.
+pub fn offset_error(observed: &[Observed]) -> f64 {
+    limits::OFFSET_OF_FRAMES * observed.iter().map(|o| o.interval).fold(0.0, f64::max)
 }
 
 fn curve(survey: &Survey, cameras: &[Camera], a: usize, b: usize) -> Curve {

@@ -3,6 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
+use super::clocks::offset_error;
 use super::stretch::{PARTS, Stretch};
 use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
@@ -257,7 +258,8 @@ impl StretchCase<'_> {
             moving: self.alone(camera),
         };
         // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
-        covariance(&problem, &settled.cameras, &vec![0.0; settled.cameras.len()])
+        let scatter = covariance(&problem, &settled.cameras, &vec![0.0; settled.cameras.len()])?;
+        Some(scatter.with_offset_wrong(camera, offset_error(self.fitted.all.observed)))
     }
 
     /// Parts of the time in which a camera is compared with others: it may have filmed, or seen anything, for a part of theirs alone.

@@ -1,5 +1,6 @@
 //! Where cameras that moved stand now: all of them solved for at once, with those that did not move held.
 
+use super::clocks::offset_error;
 use super::one_camera::{Move, deviates, focal_error, freed, pose_error};
 use super::stretch::{FRAMES, PARTS};
 use super::which_moved::Judged;
@@ -88,7 +89,9 @@ impl<'a> Resolved<'a> {
         let outlines = outline_errors(&settled, Shapes::of(observed));
         let errors = |share: f64| {
             let outlines: Vec<f64> = outlines.iter().map(|error| share * error).collect();
-            covariance(&problem, &settled.cameras, &outlines)
+            let scatter = covariance(&problem, &settled.cameras, &outlines)?;
+            let offset = offset_error(observed);
+            Some((0..observed.len()).fold(scatter, |errors, c| errors.with_offset_wrong(c, offset)))
         };
         let errors = [errors(limits::OUTLINE_MOVED)?, errors(1.0)?];
         let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };

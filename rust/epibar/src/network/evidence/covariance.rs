@@ -174,6 +174,17 @@ impl Covariance {
         Self { off: DVector::from_iterator(self.active.len(), off), ..self }
     }
 
+    /// The same, with the offset of a camera's clock wrong by so many seconds more than scatters, and with it all that was solved for
+    /// beside it; as it is where the offset was not.
+    #[must_use]
+    pub fn with_offset_wrong(mut self, camera: usize, seconds: f64) -> Self {
+        let offset = self.active.iter().position(|p| *p == (camera, CLOCK));
+        let Some(at) = offset.filter(|&at| self.matrix[(at, at)] > 0.0) else { return self };
+        let along = self.matrix.column(at) * (seconds / self.matrix[(at, at)]);
+        self.matrix += &along * along.transpose();
+        self
+    }
+
     /// The block of some parameters, each of a camera; `None` where one was not solved for.
     pub fn of(&self, parameters: &[(usize, usize)]) -> Option<DMatrix<f64>> {
         let place = |at: &(usize, usize)| self.active.iter().position(|p| p == at);
@@ -244,5 +255,17 @@ mod tests {
         assert!((both.matrix[(0, 0)] - (0.75 + 0.25 * (4.0 + 4.0))).abs() < 1e-12, "{}", both.matrix);
         assert!((both.off[0] - 0.5).abs() < 1e-12);
         assert!(Covariance::of_several(vec![]).is_none());
+    }
+
+    #[test]
+    fn what_goes_with_an_offset_is_wrong_along_with_it() {
+        let with_offset = Covariance {
+            active: vec![(1, 7), (1, CLOCK)],
+            matrix: DMatrix::from_row_slice(2, 2, &[5.0, 2.0, 2.0, 4.0]),
+            off: DVector::zeros(2),
+        };
+        let wrong = with_offset.clone().with_offset_wrong(1, 3.0).matrix;
+        assert_eq!(wrong, DMatrix::from_row_slice(2, 2, &[7.25, 6.5, 6.5, 13.0]));
+        assert_eq!(with_offset.clone().with_offset_wrong(0, 3.0).matrix, with_offset.matrix);
     }
 }
