@@ -20,8 +20,8 @@ const HALF_WIDTH: f64 = 0.35;
 const DIRECTIONS: [usize; 2] = [16, 256];
 /// About so many lines share a table.
 const SHARED: usize = 32;
-/// Pixels that rounding may cost a distance, generously.
-const ROUNDING: f64 = 1e-6;
+/// Share of coordinates that rounding may cost a distance, generously.
+const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
 /// Hulls whose bits are one word.
 const WORD: usize = 64;
 
@@ -29,10 +29,10 @@ const WORD: usize = 64;
 #[derive(Default)]
 pub(super) struct Hulls {
     frame: Vec<u32>,
-    /// Mean of the vertices.
-    x: Vec<f64>,
-    y: Vec<f64>,
-    /// Largest distance of a vertex from it.
+    /// Its centre: the mean of the vertices, rounded.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    /// Largest distance of a vertex from the centre.
     radius: Vec<f64>,
     /// For each hull its first vertex, and the number of vertices as the last entry.
     start: Vec<u32>,
@@ -54,10 +54,11 @@ impl Hulls {
 
     fn push(&mut self, frame: u32, hull: &[[u16; 2]]) {
         let n = hull.len().max(1) as f64;
-        let x = hull.iter().map(|p| f64::from(p[0])).sum::<f64>() / n;
-        let y = hull.iter().map(|p| f64::from(p[1])).sum::<f64>() / n;
-        let radius =
-            hull.iter().map(|p| (f64::from(p[0]) - x).hypot(f64::from(p[1]) - y)).fold(0.0, f64::max);
+        let mean = |k: usize| (hull.iter().map(|p| f64::from(p[k])).sum::<f64>() / n) as f32;
+        let (x, y) = (mean(0), mean(1));
+        let from_centre =
+            |p: &[u16; 2]| (f64::from(p[0]) - f64::from(x)).hypot(f64::from(p[1]) - f64::from(y));
+        let radius = hull.iter().map(from_centre).fold(0.0, f64::max);
         self.frame.push(frame);
         self.x.push(x);
         self.y.push(y);
@@ -88,11 +89,12 @@ impl Hulls {
     }
 }
 
-/// How far the centre of each hull may be from a line of about one direction: within the inner bounds the hull is met,
-/// outside the outer ones it is missed.
+/// How far the centre of each hull may be from a line of about one direction: within the inner bound of a middle distance the hull is
+/// met, outside the outer one it is missed.
 struct Reach {
-    outer: [Vec<f64>; 2],
-    inner: [Vec<f64>; 2],
+    middle: Vec<f32>,
+    inner: Vec<f32>,
+    outer: Vec<f32>,
 }
 
 impl Reach {
@@ -100,20 +102,20 @@ impl Reach {
     fn new(hulls: &Hulls, direction: usize, directions: usize) -> Self {
         let step = TAU / directions as f64;
         let (sin, cos) = (step * direction as f64).sin_cos();
-        let mut reach = Self { outer: [const { Vec::new() }; 2], inner: [const { Vec::new() }; 2] };
+        let mut reach = Self { middle: Vec::new(), inner: Vec::new(), outer: Vec::new() };
         for hull in 0..hulls.frame.len() {
-            let (x, y) = (hulls.x[hull], hulls.y[hull]);
+            let (x, y, radius) = (f64::from(hulls.x[hull]), f64::from(hulls.y[hull]), hulls.radius[hull]);
             let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
             for (vx, vy) in hulls.vertices(hull) {
                 let along = cos * (vx - x) + sin * (vy - y);
                 (least, most) = (least.min(along), most.max(along));
             }
-            // What half a step, and the rounding of directions to steps, may change.
-            let slack = hulls.radius[hull] * 0.501 * step + ROUNDING;
-            reach.outer[0].push(-HALF_WIDTH - most - slack);
-            reach.outer[1].push(HALF_WIDTH - least + slack);
-            reach.inner[0].push(-HALF_WIDTH - most + slack);
-            reach.inner[1].push(HALF_WIDTH - least - slack);
+            let half = HALF_WIDTH + 0.5 * (most - least);
+            // What half a step, and the rounding of directions to steps, may change; and that of numbers.
+            let slack = radius * 0.501 * step + ROUNDING * (x + y + radius + 1.0);
+            reach.middle.push((-0.5 * (least + most)) as f32);
+            reach.inner.push((half - slack) as f32);
+            reach.outer.push((half + slack) as f32);
         }
         reach
     }
@@ -136,29 +138,36 @@ impl WithSimd for BarcodePass<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) {
-        let Self { hulls, reach, line, row } = self;
-        let n = hulls.frame.len();
-        let (x, y) = (&hulls.x[..n], &hulls.y[..n]);
-        let [[outer_low, outer_high], [inner_low, inner_high]] =
-            [&reach.outer, &reach.inner].map(|bounds| [&bounds[0][..n], &bounds[1][..n]]);
-        let mut near = [0u8; WORD];
-        let mut sure = [0u8; WORD];
-        for first in (0..n).step_by(WORD) {
-            let last = n.min(first + WORD);
-            for (k, i) in (first..last).enumerate() {
-                let distance = line.signed_distance(x[i], y[i]);
-                near[k] = u8::from(distance >= outer_low[i]) & u8::from(distance <= outer_high[i]);
-                sure[k] = u8::from(distance >= inner_low[i]) & u8::from(distance <= inner_high[i]);
-            }
-            near[last - first..].fill(0);
-            let sure = word_of(&sure);
-            for k in ones_of(word_of(&near)) {
-                let i = first + k;
-                let met = sure >> k & 1 == 1 || meets(hulls, i, line);
-                let frame = hulls.frame[i] as usize;
-                row[frame / 64] |= u64::from(met) << (frame % 64);
-            }
+    fn with_simd<S: Simd>(mut self, _simd: S) {
+        let n = self.hulls.frame.len();
+        let Reach { middle, inner, outer } = self.reach;
+        let chunks = [&self.hulls.x, &self.hulls.y, middle, inner, outer].map(|v| v.as_chunks::<WORD>());
+        for k in 0..n / WORD {
+            self.word(k * WORD, chunks.map(|(whole, _)| &whole[k]));
+        }
+        // What is no number is met by nothing.
+        let mut padded = [[f32::NAN; WORD]; 5];
+        padded.iter_mut().zip(&chunks).for_each(|(to, (_, rest))| to[..rest.len()].copy_from_slice(rest));
+        self.word(n - n % WORD, padded.each_ref());
+    }
+}
+
+impl BarcodePass<'_> {
+    /// The hulls from one on.
+    #[inline(always)]
+    fn word(&mut self, first: usize, [x, y, middle, inner, outer]: [&[f32; WORD]; 5]) {
+        let [a, b, c] = [self.line.a, self.line.b, self.line.c].map(|v| v as f32);
+        let (mut near, mut sure) = ([0u8; WORD], [0u8; WORD]);
+        for k in 0..WORD {
+            let off = (a * x[k] + b * y[k] + c - middle[k]).abs();
+            near[k] = u8::from(off <= outer[k]);
+            sure[k] = u8::from(off <= inner[k]);
+        }
+        let sure = word_of(&sure);
+        for k in ones_of(word_of(&near)) {
+            let met = sure >> k & 1 == 1 || meets(self.hulls, first + k, self.line);
+            let frame = self.hulls.frame[first + k] as usize;
+            self.row[frame / 64] |= u64::from(met) << (frame % 64);
         }
     }
 }
@@ -275,8 +284,9 @@ mod tests {
                     let meets = distances().any(|d| d <= HALF_WIDTH) && distances().any(|d| d >= -HALF_WIDTH);
                     let frame = hulls.frame[hull] as usize;
                     row[frame / 64] |= u64::from(meets) << (frame % 64);
-                    let centre = line.signed_distance(hulls.x[hull], hulls.y[hull]);
-                    let within = |[low, high]: &[Vec<f64>; 2]| (low[hull]..=high[hull]).contains(&centre);
+                    let centre = line.signed_distance(f64::from(hulls.x[hull]), f64::from(hulls.y[hull]));
+                    let off = (centre - f64::from(reach.middle[hull])).abs();
+                    let within = |bound: &[f32]| off <= f64::from(bound[hull]);
                     assert!(!within(&reach.inner) || meets, "the inner bound");
                     assert!(within(&reach.outer) || !meets, "the outer bound");
                     met += usize::from(meets);

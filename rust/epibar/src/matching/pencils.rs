@@ -14,7 +14,7 @@ use crate::random::Stream;
 use crate::recording::{Barcodes, FramePair, Recording};
 
 /// Directions of lines that share a table of how far hulls reach. Thousands of pencils share them all.
-const DIRECTIONS: usize = 32;
+const DIRECTIONS: usize = 128;
 
 /// Silhouettes of two cameras at some common frames, and places where something moved.
 pub struct Pencils {
