@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
+use crate::network::model::joint::Beliefs;
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
@@ -56,10 +57,11 @@ pub fn later_by_poses(survey: &Survey, cameras: &[Camera]) -> Vec<f64> {
     best.into_iter().map(|steps| STEP * f64::from(steps)).collect()
 }
 
-/// By how many seconds offsets that were solved for are wrong though scatter does not say so: what is drawn between two frames meets
-/// less closely than what is in one, so that they are pulled to whole frames.
-pub fn offset_error(observed: &[Observed]) -> f64 {
-    limits::OFFSET_OF_FRAMES * observed.iter().map(|o| o.interval).fold(0.0, f64::max)
+/// By how many seconds an offset that was solved for is wrong though scatter does not say so: what is drawn between two frames meets
+/// less closely than what is in one, so that it is pulled to whole frames; by no more than it is known before.
+pub fn offset_error(observed: &[Observed], beliefs: &Beliefs) -> f64 {
+    let frame = observed.iter().map(|o| o.interval).fold(0.0, f64::max);
+    (limits::OFFSET_OF_FRAMES * frame).min(beliefs.clock[0].deviation)
 }
 
 fn curve(survey: &Survey, cameras: &[Camera], a: usize, b: usize) -> Curve {

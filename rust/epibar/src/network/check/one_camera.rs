@@ -259,7 +259,7 @@ impl StretchCase<'_> {
         };
         // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
         let scatter = covariance(&problem, &settled.cameras, &vec![0.0; settled.cameras.len()])?;
-        Some(scatter.with_offset_wrong(camera, offset_error(self.fitted.all.observed)))
+        Some(scatter.with_offset_wrong(camera, offset_error(self.fitted.all.observed, &beliefs[camera])))
     }
 
     /// Parts of the time in which a camera is compared with others: it may have filmed, or seen anything, for a part of theirs alone.

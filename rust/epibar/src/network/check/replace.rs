@@ -90,8 +90,8 @@ impl<'a> Resolved<'a> {
         let errors = |share: f64| {
             let outlines: Vec<f64> = outlines.iter().map(|error| share * error).collect();
             let scatter = covariance(&problem, &settled.cameras, &outlines)?;
-            let offset = offset_error(observed);
-            Some((0..observed.len()).fold(scatter, |errors, c| errors.with_offset_wrong(c, offset)))
+            let offset = |c: usize| offset_error(observed, &beliefs[c]);
+            Some((0..observed.len()).fold(scatter, |errors, c| errors.with_offset_wrong(c, offset(c))))
         };
         let errors = [errors(limits::OUTLINE_MOVED)?, errors(1.0)?];
         let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };
