@@ -139,7 +139,8 @@ pub fn normal_deviate(t: f64, freedom: f64) -> f64 {
 impl ShiftCurve {
     /// The curve of these frames and of others of the same recording, tested at the same shifts.
     pub fn with(mut self, other: &Self) -> Self {
-        debug_assert!(self.scores.iter().map(|s| s.shift).eq(other.scores.iter().map(|s| s.shift)));
+        // Which shifts there are is of the recording's frames and of how long motion stays, so no input makes them differ.
+        assert!(self.scores.iter().map(|s| s.shift).eq(other.scores.iter().map(|s| s.shift)));
         self.scores.iter_mut().zip(&other.scores).for_each(|(sum, part)| sum.score += part.score);
         self.elsewhere.truncate(other.elsewhere.len());
         for (sums, parts) in self.elsewhere.iter_mut().zip(&other.elsewhere) {

@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use crate::network::evidence::covariance::Covariance;
 use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::Beliefs;
@@ -57,11 +58,12 @@ pub fn later_by_poses(survey: &Survey, cameras: &[Camera]) -> Vec<f64> {
     best.into_iter().map(|steps| STEP * f64::from(steps)).collect()
 }
 
-/// By how many seconds an offset that was solved for is wrong though scatter does not say so: what is drawn between two frames meets
-/// less closely than what is in one, so that it is pulled to whole frames; by no more than it is known before.
-pub fn offset_error(observed: &[Observed], beliefs: &Beliefs) -> f64 {
+/// Errors of cameras with those of the offsets that were solved for beside them, which scatter does not tell: what is drawn between two
+/// frames meets less closely than what is in one, so that offsets are pulled to whole frames; by no more than they are known before.
+pub fn with_offsets_wrong(scatter: Covariance, observed: &[Observed], beliefs: &[Beliefs]) -> Covariance {
     let frame = observed.iter().map(|o| o.interval).fold(0.0, f64::max);
-    (limits::OFFSET_OF_FRAMES * frame).min(beliefs.clock[0].deviation)
+    let wrong = |known: &Beliefs| known.clock[0].deviation.min(limits::OFFSET_OF_FRAMES * frame);
+    beliefs.iter().enumerate().fold(scatter, |errors, (c, known)| errors.with_offset_wrong(c, wrong(known)))
 }
 
 fn curve(survey: &Survey, cameras: &[Camera], a: usize, b: usize) -> Curve {

@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
-use super::clocks::offset_error;
+use super::clocks::with_offsets_wrong;
 use super::stretch::{PARTS, Stretch};
 use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
@@ -259,7 +259,7 @@ impl StretchCase<'_> {
         };
         // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
         let scatter = covariance(&problem, &settled.cameras, &vec![0.0; settled.cameras.len()])?;
-        Some(scatter.with_offset_wrong(camera, offset_error(self.fitted.all.observed, &beliefs[camera])))
+        Some(with_offsets_wrong(scatter, self.fitted.all.observed, beliefs))
     }
 
     /// Parts of the time in which a camera is compared with others: it may have filmed, or seen anything, for a part of theirs alone.
@@ -329,6 +329,6 @@ pub fn pose_error(found: &Covariance, camera: usize, from: usize) -> Option<f64>
 
 /// Nine in ten errors of a change of the log of the focal length are below this; the stored one is about as uncertain.
 pub fn focal_error(found: &Covariance, camera: usize) -> Option<f64> {
-    let at = found.active.iter().position(|p| *p == (camera, FOCAL))?;
+    let at = found.row(camera, FOCAL)?;
     Some(NINE_IN_TEN * (2.0 * found.matrix[(at, at)].max(0.0)).sqrt())
 }

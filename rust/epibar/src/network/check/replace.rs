@@ -1,6 +1,6 @@
 //! Where cameras that moved stand now: all of them solved for at once, with those that did not move held.
 
-use super::clocks::offset_error;
+use super::clocks::with_offsets_wrong;
 use super::one_camera::{Move, deviates, focal_error, freed, pose_error};
 use super::stretch::{FRAMES, PARTS};
 use super::which_moved::Judged;
@@ -90,8 +90,7 @@ impl<'a> Resolved<'a> {
         let errors = |share: f64| {
             let outlines: Vec<f64> = outlines.iter().map(|error| share * error).collect();
             let scatter = covariance(&problem, &settled.cameras, &outlines)?;
-            let offset = |c: usize| offset_error(observed, &beliefs[c]);
-            Some((0..observed.len()).fold(scatter, |errors, c| errors.with_offset_wrong(c, offset(c))))
+            Some(with_offsets_wrong(scatter, observed, &beliefs))
         };
         let errors = [errors(limits::OUTLINE_MOVED)?, errors(1.0)?];
         let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };
@@ -175,7 +174,7 @@ fn measure(found: &mut Move, at: &Camera, stored: &Camera, errors: &Covariance, 
 /// Errors to expect of what was solved for, with all that did not move where it stands; 0 of what was not.
 fn expected(found: &Move, errors: &Covariance, camera: usize) -> Expected {
     let block = |from: usize| errors.block(camera, from).unwrap_or_default();
-    let at = errors.active.iter().position(|p| *p == (camera, FOCAL)).filter(|_| found.zoomed);
+    let at = errors.row(camera, FOCAL).filter(|_| found.zoomed);
     let focal = |p: usize| NINE_IN_TEN * errors.matrix[(p, p)].max(0.0).sqrt();
     // What is said of the change is of two focal lengths that are about as well known.
     let of_change = found.focal_error / std::f64::consts::SQRT_2;

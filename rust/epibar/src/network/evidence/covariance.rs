@@ -156,8 +156,7 @@ impl Covariance {
     /// The same among other parameters, which are known.
     #[must_use]
     pub fn among(&self, active: &[(usize, usize)]) -> Self {
-        let place: Vec<Option<usize>> =
-            active.iter().map(|at| self.active.iter().position(|p| p == at)).collect();
+        let place: Vec<Option<usize>> = active.iter().map(|&(c, k)| self.row(c, k)).collect();
         let n = active.len();
         let matrix = DMatrix::from_fn(n, n, |i, j| match (place[i], place[j]) {
             (Some(p), Some(q)) => self.matrix[(p, q)],
@@ -178,7 +177,7 @@ impl Covariance {
     /// beside it; as it is where the offset was not.
     #[must_use]
     pub fn with_offset_wrong(mut self, camera: usize, seconds: f64) -> Self {
-        let offset = self.active.iter().position(|p| *p == (camera, CLOCK));
+        let offset = self.row(camera, CLOCK);
         let Some(at) = offset.filter(|&at| self.matrix[(at, at)] > 0.0) else { return self };
         let along = self.matrix.column(at) * (seconds / self.matrix[(at, at)]);
         self.matrix += &along * along.transpose();
@@ -187,8 +186,7 @@ impl Covariance {
 
     /// The block of some parameters, each of a camera; `None` where one was not solved for.
     pub fn of(&self, parameters: &[(usize, usize)]) -> Option<DMatrix<f64>> {
-        let place = |at: &(usize, usize)| self.active.iter().position(|p| p == at);
-        let at: Vec<usize> = parameters.iter().map(place).collect::<Option<_>>()?;
+        let at: Vec<usize> = parameters.iter().map(|&(c, k)| self.row(c, k)).collect::<Option<_>>()?;
         Some(DMatrix::from_fn(at.len(), at.len(), |i, j| self.matrix[(at[i], at[j])]))
     }
 
@@ -200,8 +198,12 @@ impl Covariance {
 
     /// The standard deviation of a parameter of a camera; 0 where it was not solved for.
     pub fn deviation(&self, camera: usize, parameter: usize) -> f64 {
-        let at = self.active.iter().position(|p| *p == (camera, parameter));
-        at.map_or(0.0, |p| self.matrix[(p, p)].max(0.0).sqrt())
+        self.row(camera, parameter).map_or(0.0, |p| self.matrix[(p, p)].max(0.0).sqrt())
+    }
+
+    /// The row of a parameter of a camera; `None` where it was not solved for.
+    pub fn row(&self, camera: usize, parameter: usize) -> Option<usize> {
+        self.active.iter().position(|p| *p == (camera, parameter))
     }
 }
 
