@@ -74,3 +74,6 @@ def test_cameras_that_stand_are_not_said_to_have_moved(later: dict[str, float], 
     films = {name: filmed(camera, later[name], seed) for name, camera in CAMERAS.items()}
     check = stored().check(films)
     assert check.ok, check.reason
+    # The clock of the first camera is known no better than theirs, which are told by it.
+    first, *others = (check.cameras[name].shifted_error for name in CAMERAS)
+    assert first > 0.5 * min(others), (first, others)

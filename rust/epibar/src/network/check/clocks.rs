@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::network::evidence::covariance::Covariance;
 use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::Beliefs;
+use crate::network::model::joint::{Belief, Beliefs};
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
@@ -56,6 +56,14 @@ pub fn later_by_poses(survey: &Survey, cameras: &[Camera]) -> Vec<f64> {
     let by_peaks = climbed(&curves, along_peaks(&curves, cameras.len()));
     let best = if total(&by_peaks) > total(&as_found) { by_peaks } else { as_found };
     best.into_iter().map(|steps| STEP * f64::from(steps)).collect()
+}
+
+/// What is believed of a camera that is solved for beside others that are held: their clocks are held too, so that the first one's is no
+/// better known against them than any other's.
+pub fn beside_held(beliefs: &[Beliefs], camera: usize) -> Beliefs {
+    let own = beliefs[camera];
+    let as_any = |k: usize| beliefs.iter().map(|b| b.clock[k].deviation).fold(0.0, f64::max);
+    Beliefs { clock: [0, 1].map(|k| Belief::about(own.clock[k].mean, as_any(k))), ..own }
 }
 
 /// Errors of cameras with those of the offsets that were solved for beside them, which scatter does not tell: what is drawn between two
@@ -134,6 +142,21 @@ mod tests {
         let curves =
             [curve(0, 1, &[(5, 9.0)]), curve(0, 2, &[(30, 8.0), (-20, 7.0)]), curve(1, 2, &[(-25, 6.0)])];
         assert_eq!(climbed(&curves, along_peaks(&curves, 3)), [0, 5, -20]);
+    }
+
+    #[test]
+    fn beside_held_cameras_every_clock_is_known_as_well() {
+        let about = |offset, drift| Beliefs {
+            intrinsic: [Belief::fixed(0.0); 7],
+            clock: [Belief::about(1.0, offset), Belief::about(0.0, drift)],
+            centred: false,
+            inset: Belief::fixed(0.0),
+            posed: true,
+        };
+        let found = [about(0.0, 0.0), about(0.1, 30.0), about(0.1, 30.0)];
+        assert_eq!([0, 1].map(|c| beside_held(&found, c)), [found[1]; 2]);
+        let given = [about(0.0, 0.0); 2];
+        assert_eq!([0, 1].map(|c| beside_held(&given, c)), given);
     }
 
     #[test]

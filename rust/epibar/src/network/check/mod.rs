@@ -150,7 +150,7 @@ pub(super) fn by_new_clocks(
         return found;
     }
     let mut beliefs = found.1.clone();
-    for (belief, later) in beliefs.iter_mut().zip(&later) {
+    for (belief, later) in beliefs.iter_mut().zip(&later).skip(1) {
         belief.clock[0] = Belief::about(belief.clock[0].mean + later, limits::CLOCK_FOUND);
     }
     let moved: Vec<Camera> =

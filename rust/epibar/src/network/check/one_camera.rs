@@ -3,7 +3,7 @@
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
-use super::clocks::with_offsets_wrong;
+use super::clocks::{beside_held, with_offsets_wrong};
 use super::stretch::{PARTS, Stretch};
 use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
@@ -159,7 +159,7 @@ impl StretchCase<'_> {
     /// What is believed of all cameras where the pose of one is free.
     pub fn beliefs_free(&self, camera: usize) -> Vec<Beliefs> {
         let mut beliefs = self.beliefs.to_vec();
-        beliefs[camera].posed = false;
+        beliefs[camera] = Beliefs { posed: false, ..beside_held(self.beliefs, camera) };
         beliefs
     }
 

@@ -1,6 +1,6 @@
 //! Where cameras that moved stand now: all of them solved for at once, with those that did not move held.
 
-use super::clocks::with_offsets_wrong;
+use super::clocks::{beside_held, with_offsets_wrong};
 use super::one_camera::{Move, deviates, focal_error, freed, pose_error};
 use super::stretch::{FRAMES, PARTS};
 use super::which_moved::Judged;
@@ -74,7 +74,10 @@ impl<'a> Resolved<'a> {
         let since = last_move(moved, found);
         let survey = Survey::among(observed, FRAMES, |c, seconds| now.cameras[c].time_of(seconds) >= since);
         let beliefs: Vec<Beliefs> = (0..moved.len())
-            .map(|c| found[c].filter(|_| moved[c]).map_or(beliefs[c], |m| solved_for(&m, &beliefs[c])))
+            .map(|c| match found[c].filter(|_| moved[c]) {
+                Some(found) => solved_for(&found, &beside_held(beliefs, c)),
+                None => beliefs[c],
+            })
             .collect();
         let pairs: Vec<(usize, usize)> =
             now.pairs().into_iter().filter(|&(a, b)| moved[a] || moved[b]).collect();

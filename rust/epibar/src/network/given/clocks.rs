@@ -63,10 +63,10 @@ impl Offsets {
         (-length(of_a.times())..=length(of_b.times())).contains(&between)
     }
 
-    /// What is believed of the offset and the drift of a camera's clock.
+    /// What is believed of the offset and the drift of a camera's clock; the first one's is the network's, and has no error.
     pub(in crate::network) fn beliefs(&self, camera: usize) -> [Belief; 2] {
         let seconds = self.seconds[camera];
-        let [offset, drift] = if self.given {
+        let [offset, drift] = if self.given || camera == 0 {
             [0.0; 2]
         } else {
             [if self.together { limits::CLOCK_TOGETHER } else { limits::CLOCK_FOUND }, limits::DRIFT]

@@ -41,7 +41,7 @@ impl Belief {
 pub struct Beliefs {
     /// Of the camera by itself.
     pub intrinsic: [Belief; INTRINSIC],
-    /// Of the clock: offset, seconds, and drift, ppm. That of the first camera is the network's.
+    /// Of the clock: offset, seconds, and drift, ppm. That of the first camera is the network's, and fixed where all are solved for.
     pub clock: [Belief; 2],
     /// The principal point is near the middle, as those of the other cameras are, and nothing else is known of it.
     pub centred: bool,
@@ -117,7 +117,7 @@ type Local = SMatrix<f64, { 2 * PARAMETERS }, { 2 * PARAMETERS }>;
 const LOST: f64 = 10.0;
 
 impl JointProblem<'_> {
-    /// Which parameters are solved for, as (camera, parameter); the first camera's clock is the network's.
+    /// Which parameters are solved for, as (camera, parameter).
     pub fn active(&self) -> Vec<(usize, usize)> {
         let mut active = Vec::new();
         for (camera, beliefs) in self.beliefs.iter().enumerate() {
@@ -136,7 +136,7 @@ impl JointProblem<'_> {
                 active.push((camera, INSET));
             }
             for (k, belief) in beliefs.clock.iter().enumerate() {
-                if belief.deviation > 0.0 && camera > 0 {
+                if belief.deviation > 0.0 {
                     active.push((camera, CLOCK + k));
                 }
             }
