@@ -262,14 +262,19 @@ mod tests {
                 .collect();
             hulls.push(hull * frames as u32 / 3000, &vertices);
         }
-        // Every other one along rows, columns and diagonals of pixels, where vertices lie on lines.
-        let lines: Vec<Line> = (0..800)
+        // Every other one along rows, columns and diagonals of pixels, where vertices lie on lines; then as many whose rim passes a vertex by a
+        // hair, on either side.
+        let lines: Vec<Line> = (0..1600)
             .filter_map(|k| {
                 let angle = random.random::<f64>() * TAU;
                 let angle = if k % 2 == 0 { angle } else { (angle * 8.0 / TAU).round() * TAU / 8.0 };
-                let at = [random.random_range(0..600), random.random_range(0..400)].map(f64::from);
+                let hull = random.random_range(0..hulls.frame.len());
+                let of_hull = hulls.vertices(hull).next().map(|(x, y)| [x, y]);
+                let anywhere = [random.random_range(0..600), random.random_range(0..400)].map(f64::from);
+                let at = of_hull.filter(|_| k >= 800).unwrap_or(anywhere);
+                let rim = [-1.0, 1.0][k / 2 % 2] * HALF_WIDTH + [-1e-6, 1e-6][k / 4 % 2];
                 let (b, a) = angle.sin_cos();
-                let c = -(a * at[0] + b * at[1]);
+                let c = -(a * at[0] + b * at[1]) + if k < 800 { 0.0 } else { rim };
                 Line::from_homogeneous(&Homogeneous::new(a, b, c))
             })
             .collect();

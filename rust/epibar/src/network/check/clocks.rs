@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::network::evidence::covariance::Covariance;
 use crate::network::given::pair_choice::all_pairs;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Belief, Beliefs};
+use crate::network::model::joint::{Belief, Beliefs, JointProblem};
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
@@ -66,12 +66,37 @@ pub fn beside_held(beliefs: &[Beliefs], camera: usize) -> Beliefs {
     Beliefs { clock: [0, 1].map(|k| Belief::about(own.clock[k].mean, as_any(k))), ..own }
 }
 
+/// What is believed of cameras where all but one are solved for: a clock of theirs is held, for without the first one's, which is the
+/// network's, all would follow what was believed of them before.
+pub fn anchored(beliefs: &[Beliefs], cameras: &[Camera], left_out: usize) -> Vec<Beliefs> {
+    let mut beliefs = beliefs.to_vec();
+    if left_out == 0 {
+        beliefs[1].clock = [cameras[1].offset, cameras[1].drift].map(Belief::fixed);
+    }
+    beliefs
+}
+
 /// Errors of cameras with those of the offsets that were solved for beside them, which scatter does not tell: what is drawn between two
-/// frames meets less closely than what is in one, so that offsets are pulled to whole frames; by no more than they are known before.
-pub fn with_offsets_wrong(scatter: Covariance, observed: &[Observed], beliefs: &[Beliefs]) -> Covariance {
-    let frame = observed.iter().map(|o| o.interval).fold(0.0, f64::max);
-    let wrong = |known: &Beliefs| known.clock[0].deviation.min(limits::OFFSET_OF_FRAMES * frame);
-    beliefs.iter().enumerate().fold(scatter, |errors, (c, known)| errors.with_offset_wrong(c, wrong(known)))
+/// frames meets less closely than what is in one, which pulls offsets to whole frames, the nearer the less else tells of them where the
+/// cameras follow; by no more than they are known before.
+pub fn with_offsets_wrong(
+    scatter: Covariance,
+    problem: &JointProblem,
+    cameras: &[Camera],
+    observed: &[Observed],
+) -> Option<Covariance> {
+    let normal = problem.linear(cameras, &scatter.active).normal;
+    scatter.with_offsets_wrong(&normal, |c, left| {
+        let pulled = limits::PULLED_TO_FRAMES / (limits::PULLED_TO_FRAMES + left.max(0.0));
+        let frames = limits::OFFSET_OF_FRAMES * pulled * frame_between(observed, c);
+        problem.beliefs[c].clock[0].deviation.min(frames)
+    })
+}
+
+/// Seconds between frames among which the offset of a camera is found: of its own, or of the others where the least of these is longer.
+fn frame_between(observed: &[Observed], camera: usize) -> f64 {
+    let others = observed.iter().enumerate().filter(|(c, _)| *c != camera).map(|(_, o)| o.interval);
+    observed[camera].interval.max(others.fold(f64::INFINITY, f64::min))
 }
 
 fn curve(survey: &Survey, cameras: &[Camera], a: usize, b: usize) -> Curve {
@@ -131,6 +156,7 @@ fn climbed(curves: &[Curve], mut steps: Vec<i32>) -> Vec<i32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::ImageSize;
 
     fn curve(a: usize, b: usize, peaks: &[(i32, f64)]) -> Curve {
         let at = |step: i32| peaks.iter().filter(|(at, _)| *at == step).map(|(_, height)| height).sum();
@@ -144,15 +170,29 @@ mod tests {
         assert_eq!(climbed(&curves, along_peaks(&curves, 3)), [0, 5, -20]);
     }
 
-    #[test]
-    fn beside_held_cameras_every_clock_is_known_as_well() {
-        let about = |offset, drift| Beliefs {
+    fn about(offset: f64, drift: f64) -> Beliefs {
+        Beliefs {
             intrinsic: [Belief::fixed(0.0); 7],
             clock: [Belief::about(1.0, offset), Belief::about(0.0, drift)],
             centred: false,
             inset: Belief::fixed(0.0),
             posed: true,
-        };
+        }
+    }
+
+    #[test]
+    fn without_the_first_camera_the_clock_of_another_is_held() {
+        let found = [about(0.0, 0.0), about(0.1, 30.0), about(0.1, 30.0)];
+        let at = |offset| Camera { offset, ..Camera::new(ImageSize::new(640, 480).unwrap(), 500.0) };
+        let cameras = [0.0, 1.25, 2.5].map(at);
+        let held = anchored(&found, &cameras, 0);
+        assert_eq!([held[1].clock[0], held[1].clock[1]], [1.25, 0.0].map(Belief::fixed));
+        assert_eq!([held[0], held[2]], [found[0], found[2]]);
+        assert_eq!(anchored(&found, &cameras, 1), found);
+    }
+
+    #[test]
+    fn beside_held_cameras_every_clock_is_known_as_well() {
         let found = [about(0.0, 0.0), about(0.1, 30.0), about(0.1, 30.0)];
         assert_eq!([0, 1].map(|c| beside_held(&found, c)), [found[1]; 2]);
         let given = [about(0.0, 0.0); 2];

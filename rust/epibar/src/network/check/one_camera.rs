@@ -259,7 +259,7 @@ impl StretchCase<'_> {
         };
         // What outlines are wrong by was the same when the network was calibrated, so it does not move a camera.
         let scatter = covariance(&problem, &settled.cameras, &vec![0.0; settled.cameras.len()])?;
-        Some(with_offsets_wrong(scatter, self.fitted.all.observed, beliefs))
+        with_offsets_wrong(scatter, &problem, &settled.cameras, self.fitted.all.observed)
     }
 
     /// Parts of the time in which a camera is compared with others: it may have filmed, or seen anything, for a part of theirs alone.

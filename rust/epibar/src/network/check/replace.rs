@@ -93,7 +93,7 @@ impl<'a> Resolved<'a> {
         let errors = |share: f64| {
             let outlines: Vec<f64> = outlines.iter().map(|error| share * error).collect();
             let scatter = covariance(&problem, &settled.cameras, &outlines)?;
-            Some(with_offsets_wrong(scatter, observed, &beliefs))
+            with_offsets_wrong(scatter, &problem, &settled.cameras, observed)
         };
         let errors = [errors(limits::OUTLINE_MOVED)?, errors(1.0)?];
         let network = Placed { cameras: settled.cameras.clone(), placed: now.placed.clone() };

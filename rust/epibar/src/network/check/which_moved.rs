@@ -5,6 +5,7 @@
 //! its pair with that camera at the most, and spoils pairs that stand. Three cameras of which one moved along the line to another
 //! form a triangle of the same shape: then two explanations are equal, and either may be the true one.
 
+use super::clocks::anchored;
 use super::one_camera::{CLOSE, Move, Standing, StretchCase, deviates};
 use super::stretch::{PARTS, Stretch};
 use crate::error::Result;
@@ -184,7 +185,8 @@ impl Footage<'_> {
         let pairs: Vec<(usize, usize)> =
             network.pairs().into_iter().filter(|&(a, b)| a != camera && b != camera).collect();
         let others: Vec<bool> = (0..self.beliefs.len()).map(|c| c != camera).collect();
-        let settled = settle(&stretch.all, &network.cameras, self.beliefs, &pairs, &others, Some(CLOSE));
+        let beliefs = anchored(self.beliefs, &network.cameras, camera);
+        let settled = settle(&stretch.all, &network.cameras, &beliefs, &pairs, &others, Some(CLOSE));
         Placed { cameras: settled.cameras, placed: network.placed.clone() }
     }
 }

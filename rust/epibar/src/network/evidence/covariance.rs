@@ -173,15 +173,36 @@ impl Covariance {
         Self { off: DVector::from_iterator(self.active.len(), off), ..self }
     }
 
-    /// The same, with the offset of a camera's clock wrong by so many seconds more than scatters, and with it all that was solved for
-    /// beside it; as it is where the offset was not.
-    #[must_use]
-    pub fn with_offset_wrong(mut self, camera: usize, seconds: f64) -> Self {
-        let offset = self.row(camera, CLOCK);
-        let Some(at) = offset.filter(|&at| self.matrix[(at, at)] > 0.0) else { return self };
-        let along = self.matrix.column(at) * (seconds / self.matrix[(at, at)]);
+    /// The same, with the offset of each camera's clock that was solved for wrong by more than scatters, and with it what was solved for
+    /// beside it, as the normal matrix says; `None` where that is not usable.
+    ///
+    /// `wrong` gives seconds of a camera and of how much still tells of its offset where all else follows it, as a share of what does where
+    /// all else is known. Drifts are held: an offset is that at the network's time 0, and beside a drift would say nothing of the time of the
+    /// footage.
+    pub fn with_offsets_wrong(
+        mut self,
+        normal: &DMatrix<f64>,
+        wrong: impl Fn(usize, f64) -> f64,
+    ) -> Option<Self> {
+        let rows = |of: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            (0..self.active.len()).filter(|&i| of(self.active[i].1)).collect()
+        };
+        let (offsets, others) = (rows(&|k| k == CLOCK), rows(&|k| k != CLOCK && k != CLOCK + 1));
+        let between = |one: &[usize], other: &[usize]| {
+            DMatrix::from_fn(one.len(), other.len(), |i, j| normal[(one[i], other[j])])
+        };
+        let follow = -(Invertible::of(&between(&others, &others))?.inverse() * between(&others, &offsets));
+        let mut along = DMatrix::zeros(self.active.len(), offsets.len());
+        for (j, &offset) in offsets.iter().enumerate() {
+            let left = normal[(offset, offset)] + (between(&[offset], &others) * follow.column(j))[0];
+            let seconds = wrong(self.active[offset].0, left / normal[(offset, offset)]);
+            along[(offset, j)] = seconds;
+            for (i, &other) in others.iter().enumerate() {
+                along[(other, j)] = seconds * follow[(i, j)];
+            }
+        }
         self.matrix += &along * along.transpose();
-        self
+        self.matrix.iter().all(|v| v.is_finite()).then_some(self)
     }
 
     /// The block of some parameters, each of a camera; `None` where one was not solved for.
@@ -260,14 +281,24 @@ mod tests {
     }
 
     #[test]
-    fn what_goes_with_an_offset_is_wrong_along_with_it() {
-        let with_offset = Covariance {
-            active: vec![(1, 7), (1, CLOCK)],
-            matrix: DMatrix::from_row_slice(2, 2, &[5.0, 2.0, 2.0, 4.0]),
-            off: DVector::zeros(2),
+    fn what_follows_offsets_is_wrong_along_with_them() {
+        let active = vec![(0, 7), (1, 7), (0, CLOCK), (1, CLOCK), (1, CLOCK + 1)];
+        let scatter = Covariance { active, matrix: DMatrix::from_element(5, 5, 0.5), off: DVector::zeros(5) };
+        // Each of the two follows its own offset, one twice as far and the other half as far the other way, whatever drifts say.
+        let mut normal = DMatrix::from_diagonal(&DVector::from_column_slice(&[1.0, 2.0, 9.0, 9.0, 9.0]));
+        for (i, j, value) in [(0, 2, -2.0), (1, 3, 1.0), (1, 4, 3.0), (3, 4, 8.0)] {
+            (normal[(i, j)], normal[(j, i)]) = (value, value);
+        }
+        let left = [(9.0 - 4.0) / 9.0, (9.0 - 0.5) / 9.0];
+        let wrong = |camera: usize, share: f64| {
+            assert!((share - left[camera]).abs() < 1e-6, "{camera}: {share}");
+            [3.0, 2.0][camera]
         };
-        let wrong = with_offset.clone().with_offset_wrong(1, 3.0).matrix;
-        assert_eq!(wrong, DMatrix::from_row_slice(2, 2, &[7.25, 6.5, 6.5, 13.0]));
-        assert_eq!(with_offset.clone().with_offset_wrong(0, 3.0).matrix, with_offset.matrix);
+        let more = scatter.clone().with_offsets_wrong(&normal, wrong).unwrap().matrix - &scatter.matrix;
+        for (found, expected) in more.diagonal().iter().zip([36.0, 1.0, 9.0, 4.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-6, "{more}");
+        }
+        assert!((more[(0, 2)] - 18.0).abs() < 1e-6 && more[(0, 3)] == 0.0, "{more}");
+        assert!(scatter.clone().with_offsets_wrong(&normal, |_, _| f64::NAN).is_none());
     }
 }
