@@ -170,7 +170,11 @@ pub const OFFSET_OF_FRAMES: f64 = 0.3;
 /// people who walk one way, whose offsets are 0.1 to 0.6 frames off, and 0.93 to 0.99 of people who walk as they like, on development
 /// scenes.
 pub const PULLED_TO_FRAMES: f64 = 0.1;
-/// A camera has moved where it now looks another way, or stands elsewhere, by so many times what is below nine times in ten.
+/// Nine in ten cameras that stand seem to have moved by no more than so many times what new footage scatters and stored poses scatter with
+/// it, for lenses and other cameras are stored as they were found, too. Of 72 cameras that stood, on development networks, nine in ten turns
+/// were within 1.33 of it, shifts within 1.43, and focal lengths within 1.27; of 96 others within 1.40, 1.32 and 1.25.
+pub const STORED_WRONG: f64 = 1.4;
+/// A camera has moved where it now looks another way, or stands elsewhere, by so many times what scatters, nine times in ten.
 pub const MOVED: f64 = 2.0;
 /// A move after this share of the footage is one that was filmed: from the fourth of 48 parts on.
 pub const MOVED_LATER: f64 = 0.05;

@@ -89,6 +89,13 @@ impl Move {
         Self { turned, turned_error, shifted, shifted_error, ..self }
     }
 
+    /// The same with errors to state: what is stored is wrong by more than its own scatter.
+    pub fn beside_stored(&self) -> Self {
+        let [turned_error, shifted_error, focal_error] =
+            [self.turned_error, self.shifted_error, self.focal_error].map(|e| limits::STORED_WRONG * e);
+        Self { turned_error, shifted_error, focal_error, ..*self }
+    }
+
     /// Whether it is turned or shifted by more than errors make.
     pub fn is_reposed(&self) -> bool {
         self.turned > limits::MOVED * self.turned_error || self.shifted > limits::MOVED * self.shifted_error
