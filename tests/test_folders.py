@@ -183,6 +183,28 @@ def test_file_and_folder_are_synced_in_order(tmp_path, monkeypatch):
     assert told == ["file", "rename", "folder"]
 
 
+@POSIX
+def test_what_is_no_file_is_not_replaced_by_one(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    pipe, folder, link, real = (tmp_path / name for name in ("pipe", "folder", "link", "real"))
+    os.mkfifo(pipe)
+    folder.mkdir()
+    for path, why in ((pipe, "a pipe or a device"), (folder, "it is a folder"), ("", "no name of a file")):
+        with pytest.raises(EpibarError, match=f"cannot be written .*{why}"):
+            write_atomically(path, lambda stream: stream.write(b"x"))
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+    link.symlink_to(real.name)
+    for _ in range(2):
+        write_atomically(link, lambda stream: stream.write(b"x"))
+    assert link.is_symlink()
+    assert real.read_bytes() == b"x"
+    pipe.unlink()
+    link.unlink()
+    link.symlink_to(link.name)
+    with pytest.raises(EpibarError, match="link: cannot be written"):
+        write_atomically(link, lambda stream: stream.write(b"x"))
+
+
 @pytest.mark.parametrize("at", ["open", "fsync", "replace"])
 def test_a_disk_that_fails_keeps_what_was_there(at, tmp_path, monkeypatch):
     path = tmp_path / "file"

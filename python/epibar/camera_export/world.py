@@ -23,6 +23,8 @@ class World:
         "metre", or in words what a length of 1 is.
     zero : str or None
         What z = 0 is, where z is up: that of a network. None where the axes are those of the first camera.
+    up : str
+        What z is then.
     notes : tuple of str
         What a file says of itself besides.
     ways : tuple of Way
@@ -33,6 +35,7 @@ class World:
 
     unit: str
     zero: str | None = None
+    up: str = "z is up"
     notes: tuple[str, ...] = ()
     ways: tuple[Way, ...] = ()
     two_views: tuple[TwoViews, ...] = ()
@@ -51,7 +54,7 @@ class World:
         found: dict[str, str | list[str]] = {"unit": self.unit, "notes": list(self.notes)}
         if self.zero is None:
             return found
-        return {"software": "epibar", "world": f"z is up; z = 0 is {self.zero}", **found}
+        return {"software": "epibar", "world": f"{self.up}; z = 0 is {self.zero}", **found}
 
     def lines(self) -> dict[str, str]:
         """Return :meth:`metadata` as one text each."""

@@ -218,6 +218,7 @@ def _cameras(
     from pathlib import Path
 
     from ..errors import EpibarError
+    from ..jobs.first_frames import refuse_first_frames
     from ..jobs.given_rate import refuse_rate
     from ..jobs.inputs import camera_inputs
     from ..network.checking import cameras_to_check
@@ -244,6 +245,7 @@ def _cameras(
     ]
     lenses.refuse_videos(recorded, record_options(args))
     refuse_rate([one.source for one in recorded], record_options(args))
+    refuse_first_frames(recorded, record_options(args), args.time_offset)
     return recorded, lenses
 
 

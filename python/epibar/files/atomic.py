@@ -26,9 +26,10 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[IO[bytes]], 
     Raises
     ------
     EpibarError
-        The folder is missing or not writable, the disk is full. What was there before is there still.
+        The folder is missing or not writable, the disk is full, or there is a pipe or a device of this name.
+        What was there before is there still.
     """
-    target = Path(path)
+    target = _place_of(Path(path))
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(8)}.epibar-part")
     try:
         handle = os.open(temporary, os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
@@ -46,6 +47,21 @@ def write_atomically(path: str | os.PathLike[str], write: Callable[[IO[bytes]], 
     except (OSError, ValueError) as error:  # a name that no file can have, too
         reason = getattr(error, "strerror", None) or error
         raise EpibarError(f"{target}: cannot be written ({reason})") from error
+
+
+def _place_of(path: Path) -> Path:
+    """Where a file of this name is: what a link leads to stays where it is, and gets the new content."""
+    if path.name in ("", ".."):
+        raise EpibarError(f"{os.fspath(path)!r}: cannot be written (no name of a file)")
+    try:
+        target = path.resolve() if path.is_symlink() else path
+        replaces_other = target.exists() and not target.is_file()
+    except (OSError, RuntimeError, ValueError) as error:  # links that lead to one another, no name of a file
+        raise EpibarError(f"{path}: cannot be written ({error})") from error
+    if replaces_other:
+        what = "it is a folder" if target.is_dir() else "it is a pipe or a device, which a file would replace"
+        raise EpibarError(f"{path}: cannot be written ({what})")
+    return target
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

@@ -14,6 +14,7 @@ from ..lens.cameras_toml import load_cameras, not_used
 from ..network.result import Network
 from ..recording import DEFAULT_LINES, Recording
 from ..sources.frame_range import FrameRange
+from .first_frames import refuse_first_frames
 from .folder import Folder
 from .given_rate import refuse_rate
 from .inputs import Job, PairOptions, PathLike, RecordOptions, camera_inputs
@@ -205,6 +206,7 @@ def run_job(job: Job, executor: Executor | None, watch: Watch) -> AllPairs:
     """Run a job whose arguments are checked; see :func:`calibrate_all`."""
     # What is wrong with the arguments is told before a folder is made.
     refuse_rate([camera.source for camera in job.cameras], job.record)
+    refuse_first_frames(job.cameras, job.record, job.pair.time_offset)
     Folder(job.out).refuse_inputs(job.inputs, job.files)
     with Folder(job.out) as folder:
         folder.refuse_foreign(job.files)

@@ -1,4 +1,4 @@
-"""How much a camera has to record, from the head of its file: nothing is decoded."""
+"""How much a camera has to record, and how fast it filmed, from the head of its file: nothing is decoded."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ..sources.quiet_opencv import opencv
 from ..sources.source import DEFAULT_FPS
 from .inputs import CameraInput, RecordOptions
 
-__all__ = ["frames_and_pixels"]
+__all__ = ["frame_rate", "frames_and_pixels"]
 
 
 def frames_and_pixels(camera: CameraInput, options: RecordOptions) -> tuple[int, int] | None:
@@ -25,6 +25,18 @@ def frames_and_pixels(camera: CameraInput, options: RecordOptions) -> tuple[int,
     except (EpibarError, OSError):  # whoever records it says what is wrong
         return None
     return None if frames is None or frames < 1 or pixels < 1 else (frames, pixels)
+
+
+def frame_rate(camera: CameraInput, options: RecordOptions) -> float | None:
+    """Frames a second as the source announces them; None where it does not, is live, or is a recording."""
+    path = Path(camera.source)
+    if is_address(camera.source) or (not options.masks and path.suffix.lower() in ARRAY_SUFFIXES):
+        return None
+    try:
+        counts, pixels, fps = _announced(path, options)
+    except (EpibarError, OSError):  # whoever records it says what is wrong
+        return None
+    return None if counts < 1 or pixels < 1 else fps
 
 
 def _announced(path: Path, options: RecordOptions) -> tuple[int, int, float]:

@@ -82,6 +82,11 @@ def network_notes(network: NetworkParts) -> list[str]:
             f"{_number(ground.vertical_error, lambda v: f'{v:.2g}°')}), and z = 0 is that floor"
             + _level(network)
         )
+    else:
+        notes.append(
+            "no floor was found: z is the mean of the cameras' own up, which is the vertical of cameras that "
+            "are mounted level; of those that look down from a ceiling it is not"
+        )
     if network.unit == BASELINE:
         people = ground.source == "floor" and ground.not_people is None
         notes.append(

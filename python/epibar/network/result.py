@@ -366,10 +366,16 @@ class Network(NetworkParts):
         if self.unit == BASELINE:
             first, second = [name for name, camera in self.cameras.items() if camera.rotation is not None][:2]
             unit = f"the distance between {first} and {second} when calibrated, not metres"
-        zero = "the floor" if self.ground.source == "floor" else "the mean height of the cameras"
+        floor = self.ground.source == "floor"
+        zero = "the floor" if floor else "the mean height of the cameras"
+        up = (
+            "z is up"
+            if floor
+            else "z is the mean of the cameras' own up, not the vertical where they look down"
+        )
         notes = [self.reason, *(self.scale.sources if self.scale else ()), *pixels_note(self, lenses)]
         notes += [f"left out: {name}: {self.cameras[name].why_left_out}" for name in self.left_out]
-        return World(unit, zero, tuple(notes))
+        return World(unit, zero, up, tuple(notes))
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as it stands in ``network.json`` and under ``network`` in ``calibration.json``."""
