@@ -1,5 +1,6 @@
 """Metres from the command line: lengths that are given, combined, contradict each other or are forgotten."""
 
+import json
 import tomllib
 
 import numpy as np
@@ -102,3 +103,20 @@ def test_a_length_counts_on_until_it_is_forgotten(again, capsys):
     assert len(kept.lengths) == 1
     assert main([*scale, "--distance", "cam1", "cam3", "40", "--forget", "--quiet"]) == 0
     assert "40 m between cam1 and cam3" in " ".join(epibar.Network.load(again / "network.json").scale.sources)
+
+
+@pytest.mark.parametrize(
+    "command", [["scale", "--distance", "cam1", "cam2", "5"], ["sync"], ["export", "--format", "anipose"]]
+)
+def test_a_network_of_an_earlier_run_is_not_taken_for_this_one(command, again, capsys):
+    result, network = again / "calibration.json", again / "network.json"
+    told = read(again)
+    told["network"], told["network_reason"] = None, "the run was not finished"
+    result.write_text(json.dumps(told))
+    before = network.read_bytes(), result.read_bytes()
+    verb, *words = command
+    out = ["--out", str(again.parent / "cameras.toml")] if verb == "export" else []
+    assert main([verb, str(again), *words, *out]) == 2
+    assert "is of an earlier run than" in (error := capsys.readouterr().err)
+    assert "which has no network: the run was not finished; 'epibar calibrate'" in error
+    assert (network.read_bytes(), result.read_bytes()) == before

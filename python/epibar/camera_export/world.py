@@ -8,9 +8,16 @@ from dataclasses import dataclass, replace
 from .two_views import TwoViews
 from .ways import Way
 
-__all__ = ["METRE", "World"]
+__all__ = ["BY_CAMERAS", "METRE", "ON_FLOOR", "World"]
 
 METRE = "metre"
+
+ON_FLOOR = "z is up", "the floor"
+BY_CAMERAS = (
+    "z is the mean of the cameras' own up, not the vertical where they look down",
+    "the mean height of the cameras",
+)
+"""What z is, and what z = 0 is."""
 
 
 @dataclass(frozen=True)

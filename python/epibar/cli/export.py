@@ -124,7 +124,7 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
     """Write the accepted cameras of the network."""
     from ..errors import EpibarError
     from ..jobs.inputs import TRACKS_FILE
-    from ..network import Network
+    from ..outcome.stored_network import network_of_run
 
     if chosen not in CAMERA_FORMATS:
         raise EpibarError(
@@ -134,7 +134,7 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
         raise EpibarError(
             f"{file}: there is no network in this run; calibrate three cameras, or two with intrinsics"
         )
-    network = Network.load(file)
+    network = network_of_run(file, run.files[0])
     found = len(network.left_out) < len(network.cameras)
     if args.intrinsics and found and all(camera.matrix is None for camera in run.cameras):
         raise EpibarError(

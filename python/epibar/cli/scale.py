@@ -40,8 +40,8 @@ def run(args: Namespace) -> int:
     from ..jobs.network_tables import rescaled_tracks, tracks_of
     from ..jobs.stored_report import rewrite_report
     from ..jobs.update_files import write_update
-    from ..network import Network
     from ..outcome.run import Run
+    from ..outcome.stored_network import network_of_run
     from .console import Console
 
     console = Console(args.quiet, verbose=args.verbose)
@@ -53,7 +53,7 @@ def run(args: Namespace) -> int:
         raise EpibarError(f"{path}: there is no network in this run to scale")
     with Folder(result.parent) as folder:
         folder.refuse_foreign([path])
-        before = Network.load(path)
+        before = network_of_run(path, result)
         tracks = tracks_of(folder, before)
         network = before.scaled(**given, keep=not args.forget)
         if tracks is not None:

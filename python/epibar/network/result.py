@@ -11,7 +11,7 @@ from typing import Any
 
 from ..calibration import SEARCH_SECONDS
 from ..camera_export.formats import FORMATS
-from ..camera_export.world import World
+from ..camera_export.world import BY_CAMERAS, ON_FLOOR, World
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
 from ..geometry.correspondences import FrontierPoints
@@ -366,13 +366,7 @@ class Network(NetworkParts):
         if self.unit == BASELINE:
             first, second = [name for name, camera in self.cameras.items() if camera.rotation is not None][:2]
             unit = f"the distance between {first} and {second} when calibrated, not metres"
-        floor = self.ground.source == "floor"
-        zero = "the floor" if floor else "the mean height of the cameras"
-        up = (
-            "z is up"
-            if floor
-            else "z is the mean of the cameras' own up, not the vertical where they look down"
-        )
+        up, zero = ON_FLOOR if self.ground.source == "floor" else BY_CAMERAS
         notes = [self.reason, *(self.scale.sources if self.scale else ()), *pixels_note(self, lenses)]
         notes += [f"left out: {name}: {self.cameras[name].why_left_out}" for name in self.left_out]
         return World(unit, zero, up, tuple(notes))
