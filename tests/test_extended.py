@@ -177,3 +177,31 @@ def test_a_fourth_camera_is_added_to_three_true_ones():
     assert np.linalg.norm(camera.position - truth.centre) <= camera.expected["position"]
     assert abs(camera.matrix[0, 0] / truth.K[0, 0] - 1) <= camera.expected["focal"]
     assert sum(more.pairs[name, "cam9"].status == "confirmed" for name in names) >= 2
+
+
+@pytest.mark.parametrize(
+    ("filmed", "turned", "added"),
+    [
+        (("cam1", "cam2"), 0.0, False),
+        (("cam1", "cam2"), 3.0, True),
+        (("cam1", "cam2", "cam3"), 0.0, True),
+    ],
+)
+def test_a_camera_by_another_name_is_not_added_as_a_second_one(filmed, turned, added, adding):
+    net = network()
+    third = net.cameras["cam3"]
+    angle = np.deg2rad(turned)
+    turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+    # Within what is stated of either, where it is not turned.
+    moved = 0.5 * third.expected["position"] * third.rotation[0]
+    R = turn @ third.rotation
+    adding.place |= {"rotation": R, "translation": -R @ (np.asarray(third.position) + moved)}
+    more = net.extended(films(*filmed, "cam9"), time_offset=0.0)
+    assert ("cam9" in more.cameras) == added
+    if not added:
+        told = (
+            "it stands where cam3 is stored, of which there is no film: if it is that camera, name the film"
+        )
+        assert told in more.reason
+        assert not any("cam9" in key for key in more.pairs)
+        assert "cam9" not in more.clocks

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
+import numpy as np
+
 from .. import _core
 from ..arguments import MAX_SEED, as_positive, as_whole_number, core_errors
 from ..errors import EpibarError
@@ -32,6 +34,9 @@ LEAST_HELD = 2
 
 TOO_FEW = "too_few"
 """Status of a camera that nothing can be said of, as too few others stand."""
+
+SAME_CAMERA = "same_camera"
+"""Status of one that stands where another of the network is stored, of which there is no film."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,6 +222,8 @@ def _extension(
     cameras = {
         one["name"]: camera_of(one, new[one["name"]].size, new[one["name"]]) for one in found["cameras"]
     }
+    not_filmed = [one for name, one in network.cameras.items() if one.accepted and name not in check.cameras]
+    cameras = {name: _told_apart(camera, not_filmed) for name, camera in cameras.items()}
     accepted = [name for name, camera in cameras.items() if camera.accepted]
     clocks = {
         one["name"]: _in_network_time(clock_of(one), network.clocks.get(held[0], NetworkClock()))
@@ -227,6 +234,32 @@ def _extension(
     pairs = [pair for one in found["pairs"] if (pair := pair_of(one, names)).b in accepted]
     pairs = [pair for pair in pairs if pair.a in accepted or pair.a in held]
     return Extension(check, cameras, clocks, pairs, list(held))
+
+
+def _told_apart(camera: NetworkCamera, not_filmed: Iterable[NetworkCamera]) -> NetworkCamera:
+    """Return a new camera, refused where it may be one of the network by another name."""
+    for other in not_filmed if camera.accepted else ():
+        if not _may_be_one(camera, other):
+            continue
+        reason = (
+            f"left out: it stands where {other.name} is stored, of which there is no film: if it is that "
+            f"camera, name the film {other.name}; if another took its place, calibrate anew"
+        )
+        return NetworkCamera(camera.name, camera.size, False, SAME_CAMERA, reason)
+    return camera
+
+
+def _may_be_one(one: NetworkCamera, other: NetworkCamera) -> bool:
+    """Whether two cameras stand at one place and look one way, within what is stated of both."""
+    if one.position is None or other.position is None or one.expected is None or other.expected is None:
+        return False
+    assert one.rotation is not None
+    assert other.rotation is not None
+    cosine = (np.trace(one.rotation @ other.rotation.T) - 1) / 2
+    turn = np.rad2deg(np.arccos(np.clip(cosine, -1, 1)))
+    apart = np.linalg.norm(one.position - other.position)
+    within = turn <= one.expected["rotation"] + other.expected["rotation"]
+    return bool(within and apart <= one.expected["position"] + other.expected["position"])
 
 
 def _in_network_time(clock: NetworkClock, reference: NetworkClock) -> NetworkClock:
