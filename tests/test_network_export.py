@@ -148,6 +148,20 @@ def test_lenses_that_were_taken_out(tmp_path):
     assert other.distortions.tolist() == [0.1, 0.02, 0.0, 0.01]
 
 
+def test_lenses_of_other_cameras_are_refused(tmp_path):
+    net = made_up()
+    lens = Intrinsics("cam2", (800, 600), net.cameras["cam2"].matrix, [0.1, 0.02, 0.0, 0.0, 0.0])
+    for lenses, told in (
+        ({"cam2": lens}, r"lenses\['cam2'\] is of 800x600 images, and the camera films 640x480"),
+        ({"typo": lens}, "lenses has 'typo', which is none of the cameras: cam1"),
+        ({"cam2": 3}, r"lenses\['cam2'\] is a int, expected Intrinsics"),
+        ([lens], "lenses is a list, expected a mapping"),
+    ):
+        with pytest.raises(EpibarError, match=told):
+            net.export(tmp_path / "c.toml", lenses=lenses)
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_cannot_be_exported(tmp_path):
     with pytest.raises(EpibarError, match="no camera is accepted"):
         made_up(refused=("cam1", "cam2", "cam3")).export(tmp_path / "c.toml")

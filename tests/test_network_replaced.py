@@ -1,5 +1,6 @@
 """A folder that has a network already: what another run or ``scale`` leaves of it, and what is said."""
 
+import dataclasses
 import json
 
 import numpy as np
@@ -10,6 +11,8 @@ import epibar
 from epibar import EpibarError
 from epibar.cli import main
 from epibar.jobs import runner
+from epibar.network import NetworkClock
+from epibar.network.extending import Extension, with_added
 from epibar.network.tracks_csv import load_tracks
 from epibar.network.walkers import WalkerTracks
 
@@ -72,6 +75,18 @@ def test_the_same_again_says_which_lengths_it_does_without(masks, again, capsys)
     assert epibar.Network.load(again / "network.json").unit == "baseline"
     assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
     assert "made anew" not in capsys.readouterr().err
+
+
+def test_the_same_again_names_cameras_that_were_added(masks, again, capsys):
+    file = again / "network.json"
+    net = epibar.Network.load(file)
+    first = net.cameras["cam1"]
+    ninth = dataclasses.replace(first, name="cam9", translation=first.translation + [0.1, 0.0, 0.0])
+    with_added(net, Extension(net, {"cam9": ninth}, {"cam9": NetworkClock(0.0, 0.0, 0.0)})).save(file)
+    assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
+    err = capsys.readouterr().err
+    assert "network.json: made anew, without cam9; 'epibar check --update' adds a camera again" in err
+    assert list(epibar.Network.load(file).cameras) == list(net.cameras)
 
 
 def test_a_network_that_cannot_be_made_is_an_error(masks, again, monkeypatch, capsys):

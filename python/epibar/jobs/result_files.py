@@ -200,22 +200,23 @@ class Results:
         return warnings
 
     def _told_of_replaced(self) -> list[str]:
-        """Say what of an earlier network is lost: all of it, or the lengths that its metres rested on."""
+        """Say what of an earlier network is lost: all of it, cameras, or lengths that its metres were of."""
         path = self._job.out / NETWORK_FILE
         if not (path.is_file() and self._folder.owns(path)):
             return []
         if self.network is None:
             return [f"{path}: the network of an earlier run is removed"]
         try:
-            before = Network.load(path).scale
+            before = Network.load(path)
         except EpibarError:
             return []
-        now = () if self.network.scale is None else self.network.scale.lengths
-        known = () if before is None else before.lengths
-        lost = [one.what for one in known if one.of not in [other.of for other in now]]
-        if not lost:
-            return []
-        return [f"{path}: made anew, without {' and '.join(lost)}; give that again, or 'epibar scale' does"]
+        lengths = [() if one.scale is None else one.scale.lengths for one in (self.network, before)]
+        now = [one.of for one in lengths[0]]
+        lost = [one.what for one in lengths[1] if one.of not in now]
+        gone = [name for name in before.cameras if name not in self.network.cameras]
+        told = [f"without {', '.join(gone)}; 'epibar check --update' adds a camera again"] if gone else []
+        told += [f"without {' and '.join(lost)}; give that again, or 'epibar scale' does"] if lost else []
+        return [f"{path}: made anew, {one}" for one in told]
 
     def _forget_tables(self) -> list[str]:
         """Remove the tables of an earlier network; returns why one stays."""

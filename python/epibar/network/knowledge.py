@@ -12,9 +12,10 @@ from numpy.typing import ArrayLike
 from .. import _core
 from ..arguments import LEAST_SKEW, as_camera_matrix, as_numbers, as_positive, is_number
 from ..errors import EpibarError
+from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 
-__all__ = ["KnownCamera", "has_focal", "knowledge_of"]
+__all__ = ["KnownCamera", "has_focal", "knowledge_of", "lenses_by_name"]
 
 TANGENTIAL = _core.TANGENTIAL
 """Largest p1 and p2 that are taken for none: silhouettes go through a lens that has none."""
@@ -142,3 +143,26 @@ def has_focal(knowledge: dict[str, Any]) -> bool:
     """Whether the focal length is known well enough for a network of two cameras."""
     focal = knowledge["focal"]
     return knowledge["matrix"] is not None or (focal is not None and focal[1] < 0.05)
+
+
+def lenses_by_name(lenses: Any, sizes: Mapping[str, tuple[int, int]]) -> dict[str, Intrinsics]:
+    """Return lenses that were taken out of recordings, if they can be those of cameras of these sizes.
+
+    Raises
+    ------
+    EpibarError
+        No mapping of names to lenses, a name of no camera, a lens for images of another size.
+    """
+    if lenses is None:
+        return {}
+    if not isinstance(lenses, Mapping):
+        raise EpibarError(f"lenses is a {type(lenses).__name__}, expected a mapping of names to Intrinsics")
+    for name, lens in lenses.items():
+        if name not in sizes:
+            raise EpibarError(f"lenses has {name!r}, which is none of the cameras: {', '.join(sizes)}")
+        if not isinstance(lens, Intrinsics):
+            raise EpibarError(f"lenses[{name!r}] is a {type(lens).__name__}, expected Intrinsics")
+        if tuple(lens.size) != tuple(sizes[name]):
+            of_lens, of_camera = ("x".join(map(str, size)) for size in (lens.size, sizes[name]))
+            raise EpibarError(f"lenses[{name!r}] is of {of_lens} images, and the camera films {of_camera}")
+    return dict(lenses)

@@ -18,7 +18,7 @@ from ..geometry.correspondences import FrontierPoints
 from ..lens.intrinsics import Intrinsics
 from .checking import NetworkCheck, check_network
 from .extending import extend, with_added
-from .knowledge import KnownCamera
+from .knowledge import KnownCamera, lenses_by_name
 from .metres import NOT_IN_METRES, rescaled
 from .offsets import TimeOffset
 from .parts import BASELINE, METRE, NetworkParts
@@ -321,7 +321,8 @@ class Network(NetworkParts):
         ------
         EpibarError
             No camera is accepted, the format is unknown or has no place for a lens, for walkers or for
-            points, tracks are in another unit or lack what is to be written, or a file cannot be written.
+            points, a lens is of no camera or another size, tracks are in another unit or lack what is to be
+            written, or a file cannot be written.
         """
         if format not in FORMATS:
             raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
@@ -334,7 +335,7 @@ class Network(NetworkParts):
             raise EpibarError(f"no camera is accepted, so there is nothing to export: {self.reason}")
         for name in self.left_out:
             logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].why_left_out)
-        lenses = lenses or {}
+        lenses = lenses_by_name(lenses, {name: camera.size for name, camera in self.cameras.items()})
         cameras = [camera.intrinsics(lenses.get(camera.name)) for camera in accepted]
         chosen = FORMATS[format]
         if chosen.unit != "network" and self.unit != METRE:
