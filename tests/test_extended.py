@@ -113,6 +113,8 @@ def test_what_is_known_of_a_new_camera(adding):
     assert adding.known[0]["focal"][0] == 640.0
     with pytest.raises(EpibarError, match="the network has its lens"):
         net.extended(films("cam1", "cam2", "cam9"), known={"cam1": KnownCamera(focal=640.0)})
+    with pytest.raises(EpibarError, match="known is a int, expected a mapping of names to KnownCamera"):
+        net.extended(films("cam1", "cam2", "cam9"), known=3)
 
 
 @pytest.mark.parametrize(

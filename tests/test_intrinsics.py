@@ -237,3 +237,8 @@ def test_a_rotation_that_was_written_with_two_digits(tmp_path):
     )
     (camera,) = epibar.load_cameras(tmp_path / "cameras.toml")
     assert np.abs(camera.posed().R - turn).max() < 0.01
+
+
+def test_what_is_no_lens_is_refused(tmp_path):
+    with pytest.raises(EpibarError, match="intrinsics is a int, expected Intrinsics or a path"):
+        epibar.record(disc_masks(tmp_path), masks=True, lines=50, intrinsics=3)

@@ -264,3 +264,13 @@ def test_scale_needs_the_lenses_of_the_run(run, capsys):
     write_cameras(run / "known.toml", known)
     assert main(words) == 0
     assert epibar.load_cameras(run / "cameras.toml")[0].distortions.tolist() == [-0.3, 0.1, 0, 0, 0]
+
+
+def test_what_is_of_another_type_is_refused(tmp_path):
+    net = made_up()
+    for asked, told in (
+        (lambda: net.export(tmp_path / "c.glb", "gltf", tracks=3), "tracks is a int, expected what"),
+        (lambda: net.updated(None), "check is a NoneType, expected what Network.check returned"),
+    ):
+        with pytest.raises(EpibarError, match=told):
+            asked()

@@ -81,7 +81,7 @@ def test_the_same_again_names_cameras_that_were_added(masks, again, capsys):
     file = again / "network.json"
     net = epibar.Network.load(file)
     first = net.cameras["cam1"]
-    ninth = dataclasses.replace(first, name="cam9", translation=first.translation + [0.1, 0.0, 0.0])
+    ninth = dataclasses.replace(first, name="cam9", translation=np.add(first.translation, [0.1, 0, 0]))
     with_added(net, Extension(net, {"cam9": ninth}, {"cam9": NetworkClock(0.0, 0.0, 0.0)})).save(file)
     assert main(["calibrate", *masks, "--out", str(again), *WORDS]) == 0
     err = capsys.readouterr().err

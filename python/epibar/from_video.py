@@ -14,6 +14,7 @@ from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from types import NoneType
 
 import numpy as np
 
@@ -131,6 +132,8 @@ def record(
         name = name or source.name
         if isinstance(intrinsics, (str, os.PathLike)):
             intrinsics = intrinsics_of(intrinsics, name)
+        if not isinstance(intrinsics, (Intrinsics, NoneType)):
+            raise EpibarError(f"intrinsics is a {type(intrinsics).__name__}, expected Intrinsics or a path")
         if ignore is None and isinstance(foreground, ForegroundOptions) and not masks:
             ignore = foreground.ignore
         hidden = _ignore_mask(ignore, source.size)

@@ -16,7 +16,7 @@ from ..geometry.cameras import Pose, fundamental_from_cameras
 from ..recording import Recording
 from .checking import UNMOVED, NetworkCheck, check_network, stored_camera
 from .core_parts import camera_of, clock_of, pair_of
-from .knowledge import KnownCamera, knowledge_of
+from .knowledge import KnownCamera, knowledge_of, known_by_name
 from .metres import NOT_IN_METRES
 from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .pair_choice import pairs_to_add
@@ -182,7 +182,7 @@ def _known(
     new: Mapping[str, Recording], old: Mapping[str, Recording], known: Mapping[str, KnownCamera] | None
 ) -> list[dict[str, Any]]:
     """What is known of each new camera; of those of the network it is the network that knows."""
-    for name in known or {}:
+    for name in known_by_name(known):
         if name in old:
             raise EpibarError(f"known has {name!r}, but the network has its lens: leave it out of known")
     return knowledge_of(new, known)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import NoneType
 from typing import Any, Literal
 
 from numpy.typing import ArrayLike
@@ -15,7 +16,7 @@ from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics
 from ..recording import Recording
 
-__all__ = ["KnownCamera", "has_focal", "knowledge_of", "lenses_by_name"]
+__all__ = ["KnownCamera", "has_focal", "knowledge_of", "known_by_name", "lenses_by_name"]
 
 TANGENTIAL = _core.TANGENTIAL
 """Largest p1 and p2 that are taken for none: silhouettes go through a lens that has none."""
@@ -126,11 +127,18 @@ def known_of(name: str, recording: Recording, known: KnownCamera | None) -> dict
     return KnownCamera(matrix=recording.matrix).to_core(name)
 
 
+def known_by_name(known: Any) -> Mapping[str, KnownCamera]:
+    """Return what is known of cameras, if it goes by names; nothing of None."""
+    if not isinstance(known, (Mapping, NoneType)):
+        raise EpibarError(f"known is a {type(known).__name__}, expected a mapping of names to KnownCamera")
+    return known or {}
+
+
 def knowledge_of(
     recordings: Mapping[str, Recording], known: Mapping[str, KnownCamera] | None
 ) -> list[dict[str, Any]]:
     """Return what is known of each camera, as the compiled module takes it."""
-    known = known or {}
+    known = known_by_name(known)
     for name, one in known.items():
         if name not in recordings:
             raise EpibarError(f"known has {name!r}, but the cameras are {', '.join(recordings)}")

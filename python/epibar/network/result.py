@@ -355,6 +355,8 @@ class Network(NetworkParts):
         if not FORMATS[format].tracks:
             having = ", ".join(name for name, one in FORMATS.items() if one.tracks)
             raise EpibarError(f"format = {format!r} has no place for walkers; these have: {having}")
+        if not isinstance(tracks, WalkerTracks):
+            raise EpibarError(f"tracks is a {type(tracks).__name__}, expected what Network.tracks returned")
         if tracks.unit != self.unit:
             raise EpibarError(
                 f"tracks are in {tracks.unit}s and the network in {self.unit}s: "

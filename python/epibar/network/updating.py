@@ -23,6 +23,8 @@ CONFIRMED = _core.PAIR_DEVIATES
 
 def moved_parts(network: NetworkParts, check: NetworkCheck) -> tuple[dict[str, NetworkCamera], NetworkPairs]:
     """Return the cameras and pairs of a network after a check; see :meth:`epibar.Network.updated`."""
+    if not isinstance(check, NetworkCheck):
+        raise EpibarError(f"check is a {type(check).__name__}, expected what Network.check returned")
     places = {name: one.place for name, one in check.cameras.items() if one.place is not None}
     for name in places:
         if name not in network.cameras or not network.cameras[name].accepted:
