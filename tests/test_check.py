@@ -97,6 +97,16 @@ def test_frames_of_another_size(core):
         network().check({**films("cam1"), **films("cam2", size=(320, 480))}, 0.0)
 
 
+def test_a_film_that_does_not_fit_costs_its_camera_and_no_other(core):
+    """It cannot be judged, and a camera beside it that moved is named."""
+    core.verdicts = {"cam3": MOVED}
+    check = network().check({**films("cam1", "cam3"), **films("cam2", size=(320, 480))}, 0.0)
+    assert core.names == ["cam1", "cam3"]
+    assert (check.moved, check.unsure, check.ok) == (["cam3"], ["cam2"], False)
+    assert "cam2: 320x480 frames, but the network was calibrated at 640x480" in check.cameras["cam2"].reason
+    assert list(check.cameras) == ["cam1", "cam3", "cam2"]
+
+
 def test_what_the_compiled_module_refuses_is_told(monkeypatch):
     def refused(*_):
         raise ValueError("cam1: no frames")

@@ -205,8 +205,9 @@ def check_network(
     films = named_recordings(recordings)
     reach = as_positive("search_seconds", search_seconds, "seconds")
     offsets = given_offsets(list(films), time_offset)
-    names, left_out = cameras_to_check(network, films)
-    cameras = [stored_camera(network.cameras[name], films[name]) for name in names]
+    filmed, left_out = cameras_to_check(network, films)
+    stored, unfit = _stored_cameras(network, films, filmed)
+    names, cameras = list(stored), list(stored.values())
     checked = [films[name] for name in names]
     if offsets is None:
         offsets = find_offsets(checked, reach, as_stage("clocks", progress))
@@ -216,7 +217,8 @@ def check_network(
         found = _core.check_network(
             [one._core for one in checked], names, cameras, offsets.to_core(), as_stage("check", progress)
         )
-    answers = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
+    told = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
+    answers = {name: told.get(name) or unfit[name] for name in filmed}
     positions = {name: position for name in names if (position := network.cameras[name].position) is not None}
     return NetworkCheck(answers, left_out, network.unit, positions)
 
@@ -262,6 +264,27 @@ def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[
             f"{len(chosen)} can be looked at ({why})"
         )
     return chosen, left_out
+
+
+def _stored_cameras(
+    network: NetworkParts, films: Mapping[str, Recording], names: Iterable[str]
+) -> tuple[dict[str, dict[str, Any]], dict[str, CameraCheck]]:
+    """Return the cameras whose films are as they were stored, and what is said of the others.
+
+    Raises
+    ------
+    EpibarError
+        Fewer than two are.
+    """
+    stored, unfit = {}, {}
+    for name in names:
+        try:
+            stored[name] = stored_camera(network.cameras[name], films[name])
+        except EpibarError as error:
+            unfit[name] = CameraCheck(name, UNSURE, str(error))
+    if len(stored) < 2:
+        raise EpibarError("; ".join(one.reason for one in unfit.values()))
+    return stored, unfit
 
 
 def stored_camera(camera: NetworkCamera, recording: Recording) -> dict[str, Any]:
