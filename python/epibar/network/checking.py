@@ -281,9 +281,9 @@ def _stored_cameras(
         try:
             stored[name] = stored_camera(network.cameras[name], films[name])
         except EpibarError as error:
-            unfit[name] = CameraCheck(name, UNSURE, str(error))
+            unfit[name] = CameraCheck(name, UNSURE, str(error).removeprefix(f"{name}: "))
     if len(stored) < 2:
-        raise EpibarError("; ".join(one.reason for one in unfit.values()))
+        raise EpibarError("; ".join(f"{name}: {one.reason}" for name, one in unfit.items()))
     return stored, unfit
 
 
