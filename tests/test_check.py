@@ -173,3 +173,12 @@ def test_a_camera_that_was_turned_is_found(tmp_path):
     assert check.moved == ["cam3"], check.reason
     found = check.cameras["cam3"]
     assert found.turned == pytest.approx(3.0, abs=1.0)
+
+
+def test_a_suspect_that_cannot_be_judged_is_named_with_the_others(core):
+    """Where two films are swapped those two fit nothing, and the others seem to have moved."""
+    core.verdicts = {"cam1": {**MOVED, "status": "suspect", "rivals": ["cam2", "cam3"]}, "cam2": UNSURE}
+    check = network().check(films("cam1", "cam2", "cam3"), 0.0)
+    assert (check.suspects, check.unsure) == (["cam1"], ["cam2"])
+    told = "of 3 cameras one of cam1, cam2, cam3 has moved, and cam2 cannot be judged; not looked at: cam4"
+    assert check.reason == told
