@@ -93,7 +93,8 @@ def held_against(made: Any, network: Any, name: str, stored: str) -> dict[str, A
     Where the true network is stored the new camera is held against the truth as it stands; otherwise after
     the similarity that lays all cameras best over the true ones, as errors of networks are stated.
     """
-    from epibar.synthetic.network_errors import accepted_cameras, angle_between, network_errors
+    from epibar.geometry.vectors import angle_between
+    from epibar.synthetic.network_errors import accepted_cameras, network_errors
 
     found = accepted_cameras(network)
     places = np.array([one.centre for one in found.values()])

@@ -89,7 +89,7 @@ def run(family: str, seed: int, lines: int) -> list[dict[str, Any]]:
 def between(situation: Any, network: Any) -> list[float]:
     """How wrong the rotations between accepted cameras are, degrees, two by two."""
     from epibar import synthetic
-    from epibar.synthetic.network_errors import angle_between
+    from epibar.geometry.vectors import angle_between
 
     found = synthetic.accepted_cameras(network)
     true = {c.name: c.R for c in situation.cameras}

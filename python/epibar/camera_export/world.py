@@ -42,7 +42,7 @@ class World:
 
     unit: str
     zero: str | None = None
-    up: str = "z is up"
+    up: str = ON_FLOOR[0]
     notes: tuple[str, ...] = ()
     ways: tuple[Way, ...] = ()
     two_views: tuple[TwoViews, ...] = ()

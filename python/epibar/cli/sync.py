@@ -38,17 +38,17 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..files.json_file import json_text
-    from ..jobs.inputs import NETWORK_FILE
+    from ..jobs.inputs import NETWORK_FILE, RESULT
     from ..outcome.stored_network import network_of_run
     from ..outcome.sync import starts_of_run
     from .console import Console
 
     folder = Path(args.folder)
-    file = folder / NETWORK_FILE
-    if (folder / "calibration.json").exists() and not file.exists():
+    file, result = folder / NETWORK_FILE, folder / RESULT
+    if result.exists() and not file.exists():
         raise EpibarError(f"{file}: there is no network in this run, and so no clocks of all cameras")
     with Console(args.quiet, json=args.json, verbose=args.verbose) as console:
-        network = network_of_run(file, folder / "calibration.json")
+        network = network_of_run(file, result)
         starts = starts_of_run(folder, network)
         for line in [] if args.commands else _table(starts):
             console.result(line)
@@ -65,8 +65,8 @@ def run(args: Namespace) -> int:
                 console.note(f"{one.name}: {one.file} is no video file that ffmpeg could cut")
         for name in network.left_out:
             console.warning(f"left out: {name}: {network.cameras[name].why_left_out}")
-        known = [*network.left_out, *(one.name for one in starts)]
-        for name in (name for name in network.cameras if name not in known):
+        told = [*network.left_out, *(one.name for one in starts)]
+        for name in [name for name in network.cameras if name not in told]:
             console.warning(f"left out: {name}: it was added by later films, of which the run knows no clock")
         if args.json:
             console.json(json_text({"cameras": [one.as_dict() for one in starts]}))

@@ -20,6 +20,7 @@ import numpy as np
 from ..arguments import Array
 from ..errors import EpibarError
 from ..geometry.pose import RelativePose, depths
+from ..geometry.vectors import angle_between
 from ..outcome.run import Pair, Run
 
 __all__ = ["place_cameras"]
@@ -90,7 +91,7 @@ def _rotations(names: list[str], poses: Mapping[Name, RelativePose]) -> dict[str
     orthogonal = np.array([_nearest_rotation(block) for block in stacked])
     found = {name: R @ orthogonal[0].T for name, R in zip(names, orthogonal, strict=True)}
     for (a, b), pose in poses.items():
-        off = _angle_of(pose.R.T @ found[b] @ found[a].T)
+        off = angle_between(found[b] @ found[a].T, pose.R)
         if off > CONTRADICTION:
             raise EpibarError(f"{a} - {b}: its rotation is {off:.1f}° off from what the other pairs say")
     return found
@@ -99,10 +100,6 @@ def _rotations(names: list[str], poses: Mapping[Name, RelativePose]) -> dict[str
 def _nearest_rotation(matrix: Array) -> Array:
     u, _, vt = np.linalg.svd(matrix)
     return np.asarray(u @ np.diag((1.0, 1.0, np.linalg.det(u @ vt))) @ vt)
-
-
-def _angle_of(rotation: Array) -> float:
-    return float(np.degrees(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1, 1))))
 
 
 def _block(names: list[str], name: str) -> slice:

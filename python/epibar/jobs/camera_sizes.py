@@ -17,26 +17,33 @@ __all__ = ["frame_rate", "frames_and_pixels"]
 
 def frames_and_pixels(camera: CameraInput, options: RecordOptions) -> tuple[int, int] | None:
     """Frames that are to be recorded, and pixels of each; None where the source does not tell, or is live."""
-    if is_address(camera.source):
+    announced = _told(camera, options)
+    if announced is None:
         return None
+    counts, pixels, fps = announced
     try:
-        counts, pixels, fps = _announced(Path(camera.source), options)
         frames = options.frames.expected(options.frames.count(camera.shown, counts), fps)
-    except (EpibarError, OSError):  # whoever records it says what is wrong
+    except EpibarError:  # whoever records it says what is wrong
         return None
     return None if frames is None or frames < 1 or pixels < 1 else (frames, pixels)
 
 
 def frame_rate(camera: CameraInput, options: RecordOptions) -> float | None:
     """Frames a second as the source announces them; None where it does not, is live, or is a recording."""
-    path = Path(camera.source)
-    if is_address(camera.source) or (not options.masks and path.suffix.lower() in ARRAY_SUFFIXES):
+    if not options.masks and Path(camera.source).suffix.lower() in ARRAY_SUFFIXES:
+        return None
+    announced = _told(camera, options)
+    return None if announced is None or min(announced[:2]) < 1 else announced[2]
+
+
+def _told(camera: CameraInput, options: RecordOptions) -> tuple[int, int, float] | None:
+    """What :func:`_announced` says of a camera's source; None where it cannot be read, or is live."""
+    if is_address(camera.source):
         return None
     try:
-        counts, pixels, fps = _announced(path, options)
+        return _announced(Path(camera.source), options)
     except (EpibarError, OSError):  # whoever records it says what is wrong
         return None
-    return None if counts < 1 or pixels < 1 else fps
 
 
 def _announced(path: Path, options: RecordOptions) -> tuple[int, int, float]:

@@ -210,9 +210,8 @@ class Results:
             before = Network.load(path)
         except EpibarError:
             return []
-        lengths = [() if one.scale is None else one.scale.lengths for one in (self.network, before)]
-        now = [one.of for one in lengths[0]]
-        lost = [one.what for one in lengths[1] if one.of not in now]
+        now, known = (() if one.scale is None else one.scale.lengths for one in (self.network, before))
+        lost = [one.what for one in known if one.of not in [other.of for other in now]]
         gone = [name for name in before.cameras if name not in self.network.cameras]
         told = [f"without {', '.join(gone)}; 'epibar check --update' adds a camera again"] if gone else []
         told += [f"without {' and '.join(lost)}; give that again, or 'epibar scale' does"] if lost else []

@@ -170,12 +170,9 @@ class NetworkCheck:
         count = len(self.cameras)
         have = "has" if len(self.moved) == 1 else "have"
         known = [f"{', '.join(self.moved)} {have} moved"] if self.moved else []
-        suspected = {name for one in self.suspects for name in (one, *self.cameras[one].rivals)}
-        known += (
-            [f"one of {', '.join(filter(suspected.__contains__, self.cameras))} has moved"]
-            if suspected
-            else []
-        )
+        rivals = [name for one in self.suspects for name in self.cameras[one].rivals]
+        suspected = [name for name in self.cameras if name in self.suspects or name in rivals]
+        known += [f"one of {', '.join(suspected)} has moved"] if suspected else []
         unsure = [f"{', '.join(self.unsure)} cannot be judged"] if self.unsure else []
         if known:
             found = f"of {count} cameras {', and '.join(known + unsure)}"

@@ -13,6 +13,7 @@ from .. import _core
 from ..arguments import MAX_SEED, as_positive, as_whole_number, core_errors
 from ..errors import EpibarError
 from ..geometry.cameras import Pose, fundamental_from_cameras
+from ..geometry.vectors import angle_between
 from ..recording import Recording
 from .checking import UNMOVED, NetworkCheck, check_network, stored_camera
 from .core_parts import camera_of, clock_of, pair_of
@@ -255,8 +256,7 @@ def _may_be_one(one: NetworkCamera, other: NetworkCamera) -> bool:
         return False
     assert one.rotation is not None
     assert other.rotation is not None
-    cosine = (np.trace(one.rotation @ other.rotation.T) - 1) / 2
-    turn = np.rad2deg(np.arccos(np.clip(cosine, -1, 1)))
+    turn = angle_between(one.rotation, other.rotation)
     apart = np.linalg.norm(one.position - other.position)
     within = turn <= one.expected["rotation"] + other.expected["rotation"]
     return bool(within and apart <= one.expected["position"] + other.expected["position"])

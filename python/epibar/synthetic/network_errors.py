@@ -17,6 +17,7 @@ import numpy as np
 
 from ..arguments import Array
 from ..geometry import symmetric_epipolar_distance
+from ..geometry.vectors import angle_between
 from .camera import Camera, true_fundamental
 
 if TYPE_CHECKING:
@@ -42,11 +43,6 @@ class CameraError:
     rotation: float
     position: float
     focal: float
-
-
-def angle_between(one: Array, other: Array) -> float:
-    """Angle of the rotation between two rotation matrices, degrees; exact for small ones too."""
-    return float(np.rad2deg(2 * np.arcsin(np.clip(np.linalg.norm(one - other) / np.sqrt(8), 0, 1))))
 
 
 def nearest_rotation(matrix: Array) -> Array:

@@ -29,23 +29,21 @@ pub fn said(camera: usize, seen: &NewFootage, judged: &Judged, replaced: Replace
     // One that is put where it stands now was measured with what outlines are wrong by.
     let stated = found.map(|f| if replaced.is_ok() { *f } else { f.beside_stored() });
     let of = |value: fn(&Move) -> f64| stated.as_ref().map_or(f64::NAN, value);
-    // Of what is stated.
-    let noticed = limits::MOVED / limits::STORED_WRONG;
-    let reason = match (status, &stated) {
-        (CheckStatus::Moved, Some(stated)) => {
+    let reason = match (status, found.zip(stated.as_ref())) {
+        (CheckStatus::Moved, Some((_, stated))) => {
             let what = of_move("it", stated, since);
             replaced.as_ref().err().map_or_else(|| what.clone(), |why| format!("{what}; {}", no_place(*why)))
         }
-        (CheckStatus::Suspect, Some(stated)) => format!(
+        (CheckStatus::Suspect, Some((_, stated))) => format!(
             "it or {} moved, and what was filmed does not tell which; if it was this one, {}",
             rivals.join(" or "),
             of_move("it", stated, since)
         ),
-        (CheckStatus::Unmoved, Some(stated)) => format!(
+        (CheckStatus::Unmoved, Some((found, _))) => format!(
             "it stands as stored: a turn of {:.2} degrees would have been noticed, and a focal length changed by {:.1} %{}",
-            noticed * stated.turned_error.to_degrees(),
-            100.0 * noticed * stated.focal_error,
-            if stated.shifted_error.is_finite() { "" } else { UNSEEN }
+            limits::MOVED * found.turned_error.to_degrees(),
+            100.0 * limits::MOVED * found.focal_error,
+            if found.shifted_error.is_finite() { "" } else { UNSEEN }
         ),
         _ => {
             "what moves in it does not agree with the others: too little moved before several cameras, it moved by more than a few degrees, or it shows something else".to_owned()
