@@ -59,6 +59,39 @@ def test_names_with_blanks_are_one_word_each(tmp_path):
     assert "renamed: cam 1: it is cam_1" in (tmp_path / "c" / "README.txt").read_text()
 
 
+def test_another_programs_model_stays(tmp_path):
+    net = network(3)
+    own, theirs, bare = (tmp_path / name for name in ("own", "theirs", "bare"))
+    net.export(own, "colmap")
+    net.export(own, "colmap")
+    theirs.mkdir()
+    (theirs / "README.txt").write_text("of the hall, measured by hand")
+    (theirs / "cameras.bin").write_bytes(b"1")
+    with pytest.raises(EpibarError, match=r"theirs: holds README.txt, cameras.bin, which epibar did not"):
+        net.export(theirs, "colmap")
+    assert sorted(path.name for path in theirs.iterdir()) == ["README.txt", "cameras.bin"]
+    bare.mkdir()
+    (bare / "points3D.txt").write_text("")
+    with pytest.raises(EpibarError, match=r"bare: holds points3D.txt"):
+        net.export(bare, "colmap")
+    (bare / "points3D.txt").rename(bare / "notes.txt")
+    net.export(bare, "colmap")
+    assert (bare / "notes.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("points", "told"),
+    [
+        (3, "frontier_points is a int"),
+        ({"cam1": 3}, "frontier_points\\['cam1'\\]: expected the names of two cameras"),
+        ({("cam1", "cam2"): 3}, "frontier_points.*is a int, expected FrontierPoints"),
+    ],
+)
+def test_points_that_are_none_are_refused(tmp_path, points, told):
+    with pytest.raises(EpibarError, match=told):
+        network(3).export(tmp_path / "m", "colmap", frontier_points=points)
+
+
 def test_what_two_cameras_see_is_a_point(tmp_path):
     net = network(4, distortions=LENS)
     places, seen_a, seen_b = both_see(net)

@@ -10,6 +10,7 @@ from network_input import WORDS, made_up, read
 import epibar
 from epibar.cli import main
 from epibar.jobs.folder import Folder
+from epibar.outcome.run import Run
 
 
 @pytest.fixture(scope="module")
@@ -120,3 +121,20 @@ def test_a_network_of_an_earlier_run_is_not_taken_for_this_one(command, again, c
     assert "is of an earlier run than" in (error := capsys.readouterr().err)
     assert "which has no network: the run was not finished; 'epibar calibrate'" in error
     assert (network.read_bytes(), result.read_bytes()) == before
+
+
+def test_a_file_in_the_folder_stands_for_it(again, capsys):
+    made_up(3, refused=(), lost=()).save(again / "network.json")
+    for name in ("network.json", "calibration.json"):
+        assert main(["scale", str(again / name), "--distance", "cam1", "cam2", "5", "--quiet"]) == 0
+        assert main(["sync", str(again / name)]) == 0
+    assert epibar.Network.load(again / "network.json").unit == "metre"
+    capsys.readouterr()
+    assert main(["sync", str(again / "report.html")]) == 2
+    assert "report.html" in capsys.readouterr().err
+
+
+def test_a_network_is_not_called_a_damaged_calibration(tmp_path):
+    made_up(3, refused=(), lost=()).save(tmp_path / "network.json")
+    with pytest.raises(epibar.EpibarError, match=r"network.json: a network by itself.*give calibration.json"):
+        Run.load(tmp_path / "network.json")

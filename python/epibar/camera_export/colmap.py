@@ -21,7 +21,7 @@ import numpy as np
 from ..arguments import Array
 from ..errors import UNPRINTABLE, EpibarError, printable
 from ..files.atomic import write_text
-from ..files.folders import make_folder
+from ..files.folders import make_folder, refuse_others_files
 from ..lens.intrinsics import Intrinsics
 from .losses import plain_names, renamed, tell
 from .two_views import TwoViews
@@ -35,6 +35,12 @@ MODELS = ((4, "OPENCV"), (8, "FULL_OPENCV"))
 MOST_POINTS = 50_000
 """In all. Each two cameras have the same share of them, spread over the time."""
 
+README = "README.txt"
+OWN = "software: epibar"
+"""Its first line."""
+PARTS = ("cameras", "frames", "images", "points3D", "rigs")
+MODEL_FILES = tuple(f"{part}.{kind}" for kind in ("txt", "bin") for part in PARTS)
+"""A model's, as text and as COLMAP's own, which COLMAP reads first."""
 
 NO_WORD = rf"\s|{UNPRINTABLE.pattern}"
 """What is no part of one word: readers of the files as text end a name at a blank."""
@@ -46,7 +52,8 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
     Raises
     ------
     EpibarError
-        ``pycolmap`` is missing, a lens has no COLMAP model, or the folder cannot be written.
+        ``pycolmap`` is missing, a lens has no COLMAP model, or the folder cannot be written, or holds the
+        model of another program.
     """
     try:
         import pycolmap
@@ -54,6 +61,7 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
         raise EpibarError(
             "pycolmap is missing, which writes COLMAP models: pip install 'epibar[colmap]'"
         ) from error
+    refuse_others_files(path, (README, *MODEL_FILES), README, OWN)
     model = pycolmap.Reconstruction()
     names = plain_names(cameras, NO_WORD)
     for number, (camera, name) in enumerate(zip(cameras, names, strict=True), 1):
@@ -66,8 +74,8 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
         world = world.with_notes([_add_points(pycolmap, model, numbers, world.two_views)])
     make_folder(path)
     model.write_text(str(path))
-    text = "\n".join(f"{key}: {_line(value)}" for key, value in world.lines().items())
-    write_text(path / "README.txt", text + "\n")
+    told = (f"{key}: {_line(value)}" for key, value in world.lines().items() if key != "software")
+    write_text(path / README, "\n".join((OWN, *told)) + "\n")
     return [path]
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from .clock_options import add_clock_options
 from .exit_codes import DONE, MOVED, PARTLY, explanation
-from .options import CommandParser, add_output_options
+from .options import CommandParser, add_output_options, add_run_folder
 from .recording_options import add_recording_options, record_options
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ EXIT_CODES = explanation(
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
     command.epilog = EXIT_CODES
-    command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
+    add_run_folder(command)
     command.add_videos(
         "one per camera, named as when it was calibrated, or by a new name: a video, a folder of images, or "
         "a saved recording"

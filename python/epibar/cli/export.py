@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..camera_export.formats import ALIASES
 from ..export.formats import CAMERA_FORMATS, PAIR_FORMATS
 from .exit_codes import DONE
-from .options import CommandParser, add_output_options
+from .options import CommandParser, add_output_options, add_run_folder
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -36,7 +36,7 @@ def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
     names = tuple(dict.fromkeys([*CAMERA_FORMATS, *PAIR_FORMATS, *ALIASES]))
     both = ", ".join(name for name in PAIR_FORMATS if name in CAMERA_FORMATS)
-    command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
+    add_run_folder(command)
     command.add_argument("--format", required=True, choices=names, help="the program")
     command.add_argument(
         "--cameras",

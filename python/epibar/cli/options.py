@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import re
 import sys
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ __all__ = [
     "CommandParser",
     "add_length_options",
     "add_output_options",
+    "add_run_folder",
     "frame_numbers",
     "frame_rate",
     "length",
@@ -114,6 +116,21 @@ def add_output_options(command: argparse.ArgumentParser, json: str | None = None
         action="store_true",
         help="also versions, and what results rest on; for a question or a bug report",
     )
+
+
+def add_run_folder(command: argparse.ArgumentParser) -> None:
+    """Add the folder of a run, which a file in it stands for."""
+    command.add_argument(
+        "folder", metavar="DIR", type=_run_folder, help="what was --out of 'epibar calibrate'"
+    )
+
+
+def _run_folder(text: str) -> str:
+    if not os.path.isfile(text):
+        return text
+    from ..jobs.inputs import NETWORK_FILE, RESULT
+
+    return os.path.dirname(text) or "." if os.path.basename(text) in (NETWORK_FILE, RESULT) else text
 
 
 def whole(text: str) -> int:

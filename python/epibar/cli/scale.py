@@ -5,7 +5,7 @@ from __future__ import annotations
 from argparse import Namespace
 
 from .exit_codes import DONE
-from .options import CommandParser, add_length_options, add_output_options, lengths
+from .options import CommandParser, add_length_options, add_output_options, add_run_folder, lengths
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
@@ -21,7 +21,7 @@ DESCRIPTION = (
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
-    command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
+    add_run_folder(command)
     add_length_options(command)
     command.add_argument(
         "--forget",

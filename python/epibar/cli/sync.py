@@ -6,7 +6,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from .exit_codes import DONE
-from .options import CommandParser, add_output_options
+from .options import CommandParser, add_output_options, add_run_folder
 
 if TYPE_CHECKING:
     from ..outcome.sync import CameraStart
@@ -25,7 +25,7 @@ HEADER = ("camera", "offset", "in frames", "drift", "keep frames", "keep seconds
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
-    command.add_argument("folder", metavar="DIR", help="what was --out of 'epibar calibrate'")
+    add_run_folder(command)
     command.add_argument(
         "--commands", action="store_true", help="print only the commands that cut, for a POSIX shell"
     )

@@ -36,6 +36,10 @@ def read_json(path: Path) -> dict[str, Any]:
     """
     kind = "a calibration written by 'epibar calibrate'"
     result = read_json_object(path, kind)
+    if "epibar_network" in result:
+        raise EpibarError(
+            f"{path}: a network by itself, not {kind}: give calibration.json, or the folder that holds it"
+        )
     if not isinstance(result.get("pairs"), list) or "cameras" not in result:
         raise EpibarError(f"{path}: not {kind}")
     check_format(str(path), result.get("format"), FORMAT)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from ..arguments import Array
 from ..camera_export.two_views import TwoViews
@@ -30,7 +31,7 @@ def two_views(
     Raises
     ------
     EpibarError
-        The tracks have no sightings, or a pair is not of this network.
+        The tracks have no sightings, points are something else, or a pair is not of this network.
     """
     found: dict[tuple[str, str], TwoViews] = {}
     if tracks is not None:
@@ -39,7 +40,7 @@ def two_views(
                 "these tracks hold no sightings, which a table has no place for: make them anew"
             )
         found = {(one.a, one.b): one for one in tracks.two_views()}
-    for (a, b), points in (frontier_points or {}).items():
+    for (a, b), points in _by_pair(frontier_points).items():
         network.refuse_unknown((a, b))
         if (a, b) in found or (b, a) in found or (a, b) not in network.pairs:
             continue
@@ -55,6 +56,24 @@ def two_views(
         for one in found.values()
         if network.cameras[one.a].accepted and network.cameras[one.b].accepted and len(one)
     )
+
+
+def _by_pair(given: Any) -> Mapping[tuple[str, str], FrontierPoints]:
+    """Take no points as none, and refuse what is no mapping of two names each to points."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise EpibarError(
+            f"frontier_points is a {type(given).__name__}, expected points by the names of two cameras"
+        )
+    for pair, points in given.items():
+        if not (isinstance(pair, tuple) and len(pair) == 2 and all(isinstance(name, str) for name in pair)):
+            raise EpibarError(f"frontier_points[{pair!r}]: expected the names of two cameras")
+        if not isinstance(points, FrontierPoints):
+            raise EpibarError(
+                f"frontier_points[{pair!r}] is a {type(points).__name__}, expected FrontierPoints"
+            )
+    return given
 
 
 def _raw(network: NetworkParts, lenses: Mapping[str, Intrinsics], name: str, pixels: Array) -> Array:
