@@ -106,6 +106,15 @@ impl Move {
         self.focal.abs() > limits::MOVED * self.focal_error
     }
 
+    /// Whether it agrees best so far away that nobody can say that it stands, however few moments say so.
+    pub fn is_far(&self) -> bool {
+        let beyond = |size: f64, error: f64| size > limits::SEEMS_MOVED * error;
+        let far = beyond(self.turned, self.turned_error)
+            || beyond(self.shifted, self.shifted_error)
+            || beyond(self.focal.abs(), self.focal_error);
+        far && self.better > 0.0
+    }
+
     /// Whether it was filmed.
     pub fn is_within(&self) -> bool {
         self.before > limits::MOVED_LATER

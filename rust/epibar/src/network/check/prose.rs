@@ -45,6 +45,12 @@ pub fn said(camera: usize, seen: &NewFootage, judged: &Judged, replaced: Replace
             100.0 * limits::MOVED * found.focal_error,
             if found.shifted_error.is_finite() { "" } else { UNSEEN }
         ),
+        (CheckStatus::Unsure, Some((found, stated))) if found.is_far() && seen.deviate >= limits::CAMERA_DEVIATES => {
+            format!(
+                "it may have moved, but too few moments say so: film for longer; if so, {}",
+                of_move("it", stated, None)
+            )
+        }
         _ => {
             "what moves in it does not agree with the others: too little moved before several cameras, it moved by more than a few degrees, or it shows something else".to_owned()
         }

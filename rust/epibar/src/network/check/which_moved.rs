@@ -34,7 +34,9 @@ pub struct Judged {
 impl Judged {
     /// What is said of a camera that has so much in common with the others, as a normal deviate.
     pub fn status(&self, camera: usize, deviate: f64) -> CheckStatus {
-        let known = self.found[camera].is_some() && deviate >= limits::CAMERA_DEVIATES;
+        let moved = self.moved[camera] || !self.rivals[camera].is_empty();
+        let tells = |found: &Move| moved || !found.is_far();
+        let known = self.found[camera].as_ref().is_some_and(tells) && deviate >= limits::CAMERA_DEVIATES;
         match (known, !self.rivals[camera].is_empty(), self.moved[camera]) {
             (false, ..) => CheckStatus::Unsure,
             (true, true, _) => CheckStatus::Suspect,
@@ -285,5 +287,38 @@ mod tests {
         assert_eq!([0, 1].map(|c| judged.status(c, enough)), [CheckStatus::Suspect; 2]);
         judged.found[1] = None;
         assert_eq!(judged.status(1, enough), CheckStatus::Unsure);
+    }
+
+    #[test]
+    fn one_that_agrees_best_far_away_is_not_said_to_stand() {
+        let camera = Camera::new(ImageSize::new(640, 480).unwrap(), 500.0);
+        let (error, far) = (0.01, limits::SEEMS_MOVED * 0.01);
+        let at = |turned: f64, shifted: f64, better: f64| Move {
+            better,
+            turned,
+            shifted,
+            turned_error: error,
+            shifted_error: error,
+            focal: 0.0,
+            focal_error: error,
+            ..Move::none(camera)
+        };
+        let status = |found: Move, moved: bool| {
+            let now = Placed { cameras: vec![camera], placed: vec![true] };
+            let rivals = vec![Vec::new()];
+            let judged = Judged { now, moved: vec![moved], rivals, found: vec![Some(found)] };
+            judged.status(0, limits::CAMERA_DEVIATES)
+        };
+        for found in [at(1.01 * far, 0.0, 1.0), at(0.0, 1.01 * far, 1.0)] {
+            assert_eq!(status(found, false), CheckStatus::Unsure);
+            assert_eq!(status(found, true), CheckStatus::Moved);
+            assert_eq!(status(Move { better: 0.0, ..found }, false), CheckStatus::Unmoved);
+        }
+        let zoomed = Move { focal: -1.01 * far, ..at(0.0, 0.0, 1.0) };
+        assert_eq!(status(zoomed, false), CheckStatus::Unsure);
+        assert_eq!(status(at(0.99 * far, 0.99 * far, 1.0), false), CheckStatus::Unmoved);
+        // That nothing tells of a shift is no move.
+        let untold = Move { shifted_error: f64::INFINITY, ..at(0.0, 1e3, 1.0) };
+        assert_eq!(status(untold, false), CheckStatus::Unmoved);
     }
 }
