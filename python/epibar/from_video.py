@@ -167,6 +167,7 @@ def record(
             matrix=None if intrinsics is None else intrinsics.matrix,
             health=health.numbers,
             first_frame=source.first,
+            pixel_aspect=source.pixel_aspect,
             pictures=None if taker is None else taker.pictures(),
             lens=intrinsics,
         )

@@ -24,6 +24,7 @@ from .arguments import (
     Unsigned,
     as_camera_matrix,
     as_masks,
+    as_positive,
     as_text,
     as_whole_number,
     core_errors,
@@ -72,6 +73,9 @@ class Recording:
         what it means.
     first_frame : int
         Number in the video of frame 0.
+    pixel_aspect : float or None
+        Width of a pixel over its height, as the video says: fy / fx of its camera. None where pixels are
+        square or nothing is said.
     pictures : Pictures or None
         Of some frames, where :func:`epibar.record` was asked for them. They travel with a pickle, and are not
         in the file that :meth:`save` writes.
@@ -86,6 +90,7 @@ class Recording:
         matrix: ArrayLike | None = None,
         health: Mapping[str, float] | None = None,
         first_frame: int = 0,
+        pixel_aspect: float | None = None,
         pictures: Pictures | None = None,
         lens: Intrinsics | None = None,
     ) -> None:
@@ -96,6 +101,9 @@ class Recording:
         self.lens = lens
         self.health = dict(health or {})
         self.first_frame = first_frame
+        self.pixel_aspect = (
+            None if pixel_aspect is None else as_positive("pixel_aspect", pixel_aspect, "widths for a height")
+        )
         self.pictures = pictures
 
     @classmethod
@@ -274,6 +282,8 @@ class Recording:
         arrays["health_names"] = np.array(list(self.health), dtype=np.str_)
         arrays["health_values"] = np.array(list(self.health.values()), dtype=np.float64)
         arrays["first_frame"] = np.array(self.first_frame)
+        if self.pixel_aspect is not None:
+            arrays["pixel_aspect"] = np.array(self.pixel_aspect)
         if self.matrix is not None:
             arrays["matrix"] = self.matrix
         if self.lens is not None:
@@ -311,6 +321,7 @@ class Recording:
                 matrix=matrix,
                 health=_stored_health(arrays),
                 first_frame=as_whole_number("first_frame", arrays.get("first_frame", np.array(0))[()], 0),
+                pixel_aspect=_stored_aspect(arrays),
                 lens=_stored_lens(arrays, name, (made.width, made.height)),
             )
         except (ValueError, TypeError, KeyError, OverflowError) as error:
@@ -333,6 +344,11 @@ def _stored_lens(arrays: Mapping[str, AnyArray], name: str, size: tuple[int, int
     if matrix is None or distortions is None:
         return None
     return Intrinsics(name, size, matrix, distortions, bool(arrays.get("fisheye", np.array(False))))
+
+
+def _stored_aspect(arrays: Mapping[str, AnyArray]) -> float | None:
+    """Read how wide pixels are; files of older versions do not say."""
+    return float(arrays["pixel_aspect"]) if "pixel_aspect" in arrays else None
 
 
 def _stored_health(arrays: Mapping[str, AnyArray]) -> dict[str, float]:

@@ -59,6 +59,7 @@ RECORDING: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "health_names": ("U", ("health",)),
     "health_values": ("f", ("health",)),
     "first_frame": ("iu", ()),
+    "pixel_aspect": ("f", ()),
     "matrix": ("f", (3, 3)),
     "distortions": ("f", ("distortions",)),
     "fisheye": ("b", ()),
@@ -88,6 +89,7 @@ OPTIONAL = {
     "health_names",
     "health_values",
     "first_frame",
+    "pixel_aspect",
     "core_outline_start",
     "core_outline_points",
 }

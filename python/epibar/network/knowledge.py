@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import NoneType
 from typing import Any, Literal
 
@@ -40,7 +40,8 @@ class KnownCamera:
     principal_point : (float, float), optional
         Alone, pixels.
     aspect : float or "unknown", optional
-        fy / fx, where pixels are not square; "unknown" where it is to be solved for.
+        fy / fx, where pixels are not square; "unknown" where it is to be solved for. By default what the
+        video said, :attr:`Recording.pixel_aspect`.
     """
 
     matrix: ArrayLike | None = None
@@ -118,7 +119,10 @@ def known_of(name: str, recording: Recording, known: KnownCamera | None) -> dict
         The recording has had its lens taken out, and something else is said of it.
     """
     if recording.matrix is None:
-        return (known or KnownCamera()).to_core(name)
+        told = known or KnownCamera()
+        if told.aspect is None and told.matrix is None:
+            told = replace(told, aspect=recording.pixel_aspect)
+        return told.to_core(name)
     if known is not None:
         raise EpibarError(
             f"{name}: this recording has had its lens taken out and knows its camera matrix; leave it out of "

@@ -141,6 +141,7 @@ class ChapterFrames(ColourFrames):
             with ColourFrames(file, fps=fps) as chapter:
                 if not counts:
                     (self.width, self.height), self.fps = chapter.size, chapter.fps
+                    self.pixel_aspect = chapter.pixel_aspect
                 self._check_chapter(chapter, file)
                 counts.append(chapter.frame_count)
                 for text in chapter.warnings:

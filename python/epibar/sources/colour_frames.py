@@ -32,6 +32,8 @@ RECONNECT_AFTER = (1.0, 3.0, 10.0)
 """Seconds before each new try to open a live stream that broke off."""
 NEAR = 32
 """Frames ahead that are reached faster by decoding than by seeking, which goes back to a key frame."""
+LEAST_ASPECT, MOST_ASPECT = math.log(1.002), math.log(3.0)
+"""Logarithms: pixels that are as good as square, and such as no camera has."""
 LIVE_PRIMING = 10.0
 """Seconds of a live stream from which the empty scene is learned, before those that are recorded."""
 
@@ -39,6 +41,18 @@ LIVE_PRIMING = 10.0
 def _stamp(capture: Any) -> float:
     """Seconds that the container has for the frame just read."""
     return float(capture.get(opencv().CAP_PROP_POS_MSEC)) / 1000.0
+
+
+def _pixel_aspect(capture: Any) -> float | None:
+    """How wide a pixel of the frames as they come is for its height; None for square ones or nothing said."""
+    cv2 = opencv()
+    wide, high = (float(capture.get(key)) for key in (cv2.CAP_PROP_SAR_NUM, cv2.CAP_PROP_SAR_DEN))
+    if not (wide > 0 and high > 0 and abs(math.log(wide / high)) < MOST_ASPECT):
+        return None
+    quarter = capture.get(cv2.CAP_PROP_ORIENTATION_META) % 180 == 90
+    turned = quarter and capture.get(cv2.CAP_PROP_ORIENTATION_AUTO)
+    aspect = high / wide if turned else wide / high
+    return None if abs(math.log(aspect)) < LEAST_ASPECT else aspect
 
 
 def _is_stream_or_pattern(source: str) -> bool:
@@ -73,6 +87,8 @@ class ColourFrames(FrameSource[Image]):
         A stream that announces no end. It must be given one: ``frames`` with a last frame, or with seconds.
     frame_count : int or None
         What the container announces until the end was reached, then what was decoded; None if unknown.
+    pixel_aspect : float or None
+        Width of a pixel over its height, as the file says; None where pixels are square or nothing is said.
     truncated : bool
         The container announced clearly more frames than could be decoded, and a longer time than their stamps
         span. Known once the end was reached.
@@ -159,6 +175,7 @@ class ColourFrames(FrameSource[Image]):
                 f"{self.shown}: not one frame can be decoded; convert it to H.264 mp4 and try again"
             )
         self.height, self.width = first.shape[:2]
+        self._note_pixels(_pixel_aspect(capture))
         announced = capture.get(cv2.CAP_PROP_FRAME_COUNT)
         self._started = (capture, first)
         if math.isfinite(announced) and 0 < announced < 1e12:
@@ -176,6 +193,16 @@ class ColourFrames(FrameSource[Image]):
         if self.live and self._range.last is not None and self.frame_count is None:
             self.frame_count = self._range.last - self.first
         self._announced = self.frame_count
+
+    def _note_pixels(self, aspect: float | None) -> None:
+        """Keep how wide pixels are, and say so where they are not square."""
+        self.pixel_aspect = aspect
+        if aspect is not None:
+            self._warn(
+                f"{self.shown}: its pixels are {aspect:.3g} times as wide as high by what the file says: "
+                "networks count with that, and pairs take pixels for square; for pairs give the camera "
+                "matrix, or make pixels square: ffmpeg -i IN -vf scale=iw*sar:ih,setsar=1 OUT"
+            )
 
     @property
     def of_images(self) -> bool:

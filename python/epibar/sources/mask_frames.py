@@ -65,6 +65,7 @@ class MaskFrames(FrameSource[Mask]):
             self.name, self.fps = self._frames.name, self._frames.fps
             self.width, self.height = self._frames.size
             self.frame_count = self._frames.frame_count
+            self.pixel_aspect = self._frames.pixel_aspect
             self.warnings = self._frames.warnings
 
     def _open_array(self) -> None:

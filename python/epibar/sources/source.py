@@ -57,6 +57,7 @@ class FrameSource(Generic[T]):
         self.name = source_name(self.path)
         self.warnings: list[str] = []
         self.truncated = False
+        self.pixel_aspect: float | None = None
         self.width = 0
         self.height = 0
         self.frame_count: int | None = None
