@@ -175,6 +175,14 @@ def test_a_camera_that_was_turned_is_found(tmp_path):
     assert found.turned == pytest.approx(3.0, abs=1.0)
 
 
+def test_where_none_stands_several_may_have_moved(core):
+    names = ["cam1", "cam2", "cam3"]
+    others = {name: [other for other in names if other != name] for name in names}
+    core.verdicts = {name: {**MOVED, "status": "suspect", "rivals": others[name]} for name in names}
+    check = network().check(films(*names), 0.0)
+    assert check.reason == "of 3 cameras one or more of cam1, cam2, cam3 has moved; not looked at: cam4"
+
+
 def test_a_suspect_that_cannot_be_judged_is_named_with_the_others(core):
     """Where two films are swapped those two fit nothing, and the others seem to have moved."""
     core.verdicts = {"cam1": {**MOVED, "status": "suspect", "rivals": ["cam2", "cam3"]}, "cam2": UNSURE}

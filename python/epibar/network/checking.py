@@ -172,7 +172,9 @@ class NetworkCheck:
         known = [f"{', '.join(self.moved)} {have} moved"] if self.moved else []
         rivals = [name for one in self.suspects for name in self.cameras[one].rivals]
         suspected = [name for name in self.cameras if name in self.suspects or name in rivals]
-        known += [f"one of {', '.join(suspected)} has moved"] if suspected else []
+        # Where none is left that stands, several may have moved.
+        either = "one or more" if len(self.suspects) == count > 2 else "one"
+        known += [f"{either} of {', '.join(suspected)} has moved"] if suspected else []
         unsure = [f"{', '.join(self.unsure)} cannot be judged"] if self.unsure else []
         if known:
             found = f"of {count} cameras {', and '.join(known + unsure)}"

@@ -85,6 +85,7 @@ pub fn judged(footage: &Footage, stored: &Placed, watch: &mut dyn Watch) -> Resu
     };
     let mut stretch = Stretch::whole(footage.observed, stored);
     let mut round = footage.asked(&stretch, &so_far, watch)?;
+    let by_themselves = round.found.clone();
     loop {
         so_far.take(&round);
         let leading = round.leading();
@@ -105,6 +106,7 @@ pub fn judged(footage: &Footage, stored: &Placed, watch: &mut dyn Watch) -> Resu
         so_far.rivals[suspects[0]] = suspects[1..].to_vec();
     }
     so_far.settle_rivals();
+    so_far.doubt_without_two_that_stand(&by_themselves);
     Ok(so_far)
 }
 
@@ -123,6 +125,17 @@ impl Judged {
             self.rivals[c] = cameras.iter().copied().filter(|other| *other != c).collect();
         }
         self.settle_rivals();
+    }
+
+    /// Cameras move against others, and where fewer than two of several are left that stand nothing says against which: two that
+    /// moved spoil all pairs of four but one. Then any may have moved, by what it was found to have done by itself.
+    fn doubt_without_two_that_stand(&mut self, by_themselves: &[Option<Move>]) {
+        let all: Vec<usize> = (0..self.moved.len()).collect();
+        let stand = all.iter().filter(|&&c| !self.moved[c] && self.rivals[c].is_empty()).count();
+        if all.len() > 2 && stand < 2 && self.moved.contains(&true) {
+            self.found = by_themselves.to_vec();
+            self.suspect(&all);
+        }
     }
 
     /// A camera that moved itself did not move in place of another.
@@ -287,6 +300,26 @@ mod tests {
         assert_eq!([0, 1].map(|c| judged.status(c, enough)), [CheckStatus::Suspect; 2]);
         judged.found[1] = None;
         assert_eq!(judged.status(1, enough), CheckStatus::Unsure);
+    }
+
+    #[test]
+    fn where_fewer_than_two_stand_nobody_knows_which_moved() {
+        let camera = Camera::new(ImageSize::new(640, 480).unwrap(), 500.0);
+        let judged = |moved: &[bool]| {
+            let n = moved.len();
+            let now = Placed { cameras: vec![camera; n], placed: vec![true; n] };
+            let found = vec![Some(Move { turned: 1.0, ..Move::none(camera) }); n];
+            let mut judged = Judged { now, moved: moved.to_vec(), rivals: vec![Vec::new(); n], found };
+            judged.doubt_without_two_that_stand(&vec![Some(Move { turned: 0.5, ..Move::none(camera) }); n]);
+            let status = (0..n).map(|c| judged.status(c, limits::CAMERA_DEVIATES)).collect::<Vec<_>>();
+            (status, judged.found[0].unwrap().turned)
+        };
+        let suspects = |n: usize| (vec![CheckStatus::Suspect; n], 0.5);
+        assert_eq!(judged(&[true; 4]), suspects(4));
+        assert_eq!(judged(&[true, true, false]), suspects(3));
+        let named = [CheckStatus::Moved, CheckStatus::Moved, CheckStatus::Unmoved, CheckStatus::Unmoved];
+        assert_eq!(judged(&[true, true, false, false]), (named.to_vec(), 1.0));
+        assert_eq!(judged(&[false; 4]), (vec![CheckStatus::Unmoved; 4], 1.0));
     }
 
     #[test]
