@@ -11,6 +11,7 @@ use crate::frontier::{Views, busy_frames};
 use crate::geometry::median::median;
 use crate::hypotheses::{Draws, LineModel};
 use crate::matching::{Candidates, find_candidates};
+use crate::offset_choice::outstanding_offset;
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::by_lines::{self, Filmed};
@@ -80,6 +81,11 @@ fn calibrate_from(
     watch: &mut dyn Watch,
 ) -> Result<(Calibration, Option<f64>)> {
     let mut clocks = Clocks::new(a, b, offset, options.upright, watch)?;
+    if options.method == Method::Frontier
+        && let Some(outstanding) = outstanding_offset(&clocks, options, &mut after_barcodes(watch))?
+    {
+        clocks.take(outstanding.offset);
+    }
     loop {
         let found = calibrate_at(&clocks.aligned(), options, watch)?;
         let credible = found.fundamental.filter(|_| found.evidence.z >= MIN_Z_FOR_CLOCK);
@@ -95,6 +101,11 @@ fn calibrate_from(
             });
         }
     }
+}
+
+/// The last tenth of the work on the offset.
+fn after_barcodes(watch: &mut dyn Watch) -> impl Watch {
+    |stage, done| watch.keep_going(stage, 0.9 + 0.1 * done)
 }
 
 /// An accepted geometry, unless what moves does not tell the clock that it was found with; and an offset that is clearly better.

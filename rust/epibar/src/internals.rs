@@ -2,6 +2,7 @@
 //!
 //! No part of the public interface: anything in here may change with every version.
 
+pub use crate::clock::offset::FoundOffset;
 pub use crate::clock::{Clock, Clocks, common_frames, find_offset};
 #[cfg(feature = "files")]
 pub use crate::files::saved;
@@ -32,6 +33,7 @@ pub use crate::network::pair::{RIVAL_SHARE, RIVALS};
 pub use crate::network::pair_choice::ALL_PAIRS;
 pub use crate::network::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
 pub use crate::network::support::PAIR_DEVIATES;
+pub use crate::offset_choice::outstanding_offset;
 pub use crate::options::{MAX_EXPECTED_ERROR, SEARCH_SECONDS};
 pub use crate::random::generator;
 pub use crate::recording::FramePair;

@@ -71,6 +71,7 @@ mod image;
 pub mod internals;
 mod matching;
 pub mod network;
+mod offset_choice;
 mod options;
 mod random;
 mod recording;

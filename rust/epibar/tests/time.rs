@@ -6,7 +6,9 @@ use std::sync::OnceLock;
 
 use common::cameras::error;
 use common::flying::Scene;
-use epibar::internals::{Clock, Clocks, FramePair, common_frames, find_offset};
+use epibar::internals::{
+    Clock, Clocks, FoundOffset, FramePair, common_frames, find_offset, outstanding_offset,
+};
 use epibar::{
     CalibrateOptions, Calibration, Kind, Recording, RecordingParts, Stage, TimeOffset, Unwatched, calibrate,
     calibrate_watched,
@@ -53,6 +55,28 @@ fn barcodes_find_the_offset_to_a_frame_or_so() {
     // Nothing to compare at any shift.
     let short = shared().0.record_frames(0, LINES, 0..5);
     assert_eq!(find_offset(&short, b, 1.0, &mut Unwatched).unwrap(), None);
+}
+
+#[test]
+fn of_the_offsets_that_barcodes_propose_a_geometry_stands_out_at_the_true_one_alone() {
+    let (_, [_, b]) = shared();
+    let late = late();
+    let barcodes = find_offset(&late, b, 1.0, &mut Unwatched).unwrap().unwrap();
+    assert!(barcodes.others.iter().all(|o| (o - barcodes.offset).abs() > 10.0), "{barcodes:?}");
+    let chosen = |offset: f64, others: &[f64]| {
+        let found = FoundOffset { offset, others: others.to_vec(), ..barcodes.clone() };
+        let clocks = Clocks::from_found(&late, b, found, true);
+        outstanding_offset(&clocks, &CalibrateOptions::new(), &mut Unwatched).unwrap()
+    };
+    // The true one, and one a step beside it, is chosen whatever barcodes say.
+    for (offset, others) in [(9.0, &[-30.0, 40.0][..]), (-30.0, &[40.0, 9.0]), (-30.0, &[40.0, 8.0])] {
+        let chosen = chosen(offset, others).unwrap();
+        assert!(
+            (chosen.offset - 9.0).abs() <= 1.0 && chosen.runner_up < 0.4,
+            "{chosen:?} of {offset} {others:?}"
+        );
+    }
+    assert_eq!(chosen(-30.0, &[40.0, 70.0, -50.0, 25.0]), None);
 }
 
 #[test]

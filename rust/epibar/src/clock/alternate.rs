@@ -1,10 +1,12 @@
 //! The clocks and the geometry, in turn: one cannot be had without the other.
 
+use std::iter::once;
+
 use super::aligned::Aligned;
 use super::clock::Clock;
 use super::offset::{FoundOffset, find_offset, find_offset_among};
 use super::offset_and_drift::{Measured, sharpen};
-use super::timing::{TimeOffset, Timing};
+use super::timing::{RunnerUp, TimeOffset, Timing};
 use crate::error::Result;
 use crate::frontier::up::{Up, up_in};
 use crate::frontier::{busy_frames, symmetric_score};
@@ -73,16 +75,43 @@ impl<'a> Clocks<'a> {
             TimeOffset::About(offset) => (Clock::at(offset), None, Next::First),
             TimeOffset::Search { seconds } => {
                 let found = find_offset(a, b, seconds, watch)?;
-                (Clock::at(found.map_or(0.0, |s| s.offset)), found, Next::First)
+                (Clock::at(found.as_ref().map_or(0.0, |s| s.offset)), found, Next::First)
             }
         };
         Ok(Self { a, b, links: Links::new(b), up: up_in([a, b], upright), given: offset, clock, found, next })
+    }
+
+    /// From offsets that barcodes propose. `upright`: both cameras are the right way up.
+    pub fn from_found(a: &'a Recording, b: &'a Recording, found: FoundOffset, upright: bool) -> Self {
+        let (clock, given) = (Clock::at(found.offset), TimeOffset::About(found.offset));
+        let (links, up) = (Links::new(b), up_in([a, b], upright));
+        Self { a, b, links, up, given, clock, found: Some(found), next: Next::First }
     }
 
     /// Both recordings on the time line for which a geometry is wanted.
     pub fn aligned(&self) -> Aligned<'_> {
         let aligned = self.aligned_at(self.clock);
         if matches!(self.next, Next::First) { aligned.thinned(SOME_FRAMES) } else { aligned }
+    }
+
+    /// Offsets that may be it, frames of B, those first for which barcodes speak most; none where it was not searched for.
+    pub fn proposed(&self) -> Vec<f64> {
+        self.found.iter().flat_map(|f| once(f.offset).chain(f.others.iter().copied())).collect()
+    }
+
+    /// Both recordings by one of those, and some of the frames.
+    pub fn proposal(&self, offset: f64) -> Aligned<'_> {
+        self.aligned_at(Clock::at(offset)).thinned(SOME_FRAMES)
+    }
+
+    /// Takes another of those that may be it than the one for which barcodes speak most.
+    pub fn take(&mut self, offset: f64) {
+        if let Some(found) = self.found.as_ref().filter(|found| found.offset != offset) {
+            // Barcodes speak as much for the one that was best as for the next.
+            let best = RunnerUp { offset: found.offset, share: 1.0 };
+            self.found = Some(FoundOffset { offset, runner_up: Some(best), ..found.clone() });
+            self.clock = Clock::at(offset);
+        }
     }
 
     /// Seconds between frames of B.
@@ -137,7 +166,7 @@ impl<'a> Clocks<'a> {
                 }
             }
         }
-        if let Some(found) = self.found {
+        if let Some(found) = &self.found {
             timing.runner_up = found.runner_up;
             timing.trials = found.trials;
         }
@@ -150,7 +179,7 @@ impl<'a> Clocks<'a> {
     /// # Errors
     /// [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn trials_by_parts(&self, watch: &mut dyn Watch) -> Result<usize> {
-        let (TimeOffset::Search { seconds }, Some(found)) = (self.given, self.found) else { return Ok(1) };
+        let (TimeOffset::Search { seconds }, Some(found)) = (self.given, &self.found) else { return Ok(1) };
         let common = self.aligned_at(Clock::at(found.offset)).frame_pairs();
         let (length, agree) =
             (common.len() as f64 / PARTS as f64, (PARTS_AGREE / self.b.frame_interval()).ceil());

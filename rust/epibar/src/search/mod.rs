@@ -3,12 +3,14 @@
 //! Of the hypotheses of every source a few dozen *different* ones are refined with a shrinking radius, and compared on
 //! more frames ([`starts`]); while they contest one another ([`contest`]) or the best still gains, the best are fitted anew to samples of what meets
 //! ([`resample`]) and refined again, and followed along the valleys that they lie in ([`pass`]). What remains is a list of different geometries with
-//! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames. [`by_lines`] is the search of the paper instead.
+//! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames. [`by_lines`] is the search of the paper instead, and [`mod@glance`]
+//! looks whether there is anything to search for.
 
 pub mod by_lines;
 
 mod contest;
 mod either_order;
+mod glance;
 mod pass;
 mod resample;
 mod settle;
@@ -16,6 +18,7 @@ mod solution;
 mod starts;
 mod training_set;
 
+pub use glance::{glance, of_a_glance};
 pub use resample::resampled;
 pub use settle::settle;
 pub use solution::{Found, Searched, Solution};

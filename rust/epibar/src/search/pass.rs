@@ -55,8 +55,7 @@ pub(super) fn pass(
     let options = &training.options;
     report(watch, Stage::Refine, 0.0)?;
     let mut breadth = &USUAL;
-    let mut starts =
-        Starts::new(training, scored, options.own_starts, options.starts, STARTS_APART * training.scale);
+    let mut starts = starts_of(training, scored);
     let mut solutions = with_refined(training, known, &starts.from(0), &SCHEDULES, breadth.kept);
     if contest(training, &solutions) > CONTESTING {
         breadth = &WIDE;
@@ -67,6 +66,16 @@ pub(super) fn pass(
     }
     solutions = gained(training, solutions, breadth, seed, watch)?;
     walked(training, &solutions, breadth, watch)
+}
+
+/// What hypotheses become when the best of them that differ are refined.
+pub(super) fn refined_once(training: &TrainingSet, scored: &[Hypothesis]) -> Vec<Solution> {
+    with_refined(training, Vec::new(), &starts_of(training, scored).from(0), &SCHEDULES, USUAL.kept)
+}
+
+fn starts_of<'a>(training: &'a TrainingSet<'a>, scored: &[Hypothesis]) -> Starts<'a> {
+    let options = &training.options;
+    Starts::new(training, scored, options.own_starts, options.starts, STARTS_APART * training.scale)
 }
 
 /// The best of solutions and of what they become when they are resampled, round after round: some while others contest the best one, more

@@ -54,6 +54,15 @@ pub fn asked_beyond(count: usize, found: &[PairOffset]) -> Vec<(usize, usize)> {
     beyond
 }
 
+/// Which of the pairs that were asked no triangles vouch for, of few cameras.
+pub fn unvouched(count: usize, found: &[PairOffset]) -> Vec<usize> {
+    if count > ALL_PAIRS {
+        return Vec::new();
+    }
+    let (_, group) = vouched(count, found);
+    (0..found.len()).filter(|&i| group[found[i].a] != group[found[i].b]).collect()
+}
+
 /// How many triangles each camera is in whose offsets add up to nought, and a group for all that such triangles join.
 fn vouched(count: usize, found: &[PairOffset]) -> (Vec<usize>, Vec<usize>) {
     let mut between = vec![f64::NAN; count * count];

@@ -7,12 +7,14 @@
 use rayon::prelude::*;
 
 pub use super::clock_pairs::PairOffset;
-use super::clock_pairs::{asked, asked_beyond};
-use super::pair_choice::ALL_PAIRS;
-use crate::clock::{TimeOffset, find_offset, score_at_offset};
+use super::clock_pairs::{asked, asked_beyond, unvouched};
+use crate::clock::offset::FoundOffset;
+use crate::clock::{Clocks, TimeOffset, find_offset, score_at_offset};
 use crate::error::Result;
 use crate::network::model::joint::Belief;
 use crate::network::thresholds as limits;
+use crate::offset_choice::{OutstandingOffset, outstanding_offset};
+use crate::options::CalibrateOptions;
 use crate::recording::Recording;
 use crate::watch::{Stage, Unwatched, Watch, report};
 
@@ -83,29 +85,37 @@ const ALONE: f64 = 0.2;
 /// Rounds of taking means.
 const ROUNDS: usize = 20;
 
-/// What the barcodes of two recordings say of their clocks, within so many seconds; `None` where nothing.
-///
-/// # Errors
-/// [`Error::Interrupted`](crate::Error::Interrupted).
-pub fn pair_offset(
-    recordings: [&Recording; 2],
-    [a, b]: [usize; 2],
-    seconds: f64,
-    watch: &mut dyn Watch,
-) -> Result<Option<PairOffset>> {
-    let found = find_offset(recordings[0], recordings[1], seconds, watch)?;
-    let interval = recordings[1].frame_interval();
-    Ok(found.map(|f| PairOffset {
+/// What the barcodes of two recordings say of their clocks.
+fn by_barcodes(f: &FoundOffset, [a, b]: [usize; 2], interval: f64) -> PairOffset {
+    PairOffset {
         a,
         b,
         seconds: f.offset * interval,
         score: f.score,
         unshifted: f.unshifted,
         runner_up: f.runner_up.map_or(0.0, |r| r.share),
+    }
+}
+
+/// The offset of a pair at which a geometry stands out among those that barcodes propose, if one does.
+fn by_geometry(
+    recordings: [&Recording; 2],
+    found: &FoundOffset,
+    said: PairOffset,
+    watch: &mut dyn Watch,
+) -> Result<PairOffset> {
+    let clocks = Clocks::from_found(recordings[0], recordings[1], found.clone(), true);
+    let outstanding = outstanding_offset(&clocks, &CalibrateOptions::new(), watch)?;
+    Ok(outstanding.map_or(said, |OutstandingOffset { offset, runner_up }| {
+        let seconds = offset * recordings[1].frame_interval();
+        // Where both say the same, the clearer of the two.
+        let runner_up = if offset == found.offset { said.runner_up.min(runner_up) } else { runner_up };
+        PairOffset { seconds, runner_up, ..said }
     }))
 }
 
-/// Offsets of pairs: those asked for by [`asked`], and more where these leave cameras that nothing vouches for.
+/// Offsets of pairs: those asked for by [`asked`], and more where these leave cameras that nothing vouches for; of few cameras those pairs for which nothing
+/// vouches are asked for a geometry that stands out.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
@@ -116,9 +126,11 @@ pub fn pair_offsets(
 ) -> Result<Vec<PairOffset>> {
     let count = recordings.len();
     let of = |&(a, b): &(usize, usize)| {
-        pair_offset([recordings[a], recordings[b]], [a, b], seconds, &mut Unwatched)
+        let found = find_offset(recordings[a], recordings[b], seconds, &mut Unwatched)?;
+        let interval = recordings[b].frame_interval();
+        Ok(found.map(|found| (by_barcodes(&found, [a, b], interval), found)))
     };
-    let mut found = Vec::new();
+    let (mut found, mut proposed) = (Vec::new(), Vec::new());
     for beyond in [false, true] {
         let pairs = match beyond {
             false => asked(count),
@@ -126,15 +138,27 @@ pub fn pair_offsets(
             true if started_together(count, &found) => Vec::new(),
             true => asked_beyond(count, &found),
         };
-        // Of more cameras the second half may have nothing to do.
+        // The second half may have nothing to do.
         let before = if beyond { 0.5 } else { 0.0 };
-        let of_all = if count <= ALL_PAIRS { 1.0 } else { 0.5 };
         for (i, chunk) in pairs.chunks(4).enumerate() {
-            report(watch, Stage::TimeOffset, before + of_all * 4.0 * i as f64 / pairs.len() as f64)?;
-            for offset in chunk.par_iter().map(of).collect::<Result<Vec<_>>>()? {
-                found.extend(offset);
+            report(watch, Stage::TimeOffset, before + 0.5 * 4.0 * i as f64 / pairs.len() as f64)?;
+            for (offset, of_pair) in
+                chunk.par_iter().map(of).collect::<Result<Vec<_>>>()?.into_iter().flatten()
+            {
+                found.push(offset);
+                proposed.push(of_pair);
             }
         }
+    }
+    if started_together(count, &found) {
+        return Ok(found);
+    }
+    let open = unvouched(count, &found);
+    for (k, &i) in open.iter().enumerate() {
+        let PairOffset { a, b, .. } = found[i];
+        let mut of_all =
+            |stage, done| watch.keep_going(stage, 0.5 + 0.5 * (k as f64 + done) / open.len() as f64);
+        found[i] = by_geometry([recordings[a], recordings[b]], &proposed[i], found[i], &mut of_all)?;
     }
     Ok(found)
 }
