@@ -36,8 +36,8 @@ MOST_POINTS = 50_000
 """In all. Each two cameras have the same share of them, spread over the time."""
 
 README = "README.txt"
-OWN = "software: epibar"
-"""Its first line."""
+SOFTWARE = "epibar"
+"""What the first line says that it is of."""
 PARTS = ("cameras", "frames", "images", "points3D", "rigs")
 MODEL_FILES = tuple(f"{part}.{kind}" for kind in ("txt", "bin") for part in PARTS)
 """A model's, as text and as COLMAP's own, which COLMAP reads first."""
@@ -61,7 +61,7 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
         raise EpibarError(
             "pycolmap is missing, which writes COLMAP models: pip install 'epibar[colmap]'"
         ) from error
-    refuse_others_files(path, (README, *MODEL_FILES), README, OWN)
+    refuse_others_files(path, (README, *MODEL_FILES), README, f"software: {SOFTWARE}")
     model = pycolmap.Reconstruction()
     names = plain_names(cameras, NO_WORD)
     for number, (camera, name) in enumerate(zip(cameras, names, strict=True), 1):
@@ -74,8 +74,8 @@ def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> lis
         world = world.with_notes([_add_points(pycolmap, model, numbers, world.two_views)])
     make_folder(path)
     model.write_text(str(path))
-    told = (f"{key}: {_line(value)}" for key, value in world.lines().items() if key != "software")
-    write_text(path / README, "\n".join((OWN, *told)) + "\n")
+    told = {"software": SOFTWARE, **world.lines()}
+    write_text(path / README, "".join(f"{key}: {_line(value)}\n" for key, value in told.items()))
     return [path]
 
 

@@ -34,14 +34,14 @@ pub struct Judged {
 impl Judged {
     /// What is said of a camera that has so much in common with the others, as a normal deviate.
     pub fn status(&self, camera: usize, deviate: f64) -> CheckStatus {
-        let moved = self.moved[camera] || !self.rivals[camera].is_empty();
-        let tells = |found: &Move| moved || !found.is_far();
-        let known = self.found[camera].as_ref().is_some_and(tells) && deviate >= limits::CAMERA_DEVIATES;
-        match (known, !self.rivals[camera].is_empty(), self.moved[camera]) {
-            (false, ..) => CheckStatus::Unsure,
-            (true, true, _) => CheckStatus::Suspect,
-            (true, false, true) => CheckStatus::Moved,
-            (true, false, false) => CheckStatus::Unmoved,
+        let rivals = !self.rivals[camera].is_empty();
+        let found = self.found[camera].as_ref().filter(|_| deviate >= limits::CAMERA_DEVIATES);
+        match (found, rivals, self.moved[camera]) {
+            (None, ..) => CheckStatus::Unsure,
+            (Some(_), true, _) => CheckStatus::Suspect,
+            (Some(_), false, true) => CheckStatus::Moved,
+            (Some(found), false, false) if found.is_far() => CheckStatus::Unsure,
+            (Some(_), false, false) => CheckStatus::Unmoved,
         }
     }
 }
