@@ -142,6 +142,12 @@ fn two_cameras_need_to_be_known() {
     assert!(errors(&known, cameras).0 < 0.3);
     assert!((known.cameras[0].matrix().unwrap() - cameras[0].matrix()).norm() < 1e-9);
     assert_eq!(known.cameras[0].expected.unwrap().focal, 0.0);
+    // Nobody found it to be right.
+    let said = &known.cameras[0].reason;
+    assert!(
+        said.contains("with the focal length that is given") && !said.contains("focal length is right"),
+        "{said}"
+    );
 }
 
 #[test]

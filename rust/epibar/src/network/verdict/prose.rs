@@ -22,12 +22,15 @@ pub(in crate::network) fn of_camera(
 ) -> String {
     let percent = |share: f64| 100.0 * share;
     match status {
-        CameraStatus::Accepted => format!(
-            "calibrated: nine times in ten the focal length is right to {:.2} %, the rotation to {:.2} degrees, the position to {:.2} % of the rig",
-            percent(expected.focal),
-            expected.rotation.to_degrees(),
-            percent(expected.position / rig)
-        ),
+        CameraStatus::Accepted => {
+            let focal = if expected.focal > 0.0 {
+                format!("calibrated: nine times in ten the focal length is right to {:.2} %, the rotation", percent(expected.focal))
+            } else {
+                "calibrated with the focal length that is given: nine times in ten the rotation is right".to_owned()
+            };
+            let (rotation, position) = (expected.rotation.to_degrees(), percent(expected.position / rig));
+            format!("{focal} to {rotation:.2} degrees, the position to {position:.2} % of the rig")
+        }
         CameraStatus::NothingInCommon => {
             let recording = input.recording;
             let still = (0..recording.frames()).all(|i| recording.silhouettes.hulls(i).is_empty());
