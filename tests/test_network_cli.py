@@ -18,6 +18,7 @@ from epibar.jobs import runner
 from epibar.jobs.folder import Folder
 from epibar.jobs.network_tables import write_tables
 from epibar.lens import Intrinsics, write_cameras
+from epibar.network.prose import network_table
 from epibar.network.tracks_csv import load_tracks
 
 
@@ -172,6 +173,11 @@ def test_two_cameras_with_intrinsics(masks, tmp_path):
     written = epibar.load_cameras(out / "cameras.toml")
     assert written[0].distortions[0] == 1e-9
     np.testing.assert_allclose(written[1].matrix, known[1].matrix)
+    # A focal length that was given is not found to be right to 0 %.
+    for row in network_table(epibar.Network.load(out / "network.json"))[1:]:
+        assert "given, " in row
+        assert "0 %" not in row
+    assert "with the focal length that is given" in network["cameras"][0]["reason"]
 
 
 def test_a_camera_that_cannot_be_recorded(masks, again, capsys):

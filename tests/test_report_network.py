@@ -15,7 +15,7 @@ from epibar.network import Ground
 from epibar.network.walkers import WalkerTracks
 from epibar.report import NetworkReport, ReportPair, read_tracks
 from epibar.report.camera_angles import field_of_view, image_corners, tilt
-from epibar.report.network_table import VERDICTS
+from epibar.report.network_table import VERDICTS, camera_table
 from epibar.report.page import write_report
 from epibar.report.space_payload import magnification, nice
 
@@ -68,6 +68,9 @@ def test_metres_and_a_missing_floor_are_said(tmp_path):
     assert "✓ Made up" in text
     assert "0.80 m" in text
     assert "A cell of the grid is 0.2 m wide." in text
+    # A focal length that was given is not found to be right to 0 %.
+    one = replace(made.cameras["cam1"], expected={"focal": 0.0, "rotation": 0.2, "position": 0.002})
+    assert "given · 0.2° · 0.002 m" in camera_table(replace(made, cameras={**made.cameras, "cam1": one}))
     made = replace(made, ground=Ground("cameras"))
     text = text_of(
         Page(write_report(tmp_path / "b.html", cameras(made.cameras), [], network=NetworkReport(made)))

@@ -10,7 +10,10 @@ import numpy as np
 from ..files.text_table import aligned
 from .parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
 
-__all__ = ["network_notes", "network_table", "pixels_note"]
+__all__ = ["GIVEN", "network_notes", "network_table", "pixels_note"]
+
+GIVEN = "given"
+"""For the error of a focal length that is not solved for."""
 
 HEADER = ("camera", "verdict", "focal length", "position", "errors: focal, rotation, position", "clock")
 
@@ -30,7 +33,7 @@ def _row(camera: NetworkCamera, clock: NetworkClock, unit: str) -> tuple[str, ..
     place = ", ".join(f"{round(value, 2) + 0.0:.2f}" for value in camera.position)
     expected = camera.expected
     errors = (
-        _number(100 * expected["focal"], lambda v: f"{v:.2g} %"),
+        _number(100 * expected["focal"], lambda v: f"{v:.2g} %" if v > 0 else GIVEN),
         _number(expected["rotation"], lambda v: f"{v:.2g}°"),
         _number(expected["position"], lambda v: f"{v:.2g}{unit}"),
     )

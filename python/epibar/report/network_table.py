@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from html import escape
 
 from ..network.parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
-from ..network.prose import network_notes
+from ..network.prose import GIVEN, network_notes
 from .camera_angles import field_of_view, focal_length, tilt
 from .space_payload import grid_step, magnification
 from .walker_lines import Track
@@ -172,8 +172,11 @@ def _errors(camera: NetworkCamera, unit: str) -> str:
     if expected is None:
         return UNKNOWN
     parts = (("focal", 100.0, " %"), ("rotation", 1.0, "°"), ("position", 1.0, unit))
-    sentences = (
-        f"{expected[key] * scale:.2g}{text}" if math.isfinite(expected[key]) else UNKNOWN
-        for key, scale, text in parts
-    )
-    return " · ".join(sentences)
+    return " · ".join(_error(key, expected[key], scale, text) for key, scale, text in parts)
+
+
+def _error(key: str, value: float, scale: float, unit: str) -> str:
+    if not math.isfinite(value):
+        return UNKNOWN
+    # What is not solved for has no error of its own.
+    return GIVEN if key == "focal" and value == 0 else f"{value * scale:.2g}{unit}"

@@ -107,7 +107,7 @@ impl<'a> Clocks<'a> {
     /// Takes another of those that may be it than the one for which barcodes speak most.
     pub fn take(&mut self, offset: f64) {
         if let Some(found) = self.found.as_ref().filter(|found| found.offset != offset) {
-            // Barcodes speak as much for the one that was best as for the next.
+            // Barcodes speak for that one no less.
             let best = RunnerUp { offset: found.offset, share: 1.0 };
             self.found = Some(FoundOffset { offset, runner_up: Some(best), ..found.clone() });
             self.clock = Clock::at(offset);
