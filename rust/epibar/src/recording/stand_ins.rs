@@ -1,7 +1,7 @@
 //! Silhouettes that stand for something else: upright boxes, and ellipses in such boxes, as detectors and hand-drawn data have them.
 //!
 //! What is convex by itself, as balls, cars and thrown things are, fills its hull as they do, and is no stand-in: its outlines are those of a thing. It is
-//! hardly ever an upright box or ellipse, but for balls.
+//! hardly ever an upright box or ellipse, but for balls, and a disc is taken for one: what stands on a floor is not as wide as it is high.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -15,6 +15,8 @@ const FILLED: f64 = 0.96;
 const OFF: (f64, f64) = (0.03, 0.5);
 /// Corners are on an ellipse within this share of the shorter half axis, and so many pixels.
 const CORNER_OFF: (f64, f64) = (0.05, 1.5);
+/// An ellipse whose axes differ by no more than this share of the longer one, and so many pixels, is a disc.
+const ROUND: (f64, f64) = (0.15, 1.0);
 
 /// The share of silhouettes that are upright boxes or ellipses, of those that are large enough to tell and that no border cuts, evenly over time; NaN
 /// of none.
@@ -41,7 +43,8 @@ fn is_upright(hull: &[[u16; 2]]) -> bool {
         let radius = along.hypot((2.0 * y - top - bottom) / height);
         (radius - 1.0).abs() * shorter <= CORNER_OFF.0 * shorter + CORNER_OFF.1
     };
-    off(width * height) || off(FRAC_PI_4 * width * height) && hull.iter().all(on_ellipse)
+    let is_round = (width - height).abs() <= ROUND.0 * width.max(height) + ROUND.1;
+    off(width * height) || !is_round && off(FRAC_PI_4 * width * height) && hull.iter().all(on_ellipse)
 }
 
 #[cfg(test)]
@@ -81,6 +84,10 @@ mod tests {
         // A cube from aside, of three faces, and a diamond, whose corners are on the ellipse of its box.
         assert_eq!(of(|x, y| x.abs() <= 30.0 && (y - 0.5 * x).abs() <= 30.0), 0.0);
         assert_eq!(of(|x, y| x.abs() / 30.0 + y.abs() / 50.0 <= 1.0), 0.0);
+        // A ball, and one that is moving a little in its frame.
+        for (a, b) in [(20.0, 20.0), (8.0, 8.0), (22.0, 20.0)] {
+            assert_eq!(of(|x, y| (x / (a + 0.5)).hypot(y / (b + 0.5)) <= 1.0), 0.0, "{a} {b}");
+        }
         // Somebody with a gap between the legs.
         assert_eq!(of(|x, y| x.abs() <= 15.0 && y.abs() <= 40.0 && (x.abs() >= 5.0 || y <= 5.0)), 0.0);
     }

@@ -236,7 +236,7 @@ pub const COARSE_SHARE: f64 = 1.0;
 /// --families answer --seeds 7001-7006 --pairs 1`) the error was below what is stated in 93 % and below twice of it in all; with 0.7 of the scatter in 84 %.
 pub const ROUGH_DEVIATION: f64 = 1.2;
 /// Silhouettes stand for something else, as those of detectors do, where more than this share of them are upright boxes or ellipses: 0.55 to 0.98 of boxes and
-/// ellipses, some of which merge, at most 0.35 of discs that were thrown and 0.07 of all else (`situation(31)` to `33` of seven families). Being convex is
+/// ellipses, some of which merge, at most 0.07 of all else but discs, which do not count (`situation(31)` to `33` of seven families). Being convex is
 /// not enough: right pairs of thrown things and cars, 0.06 and 0.3 px off, would state 4.1 and 3.6.
 pub const STAND_INS: f64 = 0.4;
 /// Such silhouettes are off alike by so much of their width, as people in one part of the room all are: on `wildtrack`, ellipses in boxes that were drawn by
