@@ -45,6 +45,7 @@ class Job:
     pairs: int
     swap: bool
     search_seeds: int
+    any_offset: bool = False
 
     @property
     def key(self) -> str:
@@ -110,7 +111,8 @@ def judged(
 
     a, b = pair
     answer = situation.answer(a, b)
-    offset: Any = 0.0 if situation.synchronised or situation.groups[a] != situation.groups[b] else "search"
+    known = situation.synchronised or situation.groups[a] != situation.groups[b]
+    offset: Any = 0.0 if known and not job.any_offset else "search"
 
     def calibrated(first: int, second: int, seed: int) -> Any:
         return epibar.calibrate(
@@ -187,7 +189,7 @@ def jobs_of(args: Namespace, origin: str) -> Iterator[Job]:
     for index in range(count):
         for family in args.families:
             seed = args.seeds[index] if args.seeds else commit_seed(origin, family, index)
-            rest = args.lines, args.pairs, args.swap, args.search_seeds
+            rest = args.lines, args.pairs, args.swap, args.search_seeds, args.any_offset
             yield Job(family, seed, METHODS[args.method], *rest)
 
 
@@ -227,6 +229,7 @@ def parser() -> ArgumentParser:
     made.add_argument(
         "--search-seeds", type=natural, default=1, metavar="N", help="calibrate with N seeds: same verdict?"
     )
+    made.add_argument("--any-offset", action="store_true", help="search for the offsets of all pairs")
     made.add_argument("--workers", type=natural, default=os.cpu_count() or 1, help="default: all cores")
     made.add_argument(
         "--out",
