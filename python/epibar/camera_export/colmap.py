@@ -25,7 +25,7 @@ from ..files.folders import make_folder, refuse_others_files
 from ..lens.intrinsics import Intrinsics
 from .losses import plain_names, renamed, tell
 from .two_views import TwoViews
-from .world import World
+from .world import SOFTWARE, World
 
 __all__ = ["write_colmap"]
 
@@ -36,8 +36,6 @@ MOST_POINTS = 50_000
 """In all. Each two cameras have the same share of them, spread over the time."""
 
 README = "README.txt"
-SOFTWARE = "epibar"
-"""What the first line says that it is of."""
 PARTS = ("cameras", "frames", "images", "points3D", "rigs")
 MODEL_FILES = tuple(f"{part}.{kind}" for kind in ("txt", "bin") for part in PARTS)
 """A model's, as text and as COLMAP's own, which COLMAP reads first."""

@@ -8,7 +8,10 @@ from dataclasses import dataclass, replace
 from .two_views import TwoViews
 from .ways import Way
 
-__all__ = ["BY_CAMERAS", "METRE", "ON_FLOOR", "World"]
+__all__ = ["BY_CAMERAS", "METRE", "ON_FLOOR", "SOFTWARE", "World"]
+
+SOFTWARE = "epibar"
+"""What a file says that it is of."""
 
 METRE = "metre"
 
@@ -61,7 +64,7 @@ class World:
         found: dict[str, str | list[str]] = {"unit": self.unit, "notes": list(self.notes)}
         if self.zero is None:
             return found
-        return {"software": "epibar", "world": f"{self.up}; z = 0 is {self.zero}", **found}
+        return {"software": SOFTWARE, "world": f"{self.up}; z = 0 is {self.zero}", **found}
 
     def lines(self) -> dict[str, str]:
         """Return :meth:`metadata` as one text each."""

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 
 import numpy as np
 
 from ..files.text_table import aligned
 from .parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
 
-__all__ = ["GIVEN", "network_notes", "network_table", "pixels_note"]
+__all__ = ["network_notes", "network_table", "pixels_note", "stated_errors"]
 
 GIVEN = "given"
 """For the error of a focal length that is not solved for."""
@@ -31,14 +31,18 @@ def _row(camera: NetworkCamera, clock: NetworkClock, unit: str) -> tuple[str, ..
     if camera.matrix is None or camera.position is None or camera.expected is None:
         return camera.name, verdict, "-", "-", "-", "-"
     place = ", ".join(f"{round(value, 2) + 0.0:.2f}" for value in camera.position)
-    expected = camera.expected
-    errors = (
+    errors = stated_errors(camera.expected, unit)
+    focal = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
+    return camera.name, verdict, f"{focal:.0f} px", f"({place}){unit}", ", ".join(errors), _clock(clock)
+
+
+def stated_errors(expected: Mapping[str, float], unit: str) -> tuple[str, str, str]:
+    """Say below what the errors of focal length, rotation and position are, nine times in ten."""
+    return (
         _number(100 * expected["focal"], lambda v: f"{v:.2g} %" if v > 0 else GIVEN),
         _number(expected["rotation"], lambda v: f"{v:.2g}°"),
         _number(expected["position"], lambda v: f"{v:.2g}{unit}"),
     )
-    focal = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1]))
-    return camera.name, verdict, f"{focal:.0f} px", f"({place}){unit}", ", ".join(errors), _clock(clock)
 
 
 def _number(value: float | None, text: Callable[[float], str]) -> str:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from html import escape
 
 from ..network.parts import BASELINE, NetworkCamera, NetworkClock, NetworkParts
-from ..network.prose import GIVEN, network_notes
+from ..network.prose import network_notes, stated_errors
 from .camera_angles import field_of_view, focal_length, tilt
 from .space_payload import grid_step, magnification
 from .walker_lines import Track
@@ -125,12 +124,13 @@ def _row(camera: NetworkCamera, clock: NetworkClock, unit: str, floor: bool) -> 
     word = VERDICTS.get(camera.status, camera.status.replace("_", " ").capitalize())
     reason = "" if camera.accepted else f'<span class="why">{escape(_sentence(camera.reason))}</span>'
     cells = [f'<td class="{look}" data-label="Verdict"><strong>{mark} {escape(word)}</strong>{reason}</td>']
+    expected = camera.expected
     values = [
         _focal(camera),
         _height(camera, unit, floor),
         _angle(tilt(camera)),
         _clock(clock),
-        _errors(camera, unit),
+        UNKNOWN if expected is None else " · ".join(stated_errors(expected, unit)),
     ]
     for name, value in zip(HEADER[2:], values, strict=True):
         cells.append(f'<td data-label="{name}">{escape(value)}</td>')
@@ -165,18 +165,3 @@ def _clock(clock: NetworkClock) -> str:
     if abs(clock.drift or 0.0) >= 0.5:
         text += f", {clock.drift:+.0f} ppm"
     return text.replace("-", "\N{MINUS SIGN}")
-
-
-def _errors(camera: NetworkCamera, unit: str) -> str:
-    expected = camera.expected
-    if expected is None:
-        return UNKNOWN
-    parts = (("focal", 100.0, " %"), ("rotation", 1.0, "°"), ("position", 1.0, unit))
-    return " · ".join(_error(key, expected[key], scale, text) for key, scale, text in parts)
-
-
-def _error(key: str, value: float, scale: float, unit: str) -> str:
-    if not math.isfinite(value):
-        return UNKNOWN
-    # What is not solved for has no error of its own.
-    return GIVEN if key == "focal" and value == 0 else f"{value * scale:.2g}{unit}"

@@ -26,6 +26,8 @@ const COMPARED: usize = 5;
 pub struct OutstandingOffset {
     /// Frames of B.
     pub offset: f64,
+    /// Score of a tangent of the best geometry there.
+    pub score: f64,
     /// What the best geometry explains at the next best of the offsets that were looked at, as a share of what this one does; 0 where it needs no comparison.
     pub runner_up: f64,
 }
@@ -55,7 +57,7 @@ pub fn outstanding_offset(
     if found.offset == proposed[0] {
         Ok(Some(found))
     } else {
-        climbed(clocks, options, found, &seen, watch).map(Some)
+        climbed(clocks, options, found, watch).map(Some)
     }
 }
 
@@ -63,35 +65,33 @@ pub fn outstanding_offset(
 fn climbed(
     clocks: &Clocks,
     options: &CalibrateOptions,
-    found: OutstandingOffset,
-    seen: &[(f64, f64)],
+    mut found: OutstandingOffset,
     watch: &mut dyn Watch,
 ) -> Result<OutstandingOffset> {
     let step = (STEP_SECONDS / clocks.frame_interval()).floor().max(1.0);
-    let (mut most, mut offset) =
-        seen.iter().copied().find(|(_, o)| *o == found.offset).unwrap_or((0.0, found.offset));
     for side in [-step, step] {
         for _ in 0..MOST_STEPS {
             report(watch, Stage::TimeOffset, 1.0)?;
-            let score = of_tangent(&clocks.proposal(offset + side), options)?;
-            if score.is_nan() || score <= most {
+            let offset = found.offset + side;
+            let score = of_tangent(&clocks.proposal(offset), options)?;
+            if score.is_nan() || score <= found.score {
                 break;
             }
-            (most, offset) = (score, offset + side);
+            (found.offset, found.score) = (offset, score);
         }
     }
-    Ok(OutstandingOffset { offset, ..found })
+    Ok(found)
 }
 
 /// The best of several, if it is sure by itself, or has so much that the next has no more than a share of it.
 fn outstanding(seen: &[(f64, f64)], [least, share]: [f64; 2]) -> Option<OutstandingOffset> {
     let mut seen = seen.to_vec();
     seen.sort_by(|p, q| q.0.total_cmp(&p.0));
-    let &(most, offset) = seen.first()?;
+    let &(score, offset) = seen.first()?;
     let next = seen.get(1).map_or(0.0, |&(score, _)| score.max(0.0));
-    let runner_up = next / most;
-    let stands_out = seen.len() > 1 && reaches(most, least) && within(runner_up, share);
-    (stands_out || reaches(most, SURE)).then_some(OutstandingOffset { offset, runner_up })
+    let runner_up = next / score;
+    let stands_out = seen.len() > 1 && reaches(score, least) && within(runner_up, share);
+    (stands_out || reaches(score, SURE)).then_some(OutstandingOffset { offset, score, runner_up })
 }
 
 /// Score of a tangent of the best geometry that is seen at a glance.

@@ -65,7 +65,7 @@ fn of_the_offsets_that_barcodes_propose_a_geometry_stands_out_at_the_true_one_al
     assert!(barcodes.others.iter().all(|o| (o - barcodes.offset).abs() > 10.0), "{barcodes:?}");
     let chosen = |offset: f64, others: &[f64]| {
         let found = FoundOffset { offset, others: others.to_vec(), ..barcodes.clone() };
-        let clocks = Clocks::from_found(&late, b, found, true);
+        let clocks = Clocks::from_found(&late, b, found, true).unwrap();
         outstanding_offset(&clocks, &CalibrateOptions::new(), &mut Unwatched).unwrap()
     };
     // The true one, and one a step beside it, is chosen whatever barcodes say.

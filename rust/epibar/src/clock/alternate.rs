@@ -13,7 +13,7 @@ use crate::frontier::{busy_frames, symmetric_score};
 use crate::geometry::Fundamental;
 use crate::recording::Recording;
 use crate::recording::tracker::Links;
-use crate::watch::Watch;
+use crate::watch::{Unwatched, Watch};
 
 /// Offsets that differ by less than this, frames, give the same geometry.
 const SAME_OFFSET: f64 = 0.05;
@@ -82,10 +82,12 @@ impl<'a> Clocks<'a> {
     }
 
     /// From offsets that barcodes propose. `upright`: both cameras are the right way up.
-    pub fn from_found(a: &'a Recording, b: &'a Recording, found: FoundOffset, upright: bool) -> Self {
-        let (clock, given) = (Clock::at(found.offset), TimeOffset::About(found.offset));
-        let (links, up) = (Links::new(b), up_in([a, b], upright));
-        Self { a, b, links, up, given, clock, found: Some(found), next: Next::First }
+    ///
+    /// # Errors
+    /// None that input can cause.
+    pub fn from_found(a: &'a Recording, b: &'a Recording, found: FoundOffset, upright: bool) -> Result<Self> {
+        let about = Self::new(a, b, TimeOffset::About(found.offset), upright, &mut Unwatched)?;
+        Ok(Self { found: Some(found), ..about })
     }
 
     /// Both recordings on the time line for which a geometry is wanted.
@@ -106,10 +108,10 @@ impl<'a> Clocks<'a> {
 
     /// Takes another of those that may be it than the one for which barcodes speak most.
     pub fn take(&mut self, offset: f64) {
-        if let Some(found) = self.found.as_ref().filter(|found| found.offset != offset) {
+        if let Some(found) = self.found.as_mut().filter(|found| found.offset != offset) {
             // Barcodes speak for that one no less.
-            let best = RunnerUp { offset: found.offset, share: 1.0 };
-            self.found = Some(FoundOffset { offset, runner_up: Some(best), ..found.clone() });
+            found.runner_up = Some(RunnerUp { offset: found.offset, share: 1.0 });
+            found.offset = offset;
             self.clock = Clock::at(offset);
         }
     }

@@ -24,12 +24,17 @@ pub(super) fn is_open(training: &TrainingSet, solutions: &[Solution], passes: us
     /// was accepted, and by less than 1.4 px by the other.
     const LITTLE: f64 = 0.16;
     let Some(best) = solutions.first() else { return true };
-    let tangents =
-        frontier_score(&training.comparing, &best.fundamental, training.coarse_radius()).tangents();
-    let of_tangent = best.score / tangents.max(1) as f64;
+    let of_tangent = score_of_tangent(training, best);
     is_one_sided(training, best)
         || is_undecided(training, solutions, of_tangent)
         || (passes == 1 && of_tangent < LITTLE)
+}
+
+/// What a solution scores for each tangent of the frames that compare.
+pub(super) fn score_of_tangent(training: &TrainingSet, solution: &Solution) -> f64 {
+    let (views, radius) = (&training.comparing, training.coarse_radius());
+    let tangents = frontier_score(views, &solution.fundamental, radius).tangents();
+    solution.score / tangents.max(1) as f64
 }
 
 /// Whether the best solution explains one class of tangents and hardly the other: the floor, with an epipole that

@@ -104,9 +104,9 @@ fn by_geometry(
     said: PairOffset,
     watch: &mut dyn Watch,
 ) -> Result<PairOffset> {
-    let clocks = Clocks::from_found(recordings[0], recordings[1], found.clone(), true);
+    let clocks = Clocks::from_found(recordings[0], recordings[1], found.clone(), true)?;
     let outstanding = outstanding_offset(&clocks, &CalibrateOptions::new(), watch)?;
-    Ok(outstanding.map_or(said, |OutstandingOffset { offset, runner_up }| {
+    Ok(outstanding.map_or(said, |OutstandingOffset { offset, runner_up, .. }| {
         let seconds = offset * recordings[1].frame_interval();
         // Where both say the same, the clearer of the two.
         let runner_up = if offset == found.offset { said.runner_up.min(runner_up) } else { runner_up };
