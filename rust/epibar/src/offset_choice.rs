@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::frontier::busy_frames;
 use crate::matching::find_candidates;
 use crate::options::CalibrateOptions;
+use crate::recording::FramePair;
 use crate::search::{TrainingSet, glance, of_a_glance};
 use crate::verify::thresholds::{STANDS_OUT, STANDS_OUT_OF_ALL, SURE, reaches, within};
 use crate::watch::{Stage, Unwatched, Watch, report};
@@ -103,9 +104,9 @@ fn of_tangent(aligned: &Aligned, options: &CalibrateOptions) -> Result<f64> {
         return Ok(0.0);
     }
     let candidates = find_candidates(a, b, &common, &common, &options.candidate_options())?;
-    let views = aligned.views(&busy).with_cameras(options.cameras_used());
-    let some = |limit| aligned.views(&busy_frames(a, b, &busy, Some(limit)));
-    let training = TrainingSet::new(&views, some, of_a_glance(options.seed));
+    let views = |frames: &[FramePair]| aligned.views(frames).with_cameras(options.cameras_used());
+    let (all, some) = (views(&busy), |limit| views(&busy_frames(a, b, &busy, Some(limit))));
+    let training = TrainingSet::new(&all, some, of_a_glance(options.seed));
     glance(&training, &candidates, &mut Unwatched)
 }
 
