@@ -13,17 +13,18 @@ __all__ = ["PairShare", "joining_share"]
 
 BEGINS = {
     "candidates": 0.0,
-    "best_lines": 0.06,
-    "all_lines": 0.12,
-    "line_inliers": 0.19,
-    "floor": 0.28,
-    "floor_epipoles": 0.35,
-    "tracks": 0.48,
-    "top_view": 0.57,
-    "refine": 0.60,
-    "restart": 0.69,
-    "explore": 0.81,
-    "settle": 0.89,
+    "few": 0.05,
+    "best_lines": 0.17,
+    "all_lines": 0.22,
+    "line_inliers": 0.28,
+    "floor": 0.36,
+    "floor_epipoles": 0.43,
+    "tracks": 0.54,
+    "top_view": 0.62,
+    "refine": 0.65,
+    "restart": 0.73,
+    "explore": 0.83,
+    "settle": 0.90,
 }
 """Share of one round of a search at which each of its stages begins."""
 

@@ -15,7 +15,7 @@ use crate::offset_choice::outstanding_offset;
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
 use crate::search::by_lines::{self, Filmed};
-use crate::search::{Found, SearchOptions, Solution, TrainingSet, search, settle};
+use crate::search::{Effort, Found, SearchOptions, Solution, TrainingSet, search, settle};
 use crate::verify::other_clocks::{OtherClock, other_clocks};
 use crate::verify::second_look::Earlier;
 use crate::verify::split::{Fold, Split, Stay};
@@ -258,8 +258,9 @@ impl<'a> Pair<'a> {
         candidates: &Candidates,
         watch: &mut dyn Watch,
     ) -> Result<Found> {
-        let defaults = SearchOptions::default();
+        let defaults = Effort::default();
         let draws = Draws { lines: self.options.draws, ..defaults.draws };
+        let effort = Effort { draws, ..defaults };
         let some = |limit| {
             let busy = busy_frames(self.aligned.a(), self.aligned.b(), &seen.split.fitted_busy, Some(limit));
             self.views(&busy)
@@ -267,7 +268,7 @@ impl<'a> Pair<'a> {
         let training = TrainingSet::new(
             &seen.fitted,
             some,
-            SearchOptions { seed: self.options.seed, draws, ..defaults },
+            SearchOptions { seed: self.options.seed, effort, ..SearchOptions::default() },
         );
         let searched = search(&training, candidates, watch)?;
         settle(&training, &seen.all, searched, watch)

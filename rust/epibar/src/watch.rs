@@ -10,6 +10,8 @@ pub enum Stage {
     TimeOffset,
     /// Lines with similar motion barcodes are sought.
     Candidates,
+    /// A few hypotheses of every kind: where one geometry stands out among them, the stages up to [`Settle`](Self::Settle) are left out.
+    Few,
     /// Hypotheses from the best candidates, scored by tangents.
     BestLines,
     /// Hypotheses from all candidates, scored by tangents.
@@ -46,6 +48,7 @@ impl Stage {
         match self {
             Self::TimeOffset => "time_offset",
             Self::Candidates => "candidates",
+            Self::Few => "few",
             Self::BestLines => "best_lines",
             Self::AllLines => "all_lines",
             Self::LineInliers => "line_inliers",

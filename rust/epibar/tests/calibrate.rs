@@ -159,6 +159,22 @@ fn every_stage_can_be_interrupted() {
 }
 
 #[test]
+fn where_a_geometry_stands_out_no_more_hypotheses_are_drawn() {
+    let (scene, [a, b]) = shared();
+    let stages = |a: &Recording, b: &Recording| {
+        let mut watch = StopAt { stage: None, stages: Vec::new() };
+        let found = calibrate_watched(a, b, &options(), &mut watch).unwrap();
+        (watch.stages, found)
+    };
+    let (told, found) = stages(a, b);
+    assert_eq!(told, [Stage::Candidates, Stage::Few, Stage::Settle]);
+    assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.3);
+    let other = Scene::new(5, 240, 2).recordings(LINES);
+    let (told, _) = stages(a, &other[1]);
+    assert_eq!(told[..3], [Stage::Candidates, Stage::Few, Stage::BestLines]);
+}
+
+#[test]
 fn the_method_of_lines_tells_a_share_that_never_goes_back() {
     let (_, [a, b]) = shared();
     let mut told = Vec::new();

@@ -87,7 +87,7 @@ pub fn class_scores(views: &Views, f: &Fundamental) -> [f64; 2] {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use nalgebra::{Matrix3, Rotation3, Vector3};
     use rand::RngExt;
 
@@ -98,10 +98,7 @@ pub(super) mod tests {
     use crate::recording::FramePair;
 
     /// Walkers 1.7 m tall on a floor 3 m below two cameras; returns the views, the rotation and the translation from A to B.
-    pub(in crate::frontier) fn walkers(
-        camera: &Matrix3<f64>,
-        size: ImageSize,
-    ) -> (Views, Rotation3<f64>, Vector3<f64>) {
+    pub(crate) fn walkers(camera: &Matrix3<f64>, size: ImageSize) -> (Views, Rotation3<f64>, Vector3<f64>) {
         let rotation = Rotation3::from_euler_angles(0.0, -1.2, 0.0);
         let translation = Vector3::new(6.0, 0.0, 5.0);
         let mut random = generator(5, 0);

@@ -106,6 +106,19 @@ pub struct Draws {
     pub top_view: usize,
 }
 
+impl Draws {
+    /// Of every kind one of so many.
+    #[must_use]
+    pub fn one_of(self, many: usize) -> Self {
+        Self {
+            lines: self.lines / many,
+            floor: self.floor / many,
+            tracks: self.tracks / many,
+            top_view: self.top_view / many,
+        }
+    }
+}
+
 /// The frames that hypotheses are made of and scored on.
 pub struct Frames<'a> {
     /// All fitted frames, consecutive for the most part.

@@ -7,7 +7,7 @@ use super::training_set::TrainingSet;
 use crate::error::Result;
 use crate::frontier::{Scorer, Views};
 use crate::hypotheses::sources::Frames;
-use crate::hypotheses::{Hypotheses, hypotheses};
+use crate::hypotheses::{Draws, Hypotheses, hypotheses};
 use crate::matching::Candidates;
 use crate::watch::Watch;
 
@@ -18,11 +18,12 @@ use crate::watch::Watch;
 pub(super) fn from_a(
     training: &TrainingSet,
     candidates: &Candidates,
+    draws: &Draws,
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Hypotheses> {
     let views = [training.all, &training.comparing, &training.scoring];
-    drawn(training, views, candidates, seed, watch)
+    drawn(training, views, candidates, draws, seed, watch)
 }
 
 /// Draws from every source, tangents of B first; the matrices are those from A to B. Floors are left to [`from_a`].
@@ -32,11 +33,12 @@ pub(super) fn from_a(
 pub(super) fn from_b(
     training: &TrainingSet,
     candidates: &Candidates,
+    draws: &Draws,
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Hypotheses> {
     let views = [training.all, &training.comparing, &training.scoring].map(Views::swapped);
-    let mut found = drawn(training, views.each_ref(), &candidates.swapped(), seed, watch)?;
+    let mut found = drawn(training, views.each_ref(), &candidates.swapped(), draws, seed, watch)?;
     for hypothesis in &mut found.scored {
         hypothesis.fundamental = hypothesis.fundamental.transposed();
     }
@@ -49,10 +51,11 @@ fn drawn(
     training: &TrainingSet,
     [train, comparing, scoring]: [&Views; 3],
     candidates: &Candidates,
+    draws: &Draws,
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Hypotheses> {
     let scoring = Scorer::new(scoring, training.coarse_radius());
     let frames = Frames { train, comparing, scoring: &scoring };
-    hypotheses(&frames, candidates, &training.options.draws, seed, watch)
+    hypotheses(&frames, candidates, draws, seed, watch)
 }

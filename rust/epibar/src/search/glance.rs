@@ -3,9 +3,8 @@
 use super::contest::score_of_tangent;
 use super::either_order::from_a;
 use super::pass::refined_once;
-use super::training_set::{SearchOptions, TrainingSet};
+use super::training_set::{Effort, SearchOptions, TrainingSet};
 use crate::error::Result;
-use crate::hypotheses::Draws;
 use crate::matching::Candidates;
 use crate::random::seed_of_pass;
 use crate::watch::Watch;
@@ -13,8 +12,9 @@ use crate::watch::Watch;
 /// What is drawn and refined: a twentieth of what a search draws. Six development pairs whose offset barcodes did not tell had at the true one three times the score
 /// of a tangent or more that they had at any of four others, and with an eighth 1.8 times or more.
 pub fn of_a_glance(seed: u64) -> SearchOptions {
-    let draws = Draws { lines: 500, floor: 75, tracks: 1000, top_view: 2000 };
-    SearchOptions { seed, draws, starts: 12, own_starts: 2, ..SearchOptions::default() }
+    let draws = Effort::default().draws.one_of(20);
+    let effort = Effort { draws, starts: 12, own_starts: 2 };
+    SearchOptions { seed, effort, ..SearchOptions::default() }
 }
 
 /// Score of a tangent of the best geometry that is seen at a glance; 0 where there is none.
@@ -22,7 +22,8 @@ pub fn of_a_glance(seed: u64) -> SearchOptions {
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
 pub fn glance(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn Watch) -> Result<f64> {
-    let hypotheses = from_a(training, candidates, seed_of_pass(training.options.seed, 0), watch)?;
-    let found = refined_once(training, &hypotheses.scored);
+    let SearchOptions { seed, effort, .. } = &training.options;
+    let hypotheses = from_a(training, candidates, &effort.draws, seed_of_pass(*seed, 0), watch)?;
+    let found = refined_once(training, effort, &hypotheses.scored);
     Ok(found.first().map_or(0.0, |best| score_of_tangent(training, best)))
 }

@@ -1,10 +1,10 @@
 //! One pass of the search: from hypotheses to solutions.
 
-use super::contest::contest;
+use super::contest::{CLEAR, contest};
 use super::resample::resampled;
 use super::solution::{Solution, share_of};
 use super::starts::{Starts, with_refined};
-use super::training_set::TrainingSet;
+use super::training_set::{Effort, TrainingSet};
 use crate::error::Result;
 use crate::hypotheses::Hypothesis;
 use crate::random::seed_of_resampled;
@@ -30,9 +30,7 @@ const WIDE: Breadth = Breadth { kept: 40, resampled: 16, walked: 12, worth_walki
 /// Times as many starts as the options say are refined there.
 const WIDE_STARTS: usize = 3;
 /// Share of the best one's score from which on another geometry contests it.
-const CONTESTING: f64 = 0.7;
-/// Share of the best one's score below which it is clear.
-const CLEAR: f64 = 0.5;
+pub(super) const CONTESTING: f64 = 0.7;
 /// Pixels, of a 640×480 image, by which starts differ.
 const STARTS_APART: f64 = 4.0;
 /// Radii of refinement, pixels of a 640×480 image: of starts, and of resampled solutions.
@@ -52,30 +50,50 @@ pub(super) fn pass(
     seed: u64,
     watch: &mut dyn Watch,
 ) -> Result<Vec<Solution>> {
-    let options = &training.options;
     report(watch, Stage::Refine, 0.0)?;
     let mut breadth = &USUAL;
-    let mut starts = starts_of(training, scored);
+    let effort = &training.options.effort;
+    let mut starts = starts_of(training, effort, scored);
     let mut solutions = with_refined(training, known, &starts.from(0), &SCHEDULES, breadth.kept);
     if contest(training, &solutions) > CONTESTING {
         breadth = &WIDE;
         report(watch, Stage::Refine, 0.3)?;
         let refined = starts.len();
-        starts.add(scored.iter(), (WIDE_STARTS * options.starts).saturating_sub(refined));
+        starts.add(scored.iter(), (WIDE_STARTS * effort.starts).saturating_sub(refined));
         solutions = with_refined(training, solutions, &starts.from(refined), &SCHEDULES, breadth.kept);
     }
-    solutions = gained(training, solutions, breadth, seed, watch)?;
+    grown(training, solutions, breadth, seed, watch)
+}
+
+/// What solutions grow to that were found where one of them stands out.
+pub(super) fn grown_usually(
+    training: &TrainingSet,
+    solutions: Vec<Solution>,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Solution>> {
+    grown(training, solutions, &USUAL, seed, watch)
+}
+
+fn grown(
+    training: &TrainingSet,
+    solutions: Vec<Solution>,
+    breadth: &Breadth,
+    seed: u64,
+    watch: &mut dyn Watch,
+) -> Result<Vec<Solution>> {
+    let solutions = gained(training, solutions, breadth, seed, watch)?;
     walked(training, &solutions, breadth, watch)
 }
 
 /// What hypotheses become when the best of them that differ are refined.
-pub(super) fn refined_once(training: &TrainingSet, scored: &[Hypothesis]) -> Vec<Solution> {
-    with_refined(training, Vec::new(), &starts_of(training, scored).from(0), &SCHEDULES, USUAL.kept)
+pub(super) fn refined_once(training: &TrainingSet, effort: &Effort, scored: &[Hypothesis]) -> Vec<Solution> {
+    let starts = starts_of(training, effort, scored);
+    with_refined(training, Vec::new(), &starts.from(0), &SCHEDULES, USUAL.kept)
 }
 
-fn starts_of<'a>(training: &'a TrainingSet<'a>, scored: &[Hypothesis]) -> Starts<'a> {
-    let options = &training.options;
-    Starts::new(training, scored, options.own_starts, options.starts, STARTS_APART * training.scale)
+fn starts_of<'a>(training: &'a TrainingSet<'a>, effort: &Effort, scored: &[Hypothesis]) -> Starts<'a> {
+    Starts::new(training, scored, effort.own_starts, effort.starts, STARTS_APART * training.scale)
 }
 
 /// The best of solutions and of what they become when they are resampled, round after round: some while others contest the best one, more

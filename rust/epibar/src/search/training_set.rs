@@ -6,21 +6,28 @@ use crate::frontier::volume::{Correspondence, disagreement, moving_correspondenc
 use crate::geometry::Fundamental;
 use crate::hypotheses::Draws;
 
+/// How many hypotheses there are, and how many of them go on.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// How many are drawn.
+    pub draws: Draws,
+    /// Different ones that are refined.
+    pub starts: usize,
+    /// Of those, starts that each source has for its own.
+    pub own_starts: usize,
+}
+
 /// Options of the search.
 #[derive(Debug, Clone)]
 pub struct SearchOptions {
     /// Seed of every random draw.
     pub seed: u64,
-    /// How many hypotheses are drawn.
-    pub draws: Draws,
+    /// What is drawn and refined where no geometry stands out among fewer hypotheses.
+    pub effort: Effort,
     /// Silhouettes of a camera that score hypotheses: few frames of a crowd, many of a lone walker.
     pub scoring_hulls: usize,
     /// Silhouettes of a camera that compare refined solutions.
     pub comparing_hulls: usize,
-    /// Different starts that are refined.
-    pub starts: usize,
-    /// Of those, starts that each source has for its own.
-    pub own_starts: usize,
     /// Rounds of resampling the best; others follow while the best gains.
     pub restarts: usize,
     /// Most times that all is done with new hypotheses, while the best explains one class of tangents alone, or has
@@ -28,15 +35,23 @@ pub struct SearchOptions {
     pub passes: usize,
 }
 
+impl Default for Effort {
+    fn default() -> Self {
+        Self {
+            draws: Draws { lines: 10_000, floor: 1500, tracks: 20_000, top_view: 40_000 },
+            starts: 60,
+            own_starts: 12,
+        }
+    }
+}
+
 impl Default for SearchOptions {
     fn default() -> Self {
         Self {
             seed: 0,
-            draws: Draws { lines: 10_000, floor: 1500, tracks: 20_000, top_view: 40_000 },
+            effort: Effort::default(),
             scoring_hulls: 700,
             comparing_hulls: 1600,
-            starts: 60,
-            own_starts: 12,
             restarts: 2,
             passes: 3,
         }

@@ -1,0 +1,45 @@
+//! An early end: a geometry that stands out among few hypotheses is the one that many find.
+//!
+//! Where much moves before both cameras and little of it is hidden, one hypothesis of hundreds is near enough to the truth to be refined to it, and then
+//! explains several times as much as any other. The many are for scenes in which the truth is hard to find, or hard to tell from others.
+
+use super::contest::{contest, stands_out};
+use super::either_order::from_a;
+use super::pass::{CONTESTING, grown_usually, refined_once};
+use super::solution::Searched;
+use super::training_set::{Effort, TrainingSet};
+use crate::error::Result;
+use crate::hypotheses::Hypotheses;
+use crate::matching::Candidates;
+use crate::random::seed_of_pass;
+use crate::watch::{Stage, Watch};
+
+/// One of so many hypotheses of a search is drawn.
+const ONE_OF: usize = 8;
+/// Different ones of them that are refined, and how many each source has for its own.
+const STARTS: usize = 20;
+const OWN_STARTS: usize = 3;
+
+/// What few hypotheses grow to; `None` where no geometry stands out among them.
+///
+/// # Errors
+/// [`Error::Interrupted`](crate::Error::Interrupted).
+pub(super) fn outstanding(
+    training: &TrainingSet,
+    candidates: &Candidates,
+    watch: &mut dyn Watch,
+) -> Result<Option<Searched>> {
+    // Its own stages come again where it ends nothing.
+    let mut watch = |_: Stage, _: f64| watch.keep_going(Stage::Few, 0.0);
+    let seed = seed_of_pass(training.options.seed, 0);
+    let draws = training.options.effort.draws.one_of(ONE_OF);
+    let few = Effort { draws, starts: STARTS, own_starts: OWN_STARTS };
+    let Hypotheses { scored, floors } = from_a(training, candidates, &few.draws, seed, &mut watch)?;
+    let refined = refined_once(training, &few, &scored);
+    if contest(training, &refined) > CONTESTING {
+        return Ok(None);
+    }
+    let solutions = grown_usually(training, refined, seed, &mut watch)?;
+    let floor = floors.into_iter().next();
+    Ok(stands_out(training, &solutions).then_some(Searched { solutions, floor }))
+}
