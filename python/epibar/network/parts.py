@@ -220,10 +220,11 @@ class NetworkPair:
     a, b : str
         The cameras.
     accepted : bool
-        Whether both are accepted, and nothing contradicts.
+        Whether both are accepted, they stand apart, and nothing contradicts.
     status : str
         ``confirmed`` by what moves in both; ``predicted`` where too little does; ``contradicts`` where the
-        pair by itself was accepted with another geometry; ``outside`` where a camera has no place.
+        pair by itself was accepted with another geometry; ``no_baseline`` where both stand at one place, as
+        far as is known, so that any epipole fits; ``outside`` where a camera has no place.
     F : ndarray, shape (3, 3), or None
         ``x_b^T F x_a = 0`` in undistorted pixels of the two camera matrices, Frobenius norm 1.
     evidence : dict of str to float

@@ -112,6 +112,26 @@ fn a_camera_that_sees_something_else_is_named_and_the_others_are_right() {
 }
 
 #[test]
+fn one_film_by_two_names_has_no_epipolar_geometry() {
+    let scene = Scene::new(5, FRAMES, 7);
+    let mut recordings: Vec<Recording> =
+        cameras()[..3].iter().map(|camera| recorded(&scene, camera, 0.0, 1)).collect();
+    recordings.push(recordings[1].clone());
+    let network = network(&recordings, &[], NetworkTime::Known(vec![0.0; 4]));
+    assert!(network.accepted, "{}", network.reason);
+    for pair in &network.pairs {
+        let together = (pair.a, pair.b) == (1, 3);
+        assert_eq!(pair.accepted, !together, "{pair:?}");
+        assert_eq!(pair.status == PairStatus::NoBaseline, together, "{pair:?}");
+    }
+    assert!(
+        network.reason.contains(&format!("by two names: {}-{}", NAMES[1], NAMES[3])),
+        "{}",
+        network.reason
+    );
+}
+
+#[test]
 fn cameras_that_never_filmed_together_are_no_pair_to_search() {
     let scene = Scene::new(3, FRAMES, 1);
     let recordings: Vec<Recording> = cameras()[..3].iter().map(|c| recorded(&scene, c, 0.0, 1)).collect();

@@ -3,6 +3,7 @@
 
 const PAIR_WORDS = {
   confirmed: "confirmed by what moves in both", predicted: "predicted, too little moves in both to confirm it",
+  no_baseline: "both stand at one place, as far as is known, so that there is no F",
   contradicts: "contradicts: alone it has another geometry",
 };
 const SHOWN_NAME = 22;

@@ -164,6 +164,8 @@ pub enum PairStatus {
     Predicted,
     /// By itself it would have another geometry, and was accepted so.
     Contradicts,
+    /// Its cameras stand no farther from each other than is known of where they stand: any epipole fits.
+    NoBaseline,
     /// One of its cameras is not part of the network.
     Outside,
 }
@@ -175,6 +177,7 @@ impl PairStatus {
             Self::Confirmed => "confirmed",
             Self::Predicted => "predicted",
             Self::Contradicts => "contradicts",
+            Self::NoBaseline => "no_baseline",
             Self::Outside => "outside",
         }
     }
@@ -190,7 +193,7 @@ pub struct NetworkPair {
     pub b: usize,
     /// What became of it.
     pub status: PairStatus,
-    /// Whether both cameras are accepted, and nothing contradicts.
+    /// Whether both cameras are accepted, they stand apart, and nothing contradicts.
     pub accepted: bool,
     /// `x_bᵀ F x_a = 0` in undistorted pixels of the cameras' matrices, of norm 1; `None` where one does not stand.
     pub fundamental: Option<Matrix3<f64>>,

@@ -95,7 +95,9 @@ fn between(held: &Held, added: &[CameraInput], cameras: &[NetworkCamera]) -> Vec
         let deviates = found.pairs.first().map_or(Deviates::default(), |(_, deviates)| *deviates);
         let confirmed = deviates.tangents >= limits::PAIR_DEVIATES;
         let status = if confirmed { PairStatus::Confirmed } else { PairStatus::Predicted };
-        NetworkPair { status, accepted: true, fundamental: fundamental(&one, &other), deviates, ..outside }
+        let known = [a, b].map(|c| cameras[c].expected.map_or(f64::NAN, |expected| expected.position));
+        let pair = NetworkPair { status, fundamental: fundamental(&one, &other), deviates, ..outside };
+        pair.accepted_if_apart([&one, &other], known[0].hypot(known[1]))
     };
     new.into_iter().map(of).collect()
 }

@@ -186,17 +186,20 @@ impl NetworkCase<'_> {
         let (Some(one), Some(other)) = (&cameras[a].camera, &cameras[b].camera) else {
             return outside((a, b));
         };
-        let accepted = cameras[a].accepted() && cameras[b].accepted();
-        self.pair_of((a, b), [one, other], &finished.support, accepted)
+        let found = self.pair_of((a, b), [one, other], &finished.support);
+        if !(cameras[a].accepted() && cameras[b].accepted()) {
+            return found;
+        }
+        let known = [a, b].map(|c| cameras[c].expected.map_or(f64::NAN, |expected| expected.position));
+        found.accepted_if_apart([one, other], known[0].hypot(known[1]))
     }
 
-    /// A pair of cameras that stand.
+    /// A pair of cameras that stand, not accepted yet.
     pub(super) fn pair_of(
         &self,
         (a, b): (usize, usize),
         [one, other]: [&Camera; 2],
         support: &Support,
-        both_accepted: bool,
     ) -> NetworkPair {
         let support = support.pairs.iter().find(|(pair, _)| *pair == (a, b));
         let deviates = support.map_or(Deviates::default(), |s| s.1);
@@ -208,8 +211,7 @@ impl NetworkCase<'_> {
         } else {
             PairStatus::Predicted
         };
-        let accepted = both_accepted && status != PairStatus::Contradicts;
-        NetworkPair { a, b, status, accepted, fundamental: fundamental(one, other), deviates }
+        NetworkPair { a, b, status, accepted: false, fundamental: fundamental(one, other), deviates }
     }
 
     /// Whether what a pair found by itself disagrees with the network.
@@ -239,6 +241,18 @@ impl NetworkCase<'_> {
         let pairs: Vec<NetworkPair> = all_pairs(self.count()).map(outside).collect();
         let reason = prose::of_network(&cameras, &pairs, &world::Ground::Cameras);
         Network { cameras, pairs, accepted: false, reason, ground: world::Ground::Cameras, radius: f64::NAN }
+    }
+}
+
+impl NetworkPair {
+    /// A pair of accepted cameras: accepted too, unless it contradicts or its cameras stand no farther apart than is known of where they stand.
+    pub(super) fn accepted_if_apart(self, [one, other]: [&Camera; 2], known: f64) -> Self {
+        if self.status == PairStatus::Contradicts {
+            return self;
+        }
+        let apart = (one.position - other.position).norm() >= limits::APART * known;
+        let status = if apart { self.status } else { PairStatus::NoBaseline };
+        Self { status, accepted: apart, ..self }
     }
 }
 

@@ -190,14 +190,19 @@ pub(in crate::network) fn of_network(
             refused.join(", ")
         )
     };
-    let against: Vec<String> = pairs
-        .iter()
-        .filter(|p| p.status == PairStatus::Contradicts)
-        .map(|p| format!("{}-{}", cameras[p.a].name, cameras[p.b].name))
-        .collect();
+    let of_status = |status: PairStatus| {
+        let pairs = pairs.iter().filter(|p| p.status == status);
+        pairs.map(|p| format!("{}-{}", cameras[p.a].name, cameras[p.b].name)).collect::<Vec<_>>().join(", ")
+    };
+    let against = of_status(PairStatus::Contradicts);
     if !against.is_empty() {
         text += "; by themselves these pairs would have another geometry: ";
-        text += &against.join(", ");
+        text += &against;
+    }
+    let together = of_status(PairStatus::NoBaseline);
+    if !together.is_empty() {
+        text += "; these pairs stand at one place, as far as is known, so that they have no F, or are one film by two names: ";
+        text += &together;
     }
     if cameras.iter().any(NetworkCamera::accepted) && *ground == Ground::Cameras {
         text += "; no floor was found, so up is the mean of the cameras' own";
