@@ -1,7 +1,8 @@
 """Which share of its time a task has had when it tells what it is at.
 
 A search tells its stage and how much of that stage is done. Where in its time the stages begin was measured
-on whole jobs (``benchmarks/time_left.py`` with its stages); with a clock that is learned it begins anew.
+on whole jobs (``benchmarks/time_left.py`` with its stages), but for that of few hypotheses, for which an
+eighth of a search that goes on is reckoned; with a clock that is learned it begins anew.
 """
 
 from __future__ import annotations
