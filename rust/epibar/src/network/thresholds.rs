@@ -127,9 +127,9 @@ pub const RIVAL_SHARE: f64 = 0.1;
 pub const RIVAL_DEVIATES: f64 = 3.0;
 /// A tangent that a pair found agrees with the network below this residual, pixels of a 640×480 image.
 pub const AGREE: f64 = 4.0;
-/// Two cameras stand apart by so many times what is known of where they stand at least, or the direction from one to the other is not known to 20°. One film by two
-/// names was 0.08 times as far from itself.
-pub const APART: f64 = 3.0;
+/// A baseline is at least so many times as long as the error of where its cameras stand, or its direction is not known to 20°. That of one film by two names was 0.08 times
+/// as long.
+pub const BASELINE: f64 = 3.0;
 /// A pair contradicts the network where less than this share of what it found agrees.
 pub const CONTRADICTS: f64 = 0.3;
 

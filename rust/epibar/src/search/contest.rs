@@ -8,7 +8,9 @@ use crate::frontier::volume::disagreement;
 
 /// Pixels, of a 640×480 image, that make another geometry of one.
 const APART: f64 = 5.0;
-/// Share of the best one's score below which no other contests it.
+/// Share of the best one's score from which on another geometry contests it.
+pub(super) const CONTESTING: f64 = 0.7;
+/// Share of the best one's score below which it is clear.
 pub(super) const CLEAR: f64 = 0.5;
 
 /// The score of the best other geometry as a share of the best one's.

@@ -3,9 +3,9 @@
 //! Where much moves before both cameras and little of it is hidden, one hypothesis of hundreds is near enough to the truth to be refined to it, and then
 //! explains several times as much as any other. The many are for scenes in which the truth is hard to find, or hard to tell from others.
 
-use super::contest::{contest, stands_out};
+use super::contest::{CONTESTING, contest, stands_out};
 use super::either_order::from_a;
-use super::pass::{CONTESTING, grown_usually, refined_once};
+use super::pass::{USUAL, grown, refined_once};
 use super::solution::Searched;
 use super::training_set::{Effort, TrainingSet};
 use crate::error::Result;
@@ -39,7 +39,7 @@ pub(super) fn outstanding(
     if contest(training, &refined) > CONTESTING {
         return Ok(None);
     }
-    let solutions = grown_usually(training, refined, seed, &mut watch)?;
+    let solutions = grown(training, refined, &USUAL, seed, &mut watch)?;
     let floor = floors.into_iter().next();
     Ok(stands_out(training, &solutions).then_some(Searched { solutions, floor }))
 }

@@ -1,6 +1,6 @@
 //! One pass of the search: from hypotheses to solutions.
 
-use super::contest::{CLEAR, contest};
+use super::contest::{CLEAR, CONTESTING, contest};
 use super::resample::resampled;
 use super::solution::{Solution, share_of};
 use super::starts::{Starts, with_refined};
@@ -12,7 +12,7 @@ use crate::refine::valley::walk;
 use crate::watch::{Stage, Watch, report};
 
 /// How widely is looked around what hypotheses gave.
-struct Breadth {
+pub(super) struct Breadth {
     /// Solutions that are kept while others are sought.
     kept: usize,
     /// How many of the best solutions are resampled in a round.
@@ -24,13 +24,11 @@ struct Breadth {
 }
 
 /// Where one geometry stands out among those found first.
-const USUAL: Breadth = Breadth { kept: 16, resampled: 6, walked: 3, worth_walking: 0.7 };
+pub(super) const USUAL: Breadth = Breadth { kept: 16, resampled: 6, walked: 3, worth_walking: 0.7 };
 /// Where none does: the truth may be none of them.
 const WIDE: Breadth = Breadth { kept: 40, resampled: 16, walked: 12, worth_walking: 0.5 };
 /// Times as many starts as the options say are refined there.
 const WIDE_STARTS: usize = 3;
-/// Share of the best one's score from which on another geometry contests it.
-pub(super) const CONTESTING: f64 = 0.7;
 /// Pixels, of a 640×480 image, by which starts differ.
 const STARTS_APART: f64 = 4.0;
 /// Radii of refinement, pixels of a 640×480 image: of starts, and of resampled solutions.
@@ -65,17 +63,8 @@ pub(super) fn pass(
     grown(training, solutions, breadth, seed, watch)
 }
 
-/// What solutions grow to that were found where one of them stands out.
-pub(super) fn grown_usually(
-    training: &TrainingSet,
-    solutions: Vec<Solution>,
-    seed: u64,
-    watch: &mut dyn Watch,
-) -> Result<Vec<Solution>> {
-    grown(training, solutions, &USUAL, seed, watch)
-}
-
-fn grown(
+/// What solutions grow to.
+pub(super) fn grown(
     training: &TrainingSet,
     solutions: Vec<Solution>,
     breadth: &Breadth,

@@ -27,7 +27,7 @@ use super::result::{NetworkCamera, NetworkPair, PairStatus, fundamental};
 use super::solve::networks::FRAMES;
 use super::solve::relocate::Placed;
 use super::thresholds as limits;
-use super::verdict::outside;
+use super::verdict::{outside, position_error};
 use crate::error::Result;
 use crate::watch::{Stage, Watch, report};
 
@@ -95,9 +95,8 @@ fn between(held: &Held, added: &[CameraInput], cameras: &[NetworkCamera]) -> Vec
         let deviates = found.pairs.first().map_or(Deviates::default(), |(_, deviates)| *deviates);
         let confirmed = deviates.tangents >= limits::PAIR_DEVIATES;
         let status = if confirmed { PairStatus::Confirmed } else { PairStatus::Predicted };
-        let known = [a, b].map(|c| cameras[c].expected.map_or(f64::NAN, |expected| expected.position));
         let pair = NetworkPair { status, fundamental: fundamental(&one, &other), deviates, ..outside };
-        pair.accepted_if_apart([&one, &other], known[0].hypot(known[1]))
+        pair.accepted_with_baseline([&one, &other], position_error([&cameras[a], &cameras[b]]))
     };
     new.into_iter().map(of).collect()
 }

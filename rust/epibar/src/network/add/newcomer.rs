@@ -104,7 +104,7 @@ impl<'a> Newcomer<'a> {
             let both = [&cameras[a], &cameras[self.camera]];
             let pair = self.case.pair_of((a, self.camera), both, &found.support);
             // Its own error holds those of the cameras that it is beside.
-            if accepted { pair.accepted_if_apart(both, expected.position) } else { pair }
+            if accepted { pair.accepted_with_baseline(both, expected.position) } else { pair }
         };
         let pairs = (0..self.camera).map(pair).collect();
         let camera = NetworkCamera {

@@ -190,8 +190,7 @@ impl NetworkCase<'_> {
         if !(cameras[a].accepted() && cameras[b].accepted()) {
             return found;
         }
-        let known = [a, b].map(|c| cameras[c].expected.map_or(f64::NAN, |expected| expected.position));
-        found.accepted_if_apart([one, other], known[0].hypot(known[1]))
+        found.accepted_with_baseline([one, other], position_error([&cameras[a], &cameras[b]]))
     }
 
     /// A pair of cameras that stand, not accepted yet.
@@ -245,15 +244,21 @@ impl NetworkCase<'_> {
 }
 
 impl NetworkPair {
-    /// A pair of accepted cameras: accepted too, unless it contradicts or its cameras stand no farther apart than is known of where they stand.
-    pub(super) fn accepted_if_apart(self, [one, other]: [&Camera; 2], known: f64) -> Self {
+    /// A pair of accepted cameras, of whose positions together this is the error: accepted too, unless it contradicts or its baseline is not known by that.
+    pub(super) fn accepted_with_baseline(self, [one, other]: [&Camera; 2], position_error: f64) -> Self {
         if self.status == PairStatus::Contradicts {
             return self;
         }
-        let apart = (one.position - other.position).norm() >= limits::APART * known;
-        let status = if apart { self.status } else { PairStatus::NoBaseline };
-        Self { status, accepted: apart, ..self }
+        let accepted = (one.position - other.position).norm() >= limits::BASELINE * position_error;
+        let status = if accepted { self.status } else { PairStatus::NoBaseline };
+        Self { status, accepted, ..self }
     }
+}
+
+/// The error to expect of the positions of two cameras together; NaN where that of one is not known.
+pub(super) fn position_error(two: [&NetworkCamera; 2]) -> f64 {
+    let [one, other] = two.map(|c| c.expected.map_or(f64::NAN, |expected| expected.position));
+    one.hypot(other)
 }
 
 /// A pair of which a camera does not stand.
