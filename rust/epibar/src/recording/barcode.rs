@@ -68,17 +68,13 @@ impl Barcodes {
         Self { count, frames, words_per, bits: vec![0; count * words_per] }
     }
 
-    /// Puts the blocks of a stream, each with its 256 frames of every line, behind one another.
-    pub(super) fn from_blocks(frames: usize, blocks: &[Vec<[u64; BLOCK_WORDS]>]) -> Self {
-        let count = blocks.first().map_or(0, Vec::len);
-        let mut barcodes = Self::zeros(count, frames);
-        let rows = barcodes.bits.par_chunks_mut(barcodes.words_per.max(1));
-        rows.enumerate().for_each(|(line, row)| {
-            for (words, block) in row.chunks_mut(BLOCK_WORDS).zip(blocks) {
-                words.copy_from_slice(&block[line][..words.len()]);
-            }
+    /// Takes over the frames of the `number`-th block of a stream: 256, or those that are left, of every line.
+    pub(super) fn put(&mut self, number: usize, lines: &[[u64; BLOCK_WORDS]]) {
+        let rows = self.bits.par_chunks_mut(self.words_per.max(1)).zip_eq(lines);
+        rows.for_each(|(row, line)| {
+            let words = row.chunks_mut(BLOCK_WORDS).nth(number);
+            words.into_iter().flatten().zip(line).for_each(|(to, from)| *to = *from);
         });
-        barcodes
     }
 
     /// The words of line `i`.
@@ -264,17 +260,14 @@ pub fn barcodes_of_segments(
             expected: "both ends must be finite and near the image",
         });
     }
+    let mut barcodes = Barcodes::zeros(segments.len(), frames);
     let mut block = PixelBlock::new(size);
-    let mut blocks = Vec::new();
-    for masks in masks.chunks(BLOCK_FRAMES * size.pixels()) {
+    for (number, masks) in masks.chunks(BLOCK_FRAMES * size.pixels()).enumerate() {
         block.clear();
         block.set_frames(masks);
-        blocks.push(block.unions(segments));
+        barcodes.put(number, &block.unions(segments));
     }
-    if blocks.is_empty() {
-        return Ok(Barcodes::zeros(segments.len(), 0));
-    }
-    Ok(Barcodes::from_blocks(frames, &blocks))
+    Ok(barcodes)
 }
 
 #[cfg(test)]

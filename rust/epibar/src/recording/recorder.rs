@@ -2,12 +2,13 @@
 //!
 //! Each mask is read once: its runs set bits of the current [`BitPlanes`] and make the silhouettes. Every 64 frames
 //! these become a word of the current [`PixelBlock`], and after 256 frames the block is turned into 256 bits of every
-//! barcode and of the heat map. Both are reused. Memory is 40 bytes per pixel and the recording itself.
+//! barcode and of the heat map. Both are reused, and bits of barcodes wait packed for the end. Memory is 40 bytes per pixel and the recording itself.
 
 use super::barcode::Barcodes;
-use super::barcode_words::{BLOCK_FRAMES, BLOCK_WORDS, PixelBlock};
+use super::barcode_words::{BLOCK_FRAMES, PixelBlock};
 use super::components::Components;
 use super::lens_corners::OutlineFinder;
+use super::packed_block::PackedBlock;
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;
@@ -16,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::image::{ImageSize, Segment};
 use std::sync::Arc;
 
-/// Most lines a recorder takes: their barcodes are 32 bytes each per 256 frames.
+/// Most lines a recorder takes: their barcodes are 32 bytes each per 256 frames, before they are packed.
 pub const MAX_LINES: usize = 10_000_000;
 
 /// How to record.
@@ -102,7 +103,7 @@ pub struct Recorder {
     /// needs as much.
     pixels: Option<Pixels>,
     /// Finished blocks: 256 frames of every line.
-    blocks: Vec<Vec<[u64; BLOCK_WORDS]>>,
+    blocks: Vec<PackedBlock>,
     silhouettes: Silhouettes,
     heat: Vec<u32>,
     moving_pixels: Vec<u32>,
@@ -239,9 +240,13 @@ impl Recorder {
             self.flush();
         }
         self.pixels = None;
+        let mut barcodes = Barcodes::zeros(self.segments.len(), self.times.len());
+        for (number, block) in self.blocks.into_iter().enumerate() {
+            barcodes.put(number, &block.lines());
+        }
         Ok(Recording {
             size: self.size,
-            barcodes: Barcodes::from_blocks(self.times.len(), &self.blocks),
+            barcodes,
             times: self.times,
             segments: self.segments,
             silhouettes: self.silhouettes,
@@ -257,7 +262,7 @@ impl Recorder {
         let Some(Pixels { planes, block }) = &mut self.pixels else { return };
         // Where the planes are empty this adds nothing.
         block.take((self.times.len() - 1) % BLOCK_FRAMES / 64, planes);
-        self.blocks.push(block.unions(&self.segments));
+        self.blocks.push(PackedBlock::new(&block.unions(&self.segments)));
         block.add_heat(&mut self.heat);
         block.clear();
     }
