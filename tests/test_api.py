@@ -64,6 +64,21 @@ def test_recording_describes_its_masks(scene, recordings):
     assert np.abs(corners.max(axis=0) - (xs.max(), ys.max())).max() <= 1
 
 
+def test_frames_of_a_long_recording_stand_in_their_order():
+    masks = np.zeros((700, 24, 32), bool)  # two whole blocks of 256 frames and the start of a third
+    for frame in [*range(200), *range(640, 700)]:
+        masks[frame, 4 + frame // 50 : 12 + frame // 50, frame * 3 % 28 : frame * 3 % 28 + 4] = True
+    recording = epibar.Recording.from_masks(masks, fps=25.0, lines=500, seed=0)
+    assert (recording.heat == masks.sum(axis=0, dtype=np.int64)).all()
+    naive = np.zeros((500, 704), bool)
+    for line, segment in enumerate(recording.segments):
+        one = np.zeros((24, 32), np.uint8)
+        cells = epibar.barcodes(np.eye(24 * 32, dtype=bool).reshape(-1, 24, 32), segment[None])
+        one.ravel()[np.unpackbits(cells.view(np.uint8), bitorder="little")[: one.size] > 0] = 1
+        naive[line, :700] = (masks & (one > 0)).any(axis=(1, 2))
+    assert (np.packbits(naive, axis=1, bitorder="little").view(np.uint64) == recording.barcodes).all()
+
+
 def test_F_maps_points_of_a_to_lines_of_b(scene, calibration):
     a, b = scene.volume_correspondences(0, 1)
     assert calibration.accepted, calibration.reason
