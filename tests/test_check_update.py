@@ -107,6 +107,19 @@ def test_a_pair_that_the_new_footage_says_little_of(core):
     assert now.pairs["cam2", "cam3"].evidence == {"tangents": 1.0}
 
 
+def test_a_camera_that_was_put_beside_another_has_no_epipole_there(core):
+    net = network()
+    moved = replaced(net.cameras["cam2"], ["cam1", "cam3"])
+    beside = net.cameras["cam1"].position + np.array([0.005, 0.0, 0.0])  # errors are 0.002 to 0.003
+    moved["place"]["translation"] = -moved["place"]["rotation"] @ beside
+    now = net.updated(check_of(core, net, cam2=moved))
+    pair = now.pairs["cam1", "cam2"]
+    assert now.cameras["cam2"].accepted
+    assert (pair.status, pair.accepted) == ("no_baseline", False)
+    assert pair.F is not None
+    assert now.pairs["cam2", "cam3"].accepted
+
+
 def test_what_is_not_confirmed_stays(core):
     net = network()
     check = check_of(core, net, cam2=MOVED, cam3=UNSURE)

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 __all__ = [
     "ALL_PAIRS",
+    "BASELINE",
     "GRID",
     "MAP_SHAPE",
     "MAX_EXPECTED_ERROR",
@@ -50,6 +51,7 @@ __all__ = [
 GRID: float
 MAP_SHAPE: tuple[int, int]
 ALL_PAIRS: int
+BASELINE: float
 MAX_EXPECTED_ERROR: float
 MAX_LINES: int
 MOST_DRIFT: float

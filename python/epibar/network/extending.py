@@ -12,7 +12,6 @@ import numpy as np
 from .. import _core
 from ..arguments import MAX_SEED, as_positive, as_whole_number, core_errors
 from ..errors import EpibarError
-from ..geometry.cameras import Pose, fundamental_from_cameras
 from ..geometry.vectors import angle_between
 from ..recording import Recording
 from .checking import UNMOVED, NetworkCheck, check_network, stored_camera
@@ -23,6 +22,7 @@ from .offsets import ClockOffsets, TimeOffset, find_offsets, given_offsets
 from .pair_choice import pairs_to_add
 from .pair_search import pair_to_core, search_pairs
 from .parts import NetworkCamera, NetworkClock, NetworkPair, NetworkPairs, NetworkParts
+from .placed_pairs import placed_pair
 from .recordings import Recordings, named_recordings
 from .stages import Progress, as_stage
 
@@ -283,7 +283,7 @@ def with_added(network: N, extension: Extension) -> N:
     for k, a in enumerate(names):
         for b in names[k + 1 :]:
             key = (a, b) if (a, b) in there or (b, a) not in there else (b, a)
-            pairs.append(there[key] if key in there else _predicted(cameras[a], cameras[b]))
+            pairs.append(there[key] if key in there else placed_pair(cameras[a], cameras[b]))
     reason, before, why = network.reason.partition(NOT_IN_METRES)
     said = [reason]
     said += [f"added later: {', '.join(new)}"] if new else []
@@ -295,18 +295,3 @@ def with_added(network: N, extension: Extension) -> N:
         pairs=NetworkPairs(pairs),
         reason=f"{'; '.join(said)}{before}{why}",
     )
-
-
-def _predicted(one: NetworkCamera, other: NetworkCamera) -> NetworkPair:
-    """Return a pair that no new footage was asked of, by where its cameras stand."""
-    places = [_posed(one), _posed(other)]
-    if places[0] is None or places[1] is None:
-        return NetworkPair(one.name, other.name, False, "outside")
-    F = fundamental_from_cameras(places[0], places[1])
-    return NetworkPair(one.name, other.name, one.accepted and other.accepted, "predicted", F)
-
-
-def _posed(camera: NetworkCamera) -> Pose | None:
-    if camera.matrix is None or camera.rotation is None or camera.translation is None:
-        return None
-    return Pose(camera.matrix, camera.rotation, camera.translation, camera.size)

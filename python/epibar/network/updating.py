@@ -8,17 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import _core
 from ..errors import EpibarError
-from ..geometry.cameras import Pose, fundamental_from_cameras
 from .checking import CameraCheck, NetworkCheck, NewPlace
 from .parts import NetworkCamera, NetworkPair, NetworkPairs, NetworkParts
+from .placed_pairs import placed_pair
 from .shared_errors import IN_SPACE
 
-__all__ = ["CONFIRMED", "moved_parts", "update_notes"]
-
-CONFIRMED = _core.PAIR_DEVIATES
-"""Normal deviate of the tangents of a pair that confirms a network."""
+__all__ = ["moved_parts", "update_notes"]
 
 
 def moved_parts(network: NetworkParts, check: NetworkCheck) -> tuple[dict[str, NetworkCamera], NetworkPairs]:
@@ -93,18 +89,7 @@ def _pair(pair: NetworkPair, cameras: dict[str, NetworkCamera], places: dict[str
     if pair.F is None or not {pair.a, pair.b} & places.keys():
         return pair
     one, other = (pair.a, pair.b) if pair.a in places else (pair.b, pair.a)
-    evidence = places[one].pairs.get(other, {})
-    status = "confirmed" if evidence.get("tangents", 0.0) >= CONFIRMED else "predicted"
-    F = fundamental_from_cameras(_posed(cameras[pair.a]), _posed(cameras[pair.b]))
-    accepted = cameras[pair.a].accepted and cameras[pair.b].accepted
-    return replace(pair, accepted=accepted, status=status, F=F, evidence=evidence)
-
-
-def _posed(camera: NetworkCamera) -> Pose:
-    assert camera.matrix is not None
-    assert camera.rotation is not None
-    assert camera.translation is not None
-    return Pose(camera.matrix, camera.rotation, camera.translation, camera.size)
+    return placed_pair(cameras[pair.a], cameras[pair.b], places[one].pairs.get(other, {}))
 
 
 def update_notes(check: NetworkCheck) -> list[str]:

@@ -49,6 +49,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("GRID", internals::GRID)?;
     module.add("MAP_SHAPE", (internals::MAP_ROWS, internals::MAP_COLUMNS))?;
     module.add("ALL_PAIRS", internals::ALL_PAIRS)?;
+    module.add("BASELINE", internals::BASELINE)?;
     module.add("MAX_EXPECTED_ERROR", internals::MAX_EXPECTED_ERROR)?;
     module.add("MAX_LINES", internals::MAX_LINES)?;
     module.add("MOST_DRIFT", internals::MOST_DRIFT)?;

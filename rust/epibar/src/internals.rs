@@ -26,6 +26,7 @@ pub use crate::matching::{
     Candidate, CandidateOptions, Candidates, Match, MotionLineOptions, correlation, find_candidates,
     motion_lines, mutual_matches,
 };
+pub use crate::network::BASELINE;
 pub use crate::network::clocks::{GRID, MOST_DRIFT};
 pub use crate::network::input::TANGENTIAL;
 pub use crate::network::optics::Optics;
