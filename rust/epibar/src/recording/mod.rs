@@ -8,7 +8,7 @@
 //!    [`stand_ins`] which of that are boxes and ellipses.
 //! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 256 frames into half a cache line per pixel, and
 //!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
-//! 4. [`recorder`] streams masks through all of this, keeps finished frames as [`packed_block`]s, and ends in a [`Recording`];
+//! 4. [`recorder`] streams masks through all of this, keeps finished frames as [`packed_blocks`], and ends in a [`Recording`];
 //!    [`parts`] takes one apart for a file.
 //! 5. [`tracker`] follows silhouettes from frame to frame, [`visible`] says where a view ends, [`mod@fullest`] in which stretch most moves.
 //!
@@ -21,7 +21,7 @@ pub mod fill;
 pub mod fullest;
 pub mod hull;
 pub mod lens_corners;
-mod packed_block;
+mod packed_blocks;
 pub mod parts;
 pub mod recorder;
 #[allow(clippy::module_inception, reason = "the recording itself, beside what makes one")]

@@ -8,7 +8,7 @@ use super::barcode::Barcodes;
 use super::barcode_words::{BLOCK_FRAMES, PixelBlock};
 use super::components::Components;
 use super::lens_corners::OutlineFinder;
-use super::packed_block::PackedBlock;
+use super::packed_blocks::PackedBlocks;
 use super::recording::Recording;
 use super::sampling::border_segments;
 use super::silhouettes::Silhouettes;
@@ -103,7 +103,7 @@ pub struct Recorder {
     /// needs as much.
     pixels: Option<Pixels>,
     /// Finished blocks: 256 frames of every line.
-    blocks: Vec<PackedBlock>,
+    blocks: PackedBlocks,
     silhouettes: Silhouettes,
     heat: Vec<u32>,
     moving_pixels: Vec<u32>,
@@ -147,7 +147,7 @@ impl Recorder {
             found: Components::new(),
             outlines: OutlineFinder::default(),
             pixels: None,
-            blocks: Vec::new(),
+            blocks: PackedBlocks::default(),
             silhouettes: Silhouettes::default(),
             heat: vec![0; size.pixels()],
             moving_pixels: Vec::new(),
@@ -241,8 +241,8 @@ impl Recorder {
         }
         self.pixels = None;
         let mut barcodes = Barcodes::zeros(self.segments.len(), self.times.len());
-        for (number, block) in self.blocks.into_iter().enumerate() {
-            barcodes.put(number, &block.lines());
+        for (number, block) in self.blocks.iter().enumerate() {
+            barcodes.put(number, &block);
         }
         Ok(Recording {
             size: self.size,
@@ -262,7 +262,7 @@ impl Recorder {
         let Some(Pixels { planes, block }) = &mut self.pixels else { return };
         // Where the planes are empty this adds nothing.
         block.take((self.times.len() - 1) % BLOCK_FRAMES / 64, planes);
-        self.blocks.push(PackedBlock::new(&block.unions(&self.segments)));
+        self.blocks.push(&block.unions(&self.segments));
         block.add_heat(&mut self.heat);
         block.clear();
     }
