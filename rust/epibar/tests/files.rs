@@ -49,6 +49,38 @@ fn a_recording_comes_back_as_it_was() {
     saved.first_frame = 42;
     saved.save(&path).unwrap();
     assert_eq!(SavedRecording::load(&path).unwrap(), saved);
+    saved.pixel_aspect = Some(16.0 / 11.0);
+    saved.matrix = Some(Matrix3::new(500.0, 0.0, 160.0, 0.0, 510.0, 120.0, 0.0, 0.0, 1.0));
+    for (distortions, fisheye) in
+        [(vec![-0.3, 0.1, 1e-4, 0.0, -0.02], false), (vec![0.01, 0.0, 0.0, 0.0], true)]
+    {
+        saved.distortions = Some(distortions);
+        saved.fisheye = fisheye;
+        saved.save(&path).unwrap();
+        assert_eq!(SavedRecording::load(&path).unwrap(), saved);
+    }
+}
+
+#[test]
+fn a_lens_that_none_has_is_refused() {
+    let path = file("lens.npz");
+    let mut saved = SavedRecording::from(recording());
+    saved.matrix = Some(Matrix3::new(500.0, 0.0, 160.0, 0.0, 510.0, 120.0, 0.0, 0.0, 1.0));
+    let mut refused = |distortions: &[f64], fisheye, aspect: f64| {
+        saved.distortions = Some(distortions.to_vec());
+        (saved.fisheye, saved.pixel_aspect) = (fisheye, Some(aspect));
+        saved.save(&path).unwrap();
+        SavedRecording::load(&path).unwrap_err().to_string()
+    };
+    assert!(refused(&[0.1; 3], false, 1.0).contains("3 distortions"));
+    assert!(refused(&[0.1; 5], true, 1.0).contains("5 distortions"));
+    assert!(refused(&[0.1, f64::NAN, 0.0, 0.0], false, 1.0).contains("distortions"));
+    for aspect in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(refused(&[0.1; 5], false, aspect).contains("pixel_aspect"));
+    }
+    (saved.pixel_aspect, saved.matrix.as_mut().unwrap().m12) = (None, 0.5);
+    saved.save(&path).unwrap();
+    assert!(SavedRecording::load(&path).unwrap_err().to_string().contains("skew"));
 }
 
 fn matrix(f: Option<epibar::Fundamental>) -> Option<Matrix3<f64>> {

@@ -13,6 +13,8 @@ use crate::recording::{Recording, RecordingParts};
 /// Version of the file; a file of another one is refused.
 const FORMAT: i64 = 1;
 const MARK: &str = "epibar_recording";
+/// Skew up to this is rounding, pixels.
+const LEAST_SKEW: f64 = 1e-3;
 const KIND: &str = "a recording saved by epibar";
 
 /// A recording with all that its file holds beside it.
@@ -27,6 +29,13 @@ pub struct SavedRecording {
     pub warnings: Vec<String>,
     /// Camera matrix of the undistorted pixels that all is in, where it is known.
     pub matrix: Option<Matrix3<f64>>,
+    /// Distortions of the lens that was taken out of the pixels, in the order of `OpenCV`, where it is known; with a
+    /// [`matrix`](Self::matrix) without skew alone.
+    pub distortions: Option<Vec<f64>>,
+    /// Whether these are of the fisheye model of `OpenCV`.
+    pub fisheye: bool,
+    /// Width of a pixel over its height, where the video says so.
+    pub pixel_aspect: Option<f64>,
     /// What was counted while the video was watched, by name.
     pub health: Vec<(String, f64)>,
     /// Number in the video of frame 0.
@@ -41,6 +50,9 @@ impl From<Recording> for SavedRecording {
             name: String::new(),
             warnings: Vec::new(),
             matrix: None,
+            distortions: None,
+            fisheye: false,
+            pixel_aspect: None,
             health: Vec::new(),
             first_frame: 0,
         }
@@ -102,6 +114,13 @@ impl SavedRecording {
         put(a, "first_frame", &[], [self.first_frame])?;
         if let Some(matrix) = &self.matrix {
             put(a, "matrix", &[3, 3], matrix.transpose().iter().copied())?;
+        }
+        if let Some(distortions) = &self.distortions {
+            put(a, "distortions", &[distortions.len()], distortions.iter().copied())?;
+            put(a, "fisheye", &[], [self.fisheye])?;
+        }
+        if let Some(aspect) = self.pixel_aspect {
+            put(a, "pixel_aspect", &[], [aspect])?;
         }
         put(a, "core_size", &[2], [width as u64, height as u64])?;
         put(a, "core_seed", &[1], [parts.seed])?;
@@ -167,6 +186,7 @@ impl SavedRecording {
         } else {
             None
         };
+        let (distortions, fisheye) = lens(a, matrix.as_ref())?;
         let health = if a.contains_key("health_names") {
             let names: Vec<String> = shaped(a, "health_names", &[None])?;
             let values = finite("health_values", shaped(a, "health_values", &[Some(names.len())])?)?;
@@ -178,7 +198,10 @@ impl SavedRecording {
             recording: parts.try_into()?,
             name: scalar(a, "name")?,
             warnings: shaped(a, "warnings", &[None])?,
+            distortions,
             matrix,
+            fisheye,
+            pixel_aspect: pixel_aspect(a)?,
             health,
             first_frame: first_frame(a)?,
         })
@@ -188,6 +211,34 @@ impl SavedRecording {
 fn first_frame(a: &Arrays) -> Result<i64> {
     let first = if a.contains_key("first_frame") { scalar(a, "first_frame")? } else { 0 };
     if first < 0 { Err(Error::Damaged(format!("first_frame is {first}"))) } else { Ok(first) }
+}
+
+/// Distortions and whether they are of a fisheye; files of older versions have none, and without a matrix they are of no use.
+fn lens(a: &Arrays, matrix: Option<&Matrix3<f64>>) -> Result<(Option<Vec<f64>>, bool)> {
+    let Some(matrix) = matrix.filter(|_| a.contains_key("distortions")) else {
+        return Ok((None, false));
+    };
+    if matrix.m12.abs() > LEAST_SKEW {
+        return Err(Error::Damaged("matrix has skew, which no lens that is taken out has".into()));
+    }
+    let distortions = finite("distortions", shaped(a, "distortions", &[None])?)?;
+    let fisheye = a.contains_key("fisheye") && scalar(a, "fisheye")?;
+    let counts: &[usize] = if fisheye { &[0, 4] } else { &[0, 4, 5, 8, 12, 14] };
+    if counts.contains(&distortions.len()) {
+        Ok((Some(distortions), fisheye))
+    } else {
+        Err(Error::Damaged(format!("there are {} distortions", distortions.len())))
+    }
+}
+
+/// How wide pixels are; files of older versions do not say.
+fn pixel_aspect(a: &Arrays) -> Result<Option<f64>> {
+    if !a.contains_key("pixel_aspect") {
+        return Ok(None);
+    }
+    let aspect: f64 = scalar(a, "pixel_aspect")?;
+    let usable = aspect.is_finite() && aspect > 0.0;
+    if usable { Ok(Some(aspect)) } else { Err(Error::Damaged(format!("pixel_aspect is {aspect}"))) }
 }
 
 fn camera_matrix(entries: &[f64]) -> Result<Matrix3<f64>> {
