@@ -19,7 +19,7 @@ pub struct PackedBlocks {
 impl PackedBlocks {
     /// Adds the words of a block, line after line.
     pub fn push(&mut self, lines: &[[u64; BLOCK_WORDS]]) {
-        let mut packer = DeflateEncoder::new(&mut self.bytes, Compression::fast());
+        let mut packer = DeflateEncoder::new(&mut self.bytes, Compression::default());
         for words in lines {
             packer
                 .write_all(words.map(u64::to_le_bytes).as_flattened())
