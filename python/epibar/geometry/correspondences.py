@@ -41,7 +41,7 @@ class FrontierPoints:
     frame : ndarray, shape (m,), int
         Frame of A. The moment's frame of B is :meth:`Calibration.frame_of_b`.
     a, b : ndarray, shape (m, 2)
-        Pixels (x, y).
+        Pixels (x, y), where outlines are without what they are found to be off by, a pixel or so.
     residual : ndarray, shape (m,)
         Symmetric epipolar distance under F, pixels.
     """

@@ -7,21 +7,24 @@
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
 use crate::clock::{Aligned, Clocks, TimeOffset, Timing};
 use crate::error::Result;
+use crate::frontier::volume::{disagreement, met_correspondences};
 use crate::frontier::{Views, busy_frames};
+use crate::geometry::Fundamental;
 use crate::geometry::median::median;
 use crate::hypotheses::{Draws, LineModel};
 use crate::matching::{Candidates, find_candidates};
 use crate::offset_choice::outstanding_offset;
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
+use crate::refine::{Outlined, loss_scale, with_outlines};
 use crate::search::by_lines::{self, Filmed};
 use crate::search::{Effort, Found, SearchOptions, Solution, TrainingSet, search, settle};
 use crate::verify::other_clocks::{OtherClock, other_clocks};
 use crate::verify::second_look::Earlier;
 use crate::verify::split::{Fold, Split, Stay};
-use crate::verify::thresholds::{CLOCK_BETTER, MIN_Z_FOR_CLOCK, reaches};
+use crate::verify::thresholds::{CLOCK_BETTER, MIN_Z_FOR_CLOCK, reaches, within};
 use crate::verify::trials::falls_for;
-use crate::verify::{Case, Verdict, Verified, untestable, verify};
+use crate::verify::{Case, VOLUME, Verdict, Verified, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
 
 /// Finds the fundamental matrix between two cameras.
@@ -49,9 +52,10 @@ pub fn calibrate_watched(
     options.check()?;
     let found = at_better_clock(a, b, options.time_offset, options, watch)?;
     let next = options.time_offset.where_refused();
-    let Some(next) = next.filter(|_| !found.accepted()) else { return Ok(found) };
+    let Some(next) = next.filter(|_| !found.accepted()) else { return Ok(found.with_outlines()) };
     let other = at_better_clock(a, b, next, options, watch)?;
-    Ok(if other.accepted() || other.evidence.z > found.evidence.z { other } else { found })
+    let other_is_better = other.accepted() || other.evidence.z > found.evidence.z;
+    Ok(if other_is_better { other } else { found }.with_outlines())
 }
 
 /// From what is known of the offset, and once more from another one near it where that is clearly better.
@@ -294,6 +298,7 @@ impl<'a> Pair<'a> {
     ) -> Calibration {
         let (a, b) = (self.aligned.a(), self.aligned.b());
         let timing = Timing::of(self.aligned.clock(), a, b);
+        let outlined = self.outlined(seen, &winner.fundamental, &verified);
         let empty = Calibration::refused(verified.verdict, timing, self.options.method, self.options.seed);
         let f = &winner.fundamental;
         let inliers = LineModel::new(candidates.best(), seen.all.sizes()).inliers(f);
@@ -315,8 +320,20 @@ impl<'a> Pair<'a> {
             shift_curve: verified.curve.totals().map(|(shift, score)| ShiftScore { shift, score }).collect(),
             tested: found.fitted,
             source: Some(winner.source),
+            outlined,
             ..empty
         }
+    }
+
+    /// The geometry with what outlines are off by, where that is no farther from the one that was tested than it may be wrong.
+    fn outlined(&self, seen: &SplitViews, f: &Fundamental, verified: &Verified) -> Option<Outlined> {
+        if self.options.method != Method::Frontier {
+            return None;
+        }
+        let Verified { matches, radius, expected_error, .. } = verified;
+        let outlined = with_outlines(&seen.all, f, matches, loss_scale(*radius))?;
+        let volume = met_correspondences(&seen.all, f, matches, VOLUME, self.options.seed);
+        within(disagreement(&volume, &outlined.fundamental), *expected_error).then_some(outlined)
     }
 }
 

@@ -8,6 +8,7 @@ use crate::hypotheses::Source;
 use crate::image::Line;
 use crate::options::Method;
 use crate::recording::RecordedFrame;
+use crate::refine::Outlined;
 use crate::verify::trials::account_for_trials;
 use crate::verify::{ErrorMap, Evidence, Rival, Verdict};
 
@@ -26,7 +27,7 @@ pub struct CandidatePair {
     pub inlier: bool,
 }
 
-/// A point where an epipolar plane touches what moves, as both cameras see it.
+/// A point where an epipolar plane touches what moves, as both cameras see it: where outlines are without what they are off by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FrontierPoint {
@@ -115,6 +116,8 @@ pub struct Calibration {
     pub method: Method,
     /// The seed it was found with.
     pub seed: u64,
+    /// The answer with what outlines are off by solved for, on its way out: what tests a geometry holds it against outlines as they are.
+    pub(crate) outlined: Option<Outlined>,
 }
 
 impl Calibration {
@@ -137,7 +140,19 @@ impl Calibration {
             source: None,
             method,
             seed,
+            outlined: None,
         }
+    }
+
+    /// The geometry, and the points where silhouettes touch it, as outlines are without what they are off by.
+    pub(crate) fn with_outlines(mut self) -> Self {
+        if let Some(Outlined { fundamental, points }) = self.outlined.take() {
+            let moved = self.frontier_points.iter().zip(points);
+            self.frontier_points =
+                moved.map(|(old, (a, b))| FrontierPoint::new(old.frame, a, b, &fundamental)).collect();
+            self.fundamental = Some(fundamental);
+        }
+        self
     }
 
     /// Whether `F` can be relied on.

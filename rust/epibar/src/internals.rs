@@ -26,14 +26,13 @@ pub use crate::matching::{
     Candidate, CandidateOptions, Candidates, Match, MotionLineOptions, correlation, find_candidates,
     motion_lines, mutual_matches,
 };
-pub use crate::network::BASELINE;
 pub use crate::network::clocks::{GRID, MOST_DRIFT};
 pub use crate::network::input::TANGENTIAL;
 pub use crate::network::optics::Optics;
 pub use crate::network::pair::{RIVAL_SHARE, RIVALS};
 pub use crate::network::pair_choice::ALL_PAIRS;
 pub use crate::network::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
-pub use crate::network::support::PAIR_DEVIATES;
+pub use crate::network::support::{BASELINE, PAIR_DEVIATES};
 pub use crate::offset_choice::outstanding_offset;
 pub use crate::options::{MAX_EXPECTED_ERROR, SEARCH_SECONDS};
 pub use crate::random::generator;
@@ -45,7 +44,7 @@ pub use crate::recording::hull::convex_hull;
 pub use crate::recording::recorder::MAX_LINES;
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
-pub use crate::refine::refine;
+pub use crate::refine::{loss_scale, refine, with_outlines};
 pub use crate::search::resampled;
 pub use crate::verify::error_map::{COLUMNS as MAP_COLUMNS, ROWS as MAP_ROWS};
 pub use crate::verify::planarity::plane_residual;

@@ -6,7 +6,10 @@ use common::cameras::{error, fundamental, random_pair};
 use common::flying::Scene;
 use common::masks::Random;
 use common::pairs;
-use epibar::internals::{SevenParameters, Step, Views, refine, resampled};
+use epibar::internals::{
+    SevenParameters, Step, Views, compare, loss_scale, refine, resampled, with_outlines,
+};
+use epibar::{Recorder, RecorderOptions, Recording};
 use nalgebra::Matrix3;
 
 /// Norm of the difference of two matrices of norm 1 that may differ in sign.
@@ -78,6 +81,51 @@ fn refinement_leads_back_to_the_true_matrix() {
     // Nothing to refine on.
     let nothing = Views::new(a, b, &pairs(1));
     assert!(refine(&nothing, f, &[2.0], 1).is_none());
+}
+
+/// The recording of one camera whose masks are so many pixels too wide.
+fn too_wide(scene: &Scene, camera: usize, by: usize) -> Recording {
+    let size = scene.cameras[camera].size;
+    let (width, height) = (size.width(), size.height());
+    let mut recorder = Recorder::new(size, RecorderOptions::new().lines(1)).unwrap();
+    for frame in 0..scene.frames {
+        let exact = scene.mask(camera, frame);
+        let mut mask = vec![0; size.pixels()];
+        for (i, _) in exact.iter().enumerate().filter(|(_, moves)| **moves != 0) {
+            let (x, y) = (i % width, i / width);
+            for v in y.saturating_sub(by)..(y + by + 1).min(height) {
+                let row = (y.abs_diff(v).pow(2), v * width);
+                let across = (0..=by).rev().find(|across| across * across + row.0 <= by * by).unwrap();
+                mask[row.1 + x.saturating_sub(across)..row.1 + (x + across + 1).min(width)].fill(1);
+            }
+        }
+        recorder.push(&mask, frame as f64 / 25.0).unwrap();
+    }
+    recorder.finish().unwrap()
+}
+
+#[test]
+fn outlines_that_are_too_wide_are_found_beside_the_geometry() {
+    const RADIUS: f64 = 4.0;
+    let scene = Scene::new(4, 300, 8);
+    let truth = fundamental(&scene.cameras[0], &scene.cameras[1]);
+    for wide in [[1, 0], [0, 1], [2, 0], [1, 1], [0, 0]] {
+        let [a, b] = [0, 1].map(|camera| too_wide(&scene, camera, wide[camera]));
+        let views = Views::new(&a, &b, &pairs(300));
+        let refined = refine(&views, &truth, &[RADIUS], 5).unwrap();
+        let matches = compare(&views, &refined, RADIUS).matches;
+        let found = with_outlines(&views, &refined, &matches, loss_scale(RADIUS)).unwrap();
+        let (before, after) = (error(&refined, &scene.cameras), error(&found.fundamental, &scene.cameras));
+        if wide[0] == wide[1] {
+            assert!(before < 0.2 && after < before + 0.02, "{wide:?}: {before} {after}");
+        } else {
+            assert!(before > 0.5 && after < 0.5 * before, "{wide:?}: {before} {after}");
+        }
+        assert_eq!(found.points.len(), matches.len());
+        // Which end of what moves is up is what tells on which side of its tangents it is.
+        let rolled = views.clone().with_upright(false);
+        assert!(with_outlines(&rolled, &refined, &matches, loss_scale(RADIUS)).is_none());
+    }
 }
 
 #[test]

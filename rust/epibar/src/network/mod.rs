@@ -72,5 +72,4 @@ pub use result::{
     CameraCheck, CameraStatus, CheckStatus, Network, NetworkCamera, NetworkPair, PairStatus, Place,
 };
 pub use solve::world::Ground;
-pub use thresholds::BASELINE;
 pub use walkers::{TrackPoint, TrackSighting, TrackingCamera, walker_tracks};

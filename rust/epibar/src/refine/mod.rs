@@ -2,13 +2,15 @@
 //!
 //! [`sampson`] is the cost of tangents that meet and [`essential`] the prior of known camera matrices; [`least_squares`]
 //! minimises over the seven parameters, [`mod@polish`] does so while the radius shrinks, and [`valley`] walks on along what the
-//! tangents leave open.
+//! tangents leave open. In the end [`outlines`] solves for what outlines are off by as well.
 
 pub mod essential;
 pub mod least_squares;
+pub mod outlines;
 pub mod polish;
 pub mod sampson;
 pub mod valley;
 
+pub use outlines::{Outlined, with_outlines};
 pub use polish::{loss_scale, polish, refine, touch_up};
 pub use sampson::residual_rows;

@@ -15,7 +15,7 @@ const DEPENDENT: f64 = 100.0;
 const LEAST_DEVIATION: f64 = 0.25;
 
 /// What a standard deviation of a prior is worth, in the unit of the cost of the matches.
-fn prior_weight(matches: &[TangentMatch]) -> f64 {
+pub(super) fn prior_weight(matches: &[TangentMatch]) -> f64 {
     let surprise = matches.iter().map(|p| p.surprise).sum::<f64>() / matches.len() as f64;
     DEPENDENT * surprise * robust_deviation(matches).max(LEAST_DEVIATION).powi(2)
 }

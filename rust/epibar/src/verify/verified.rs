@@ -19,6 +19,8 @@ pub struct Verified {
     pub curve: ShiftCurve,
     /// Other geometries.
     pub rivals: Vec<Rival>,
+    /// Within which tangents meet, pixels.
+    pub radius: f64,
     /// Tangents that meet in all frames.
     pub matches: Vec<TangentMatch>,
     /// `None` where the matches do not determine it.

@@ -16,7 +16,7 @@ use crate::network::solve::networks::{Solved, settled};
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::settle::Again;
 use crate::network::thresholds as limits;
-pub use crate::network::thresholds::PAIR_DEVIATES;
+pub use crate::network::thresholds::{BASELINE, PAIR_DEVIATES};
 use crate::verify::shift_curve::normal_deviate;
 
 /// Frames of each camera that are looked at; those that the network is fitted to are fewer of many cameras.
