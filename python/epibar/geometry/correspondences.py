@@ -41,9 +41,9 @@ class FrontierPoints:
     frame : ndarray, shape (m,), int
         Frame of A. The moment's frame of B is :meth:`Calibration.frame_of_b`.
     a, b : ndarray, shape (m, 2)
-        Pixels (x, y), where outlines are without what they are found to be off by, a pixel or so.
+        Pixels (x, y), on the silhouettes.
     residual : ndarray, shape (m,)
-        Symmetric epipolar distance under F, pixels.
+        Symmetric epipolar distance under F, pixels; what outlines are off by is in it.
     """
 
     frame: Index

@@ -16,7 +16,7 @@ use crate::matching::{Candidates, find_candidates};
 use crate::offset_choice::outstanding_offset;
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
-use crate::refine::{Outlined, loss_scale, with_outlines};
+use crate::refine::{loss_scale, with_outlines};
 use crate::search::by_lines::{self, Filmed};
 use crate::search::{Effort, Found, SearchOptions, Solution, TrainingSet, search, settle};
 use crate::verify::other_clocks::{OtherClock, other_clocks};
@@ -326,14 +326,14 @@ impl<'a> Pair<'a> {
     }
 
     /// The geometry with what outlines are off by, where that is no farther from the one that was tested than it may be wrong.
-    fn outlined(&self, seen: &SplitViews, f: &Fundamental, verified: &Verified) -> Option<Outlined> {
+    fn outlined(&self, seen: &SplitViews, f: &Fundamental, verified: &Verified) -> Option<Fundamental> {
         if self.options.method != Method::Frontier {
             return None;
         }
         let Verified { matches, radius, expected_error, .. } = verified;
         let outlined = with_outlines(&seen.all, f, matches, loss_scale(*radius))?;
         let volume = met_correspondences(&seen.all, f, matches, VOLUME, self.options.seed);
-        within(disagreement(&volume, &outlined.fundamental), *expected_error).then_some(outlined)
+        within(disagreement(&volume, &outlined), *expected_error).then_some(outlined)
     }
 }
 

@@ -8,7 +8,6 @@ use crate::hypotheses::Source;
 use crate::image::Line;
 use crate::options::Method;
 use crate::recording::RecordedFrame;
-use crate::refine::Outlined;
 use crate::verify::trials::account_for_trials;
 use crate::verify::{ErrorMap, Evidence, Rival, Verdict};
 
@@ -27,7 +26,7 @@ pub struct CandidatePair {
     pub inlier: bool,
 }
 
-/// A point where an epipolar plane touches what moves, as both cameras see it: where outlines are without what they are off by.
+/// A point where an epipolar plane touches what moves, as both cameras see it, on their silhouettes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct FrontierPoint {
@@ -37,7 +36,7 @@ pub struct FrontierPoint {
     pub a: [f64; 2],
     /// In B, pixels.
     pub b: [f64; 2],
-    /// Symmetric epipolar distance under `F`, pixels.
+    /// Symmetric epipolar distance under `F`, pixels; what outlines are off by is in it.
     pub residual: f64,
 }
 
@@ -117,7 +116,7 @@ pub struct Calibration {
     /// The seed it was found with.
     pub seed: u64,
     /// The answer with what outlines are off by solved for, on its way out: what tests a geometry holds it against outlines as they are.
-    pub(crate) outlined: Option<Outlined>,
+    pub(crate) outlined: Option<Fundamental>,
 }
 
 impl Calibration {
@@ -144,13 +143,13 @@ impl Calibration {
         }
     }
 
-    /// The geometry, and the points where silhouettes touch it, as outlines are without what they are off by.
+    /// With the geometry that goes with what outlines are off by. The points stay on the silhouettes, by which pairs of one camera share them.
     pub(crate) fn with_outlines(mut self) -> Self {
-        if let Some(Outlined { fundamental, points }) = self.outlined.take() {
-            let moved = self.frontier_points.iter().zip(points);
-            self.frontier_points =
-                moved.map(|(old, (a, b))| FrontierPoint::new(old.frame, a, b, &fundamental)).collect();
-            self.fundamental = Some(fundamental);
+        if let Some(f) = self.outlined.take() {
+            for point in &mut self.frontier_points {
+                *point = FrontierPoint::new(point.frame, point.a, point.b, &f);
+            }
+            self.fundamental = Some(f);
         }
         self
     }

@@ -11,6 +11,6 @@ pub mod polish;
 pub mod sampson;
 pub mod valley;
 
-pub use outlines::{Outlined, with_outlines};
+pub use outlines::with_outlines;
 pub use polish::{loss_scale, polish, refine, touch_up};
 pub use sampson::residual_rows;

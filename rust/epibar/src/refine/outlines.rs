@@ -21,15 +21,6 @@ const ITERATIONS: usize = 30;
 /// A step that lowers the cost by a smaller share is the last.
 const LEAST_GAIN: f64 = 1e-8;
 
-/// A geometry, and where outlines touch it that are moved by what they are off.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Outlined {
-    /// The geometry.
-    pub fundamental: Fundamental,
-    /// The matches where the true outlines touch its epipolar lines.
-    pub points: Vec<([f64; 2], [f64; 2])>,
-}
-
 /// The seven parameters and both outlines.
 type Step = SVector<f64, 9>;
 type Normal = SMatrix<f64, 9, 9>;
@@ -158,16 +149,14 @@ pub fn with_outlines(
     f: &Fundamental,
     matches: &[TangentMatch],
     scale: f64,
-) -> Option<Outlined> {
+) -> Option<Fundamental> {
     if !views.upright || matches.is_empty() || scale.is_nan() {
         return None;
     }
     let problem = Outlines { views, matches, scale, prior_weight: prior_weight(matches) };
     let geometry = SevenParameters::new(f, views.sizes())?;
     let found = problem.minimise(At { geometry, outlines: [0.0; 2] })?;
-    let (moved, _) = problem.moved(&found)?;
-    let points = moved.into_iter().map(|m| (m.a, m.b)).collect();
-    Some(Outlined { fundamental: found.geometry.fundamental()?, points })
+    found.geometry.fundamental()
 }
 
 #[cfg(test)]
