@@ -10,7 +10,7 @@ from .. import _core
 from ..geometry.cameras import Pose, fundamental_from_cameras
 from .parts import NetworkCamera, NetworkPair
 
-__all__ = ["CONFIRMED", "placed_pair"]
+__all__ = ["placed_pair"]
 
 CONFIRMED = _core.PAIR_DEVIATES
 """Normal deviate of the tangents of a pair that confirms a network."""

@@ -7,7 +7,7 @@
 use crate::calibration::{Calibration, CandidatePair, Counts, FrontierPoint, ShiftScore};
 use crate::clock::{Aligned, Clocks, TimeOffset, Timing};
 use crate::error::Result;
-use crate::frontier::volume::{disagreement, met_correspondences};
+use crate::frontier::volume::disagreement;
 use crate::frontier::{Views, busy_frames};
 use crate::geometry::Fundamental;
 use crate::geometry::median::median;
@@ -24,7 +24,7 @@ use crate::verify::second_look::Earlier;
 use crate::verify::split::{Fold, Split, Stay};
 use crate::verify::thresholds::{CLOCK_BETTER, MIN_Z_FOR_CLOCK, reaches, within};
 use crate::verify::trials::falls_for;
-use crate::verify::{Case, VOLUME, Verdict, Verified, untestable, verify};
+use crate::verify::{Case, Verdict, Verified, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
 
 /// Finds the fundamental matrix between two cameras.
@@ -330,10 +330,8 @@ impl<'a> Pair<'a> {
         if self.options.method != Method::Frontier {
             return None;
         }
-        let Verified { matches, radius, expected_error, .. } = verified;
-        let outlined = with_outlines(&seen.all, f, matches, loss_scale(*radius))?;
-        let volume = met_correspondences(&seen.all, f, matches, VOLUME, self.options.seed);
-        within(disagreement(&volume, &outlined), *expected_error).then_some(outlined)
+        let outlined = with_outlines(&seen.all, f, &verified.matches, loss_scale(verified.radius))?;
+        within(disagreement(&verified.volume, &outlined), verified.expected_error).then_some(outlined)
     }
 }
 

@@ -1,25 +1,43 @@
-//! Least squares over the seven parameters of a fundamental matrix, with a robust loss.
+//! Least squares over the seven parameters of a fundamental matrix, and what may be unknown beside them, with a robust loss.
 
-use crate::geometry::seven_parameters::{Information, SevenParameters, Step};
+use nalgebra::{SMatrix, SVector};
 
-/// A least-squares problem over the seven parameters.
-pub trait Problem {
+use crate::geometry::seven_parameters::{SevenParameters, Step};
+
+/// What is solved for: a point on a manifold of `N` dimensions.
+pub trait Unknowns<const N: usize> {
+    /// The point moved by a step.
+    #[must_use]
+    fn stepped(&self, step: &SVector<f64, N>) -> Self;
+}
+
+impl Unknowns<7> for SevenParameters {
+    fn stepped(&self, step: &Step) -> Self {
+        self.stepped(step)
+    }
+}
+
+/// A least-squares problem, over the seven parameters where nothing else is said.
+pub trait Problem<At = SevenParameters, const N: usize = 7> {
+    /// A step that lowers the cost by a smaller share is the last.
+    const LEAST_GAIN: f64 = 1e-6;
+
     /// Robust cost, `JᵀWJ` and `JᵀWr` at a point.
-    fn linearise(&self, at: &SevenParameters) -> (f64, Information, Step);
+    fn linearise(&self, at: &At) -> (f64, SMatrix<f64, N, N>, SVector<f64, N>);
 }
 
 /// Levenberg–Marquardt: at most `iterations` accepted or refused steps, ends where the cost no longer falls.
-pub fn minimise<P: Problem>(
+pub fn minimise<P: Problem<At, N>, At: Unknowns<N>, const N: usize>(
     problem: &P,
-    start: SevenParameters,
+    start: At,
     iterations: usize,
-) -> (SevenParameters, f64) {
+) -> (At, f64) {
     let mut at = start;
     let (mut cost, mut normal, mut gradient) = problem.linearise(&at);
     let mut damping = 1e-4;
     for _ in 0..iterations {
         let mut damped = normal;
-        for k in 0..7 {
+        for k in 0..N {
             damped[(k, k)] += damping * (normal[(k, k)] + 1e-12);
         }
         let Some(step) = damped.cholesky().map(|c| c.solve(&-gradient)) else {
@@ -34,7 +52,7 @@ pub fn minimise<P: Problem>(
             at = tried;
             (cost, normal, gradient) = (new_cost, new_normal, new_gradient);
             damping = (damping * 0.3).max(1e-9);
-            if gain < 1e-6 {
+            if gain < P::LEAST_GAIN {
                 break;
             }
         } else {

@@ -5,10 +5,10 @@
 //! by what the outlines are. Figures stand near and far, so no `F` follows it everywhere, and how far the outlines of either image are to be
 //! moved along their normals is told by the same tangents.
 
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 use super::essential::EssentialPrior;
-use super::least_squares::{Problem, cauchy};
+use super::least_squares::{Problem, Unknowns, cauchy, minimise};
 use super::polish::prior_weight;
 use super::sampson::residual_rows;
 use crate::frontier::{Class, TangentMatch, Views};
@@ -18,23 +18,18 @@ use crate::geometry::{Fundamental, SevenParameters};
 const DEVIATION: f64 = 1.0;
 /// Steps at most.
 const ITERATIONS: usize = 30;
-/// A step that lowers the cost by a smaller share is the last.
-const LEAST_GAIN: f64 = 1e-8;
 
 /// The seven parameters and both outlines.
 type Step = SVector<f64, 9>;
 type Normal = SMatrix<f64, 9, 9>;
-/// Unit normals of the epipolar lines through a match, away from what moves, in A and in B.
-type Outward = [[f64; 2]; 2];
 
 /// Where the search is.
-#[derive(Clone)]
 struct At {
     geometry: SevenParameters,
     outlines: [f64; 2],
 }
 
-impl At {
+impl Unknowns<9> for At {
     fn stepped(&self, step: &Step) -> Self {
         Self {
             geometry: self.geometry.stepped(&step.fixed_rows::<7>(0).into_owned()),
@@ -53,54 +48,54 @@ struct Outlines<'m> {
 }
 
 impl Outlines<'_> {
-    fn outward(&self, f: &Fundamental, m: &TangentMatch) -> Outward {
-        let away = |[x, y]: [f64; 2], up: [f64; 2]| {
-            let norm = x.hypot(y).max(f64::MIN_POSITIVE);
-            let to_top = (x * up[0] + y * up[1]) > 0.0;
-            let sign = if to_top == (m.class == Class::Top) { 1.0 } else { -1.0 };
-            [sign * x / norm, sign * y / norm]
+    /// Unit normals of the epipolar lines through a match, away from what moves, in A and in B.
+    fn outward(&self, matrix: &Matrix3<f64>, m: &TangentMatch) -> [Vector2<f64>; 2] {
+        let away = |line: Vector3<f64>, [x, y]: [f64; 2]| {
+            let normal = line.xy() / line.xy().norm().max(f64::MIN_POSITIVE);
+            let to_top = normal.dot(&Vector2::new(x, y)) > 0.0;
+            if to_top == (m.class == Class::Top) { normal } else { -normal }
         };
-        let point = |[x, y]: [f64; 2]| Vector3::new(x, y, 1.0);
-        let (in_a, in_b) = (f.line_in_a(&point(m.b)), f.line_in_b(&point(m.a)));
-        [away([in_a.x, in_a.y], self.views.a.up), away([in_b.x, in_b.y], self.views.b.up)]
+        let (in_a, in_b) = lines(matrix, m);
+        [away(in_a, self.views.a.up), away(in_b, self.views.b.up)]
     }
+}
 
-    /// The matches with outlines moved, and the normals along which they were.
-    fn moved(&self, at: &At) -> Option<(Vec<TangentMatch>, Vec<Outward>)> {
-        let f = at.geometry.fundamental()?;
-        let normals: Vec<_> = self.matches.iter().map(|m| self.outward(&f, m)).collect();
-        let [by_a, by_b] = at.outlines;
-        let along = |p: [f64; 2], n: [f64; 2], by: f64| [p[0] + by * n[0], p[1] + by * n[1]];
-        let points = self.matches.iter().zip(&normals);
-        let moved =
-            points.map(|(m, [a, b])| TangentMatch { a: along(m.a, *a, by_a), b: along(m.b, *b, by_b), ..*m });
-        Some((moved.collect(), normals))
-    }
+/// Epipolar lines of a match in A and in B.
+fn lines(matrix: &Matrix3<f64>, m: &TangentMatch) -> (Vector3<f64>, Vector3<f64>) {
+    let point = |[x, y]: [f64; 2]| Vector3::new(x, y, 1.0);
+    (matrix.tr_mul(&point(m.b)), matrix * point(m.a))
+}
 
-    /// Robust cost, normal matrix and gradient.
-    fn linearise(&self, at: &At) -> Option<(f64, Normal, Step)> {
-        let (moved, normals) = self.moved(at)?;
+impl Problem<At, 9> for Outlines<'_> {
+    // Where the epipole is nearly open the last digits of the cost move it.
+    const LEAST_GAIN: f64 = 1e-8;
+
+    fn linearise(&self, at: &At) -> (f64, Normal, Step) {
         let matrix = at.geometry.unscaled();
+        let normals: Vec<_> = self.matches.iter().map(|m| self.outward(&matrix, m)).collect();
+        let along = |p: [f64; 2], normal: &Vector2<f64>, by: f64| (Vector2::from(p) + normal * by).into();
+        let [by_a, by_b] = at.outlines;
+        let moved = self.matches.iter().zip(&normals);
+        let moved: Vec<_> = moved
+            .map(|(m, [a, b])| TangentMatch { a: along(m.a, a, by_a), b: along(m.b, b, by_b), ..*m })
+            .collect();
         let (mut cost, mut normal, mut gradient) = (0.0, Normal::zeros(), Step::zeros());
-        for ((residual, along), (m, [out_a, out_b])) in
-            residual_rows(&at.geometry, &moved).zip(moved.iter().zip(&normals))
-        {
-            let in_b = matrix * Vector3::new(m.a[0], m.a[1], 1.0);
-            let in_a = matrix.tr_mul(&Vector3::new(m.b[0], m.b[1], 1.0));
+        let rows = residual_rows(&at.geometry, &moved).zip(moved.iter().zip(&normals));
+        for ((residual, of_geometry), (m, [out_a, out_b])) in rows {
+            let (in_a, in_b) = lines(&matrix, m);
             let norm = (in_a.xy().norm_squared() + in_b.xy().norm_squared()).sqrt().max(f64::MIN_POSITIVE);
             let mut row = Step::zeros();
-            row.fixed_rows_mut::<7>(0).copy_from(&along);
-            row[7] = (in_a.x * out_a[0] + in_a.y * out_a[1]) / norm;
-            row[8] = (in_b.x * out_b[0] + in_b.y * out_b[1]) / norm;
+            row.fixed_rows_mut::<7>(0).copy_from(&of_geometry);
+            row[7] = in_a.xy().dot(out_a) / norm;
+            row[8] = in_b.xy().dot(out_b) / norm;
             let (loss, weight) = cauchy(residual, self.scale);
             cost += m.surprise * loss;
             let weighed = row * (m.surprise * weight);
             normal += weighed * row.transpose();
             gradient += weighed * residual;
         }
-        let deviation = DEVIATION * self.views.pixel_scale();
+        let weight = self.prior_weight / (DEVIATION * self.views.pixel_scale()).powi(2);
         for (k, off) in at.outlines.into_iter().enumerate() {
-            let weight = self.prior_weight / (deviation * deviation);
             cost += 0.5 * weight * off * off;
             normal[(7 + k, 7 + k)] += weight;
             gradient[7 + k] += weight * off;
@@ -113,32 +108,7 @@ impl Outlines<'_> {
             let mut block = gradient.fixed_rows_mut::<7>(0);
             block += step * self.prior_weight;
         }
-        cost.is_finite().then_some((cost, normal, gradient))
-    }
-
-    /// Levenberg–Marquardt.
-    fn minimise(&self, start: At) -> Option<At> {
-        let mut at = start;
-        let (mut cost, mut normal, mut gradient) = self.linearise(&at)?;
-        let mut damping = 1e-4;
-        for _ in 0..ITERATIONS {
-            let damped = normal + Normal::from_diagonal(&normal.diagonal().map(|d| damping * (d + 1e-12)));
-            let tried = damped.cholesky().map(|c| at.stepped(&c.solve(&-gradient)));
-            let found = tried.and_then(|tried| self.linearise(&tried).map(|found| (tried, found)));
-            match found.filter(|(_, found)| found.0 < cost) {
-                Some((tried, found)) => {
-                    let gain = (cost - found.0) / cost.max(f64::MIN_POSITIVE);
-                    at = tried;
-                    (cost, normal, gradient) = found;
-                    damping = (damping * 0.3).max(1e-9);
-                    if gain < LEAST_GAIN {
-                        break;
-                    }
-                }
-                None => damping *= 8.0,
-            }
-        }
-        Some(at)
+        (cost, normal, gradient)
     }
 }
 
@@ -155,8 +125,7 @@ pub fn with_outlines(
     }
     let problem = Outlines { views, matches, scale, prior_weight: prior_weight(matches) };
     let geometry = SevenParameters::new(f, views.sizes())?;
-    let found = problem.minimise(At { geometry, outlines: [0.0; 2] })?;
-    found.geometry.fundamental()
+    minimise(&problem, At { geometry, outlines: [0.0; 2] }, ITERATIONS).0.geometry.fundamental()
 }
 
 #[cfg(test)]
@@ -164,7 +133,6 @@ mod tests {
     use super::*;
     use crate::frontier::{CommonFrame, View};
     use crate::image::ImageSize;
-    use nalgebra::Matrix3;
 
     #[test]
     fn gradient_equals_differences_of_the_cost() {
@@ -196,8 +164,8 @@ mod tests {
             let problem = Outlines { views: &views, matches: &matches, scale: 1.5, prior_weight: 3.0 };
             let geometry = SevenParameters::new(&f, sizes).unwrap();
             let at = At { geometry, outlines: [0.3, -0.6] };
-            let (_, _, gradient) = problem.linearise(&at).unwrap();
-            let cost = |step: &Step| problem.linearise(&at.stepped(step)).unwrap().0;
+            let (_, _, gradient) = problem.linearise(&at);
+            let cost = |step: &Step| problem.linearise(&at.stepped(step)).0;
             for k in 0..9 {
                 let step = Step::ith(k, H);
                 let difference = (cost(&step) - cost(&-step)) / (2.0 * H);

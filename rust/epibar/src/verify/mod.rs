@@ -86,7 +86,7 @@ use trials::left;
 use turning::may_turn;
 
 /// Correspondences of the volume where things moved.
-pub const VOLUME: usize = 400;
+const VOLUME: usize = 400;
 
 /// Tests a geometry, fitted to all frames.
 ///
@@ -134,7 +134,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
         max_expected_error: case.max_expected_error,
     });
     let uncertainty = stated.map(|stated| stated.uncertainty);
-    Ok(Verified { verdict, expected_error, evidence, curve, rivals, radius, matches, uncertainty })
+    Ok(Verified { verdict, expected_error, evidence, curve, rivals, radius, matches, volume, uncertainty })
 }
 
 /// What is asked of a geometry that stands out, and how far off others are that something asks for.

@@ -6,6 +6,7 @@ use super::rivals::Rival;
 use super::shift_curve::ShiftCurve;
 use super::verdict::Verdict;
 use crate::frontier::TangentMatch;
+use crate::frontier::volume::Correspondence;
 
 /// What the tests gave.
 pub struct Verified {
@@ -23,6 +24,8 @@ pub struct Verified {
     pub radius: f64,
     /// Tangents that meet in all frames.
     pub matches: Vec<TangentMatch>,
+    /// Correspondences of the volume where things moved.
+    pub volume: Vec<Correspondence>,
     /// `None` where the matches do not determine it.
     pub uncertainty: Option<Uncertainty>,
 }
