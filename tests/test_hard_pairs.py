@@ -24,10 +24,20 @@ def test_a_queue_is_found_by_either_order_of_its_cameras(swapped):
 
 
 def test_one_path_is_refused_where_it_is_off_beside_the_path():
-    """Accepted once: 0.6 px off on the path, 3.9 px over the room, 2.5 without what outlines are off by."""
+    """0.2 px off on the path, 4 px over the room."""
+    situation, rec_a, rec_b = recorded(9048, "one_path_strays", 0, 1)
+    cal = epibar.calibrate(rec_a, rec_b)
+    assert situation.error(cal.F, 0, 1) < 1.0 < 3.0 < situation.error(cal.F, 0, 1, situation.room_points)
+    assert not cal.accepted
+    assert cal.kind == "undetermined"
+    assert "one path" in cal.reason
+
+
+def test_one_path_that_was_accepted_is_refused():
+    """Then 0.6 px off on the path and 3.9 px over the room; 0.3 and 2.5 without what outlines are off by."""
     situation, rec_a, rec_b = recorded(9002, "one_path_strays", 0, 1)
     cal = epibar.calibrate(rec_a, rec_b)
-    assert situation.error(cal.F, 0, 1) < 1.0 < 2.0 < situation.error(cal.F, 0, 1, situation.room_points)
+    assert situation.error(cal.F, 0, 1) < 1.0
     assert not cal.accepted
     assert cal.kind == "undetermined"
     assert "one path" in cal.reason
