@@ -3,6 +3,7 @@
 import numpy as np
 
 from epibar import synthetic
+from epibar.jobs import Watch
 
 FAST = {"masks": True, "lines": 4000, "method": "lines", "time_offset": 0.0, "report": False}
 WORDS = ["--masks", "--lines", "4000", "--method", "lines", "--no-report"]
@@ -20,3 +21,29 @@ def write_masks(folder):
 
 def content(out):
     return (out / "calibration.json").read_bytes()
+
+
+class Heard(Watch):
+    """Keeps what a job told."""
+
+    def __init__(self):
+        self.notes, self.warnings, self.errors, self.stages = [], [], [], []
+
+    def note(self, text):
+        self.notes.append(text)
+
+    def warning(self, text):
+        self.warnings.append(text)
+
+    def error(self, text):
+        self.errors.append(text)
+
+    def progress(self, stage, done, total):
+        self.stages.append((stage, done, total))
+
+
+class Hasty(Heard):
+    """Presses Ctrl-C as soon as a pair is told."""
+
+    def verdict(self, text):
+        raise KeyboardInterrupt

@@ -13,11 +13,11 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from jobs_input import FAST, content, write_masks
+from jobs_input import FAST, Hasty, Heard, content, write_masks
 
 import epibar
 from epibar import Calibration, EpibarError, Recording
-from epibar.jobs import Watch, dask_executor
+from epibar.jobs import dask_executor
 from epibar.jobs import tasks as job_tasks
 
 
@@ -50,25 +50,6 @@ class Counting(ThreadPoolExecutor):
         names = [getattr(argument, "name", "") for argument in arguments[: 2 if len(arguments) > 2 else 1]]
         self.tasks.append("-".join(names))
         return super().submit(function, *arguments)
-
-
-class Heard(Watch):
-    """Keeps what a job told."""
-
-    def __init__(self):
-        self.notes, self.warnings, self.errors, self.stages = [], [], [], []
-
-    def note(self, text):
-        self.notes.append(text)
-
-    def warning(self, text):
-        self.warnings.append(text)
-
-    def error(self, text):
-        self.errors.append(text)
-
-    def progress(self, stage, done, total):
-        self.stages.append((stage, done, total))
 
 
 def run(cameras, out, **options):
@@ -173,14 +154,34 @@ def test_a_camera_more_does_only_what_is_missing(masks, again, tmp_path):
 
 
 def test_an_interrupted_run_goes_on(masks, done, tmp_path):
-    class Impatient(Heard):
-        def verdict(self, text):
-            raise KeyboardInterrupt
+    class OnePair(Executor):
+        """Does all recordings and one pair, and leaves the others waiting."""
+
+        paired = False
+
+        def submit(self, function, *arguments):
+            future = Future()
+            if not (self.paired and function is job_tasks.calibrate_pair):
+                self.paired = self.paired or function is job_tasks.calibrate_pair
+                future.set_result(function(*arguments))
+            return future
 
     with pytest.raises(KeyboardInterrupt):
-        epibar.calibrate_all(masks[:3], tmp_path, watch=Impatient(), **FAST)
+        epibar.calibrate_all(masks[:3], tmp_path, executor=OnePair(), watch=Hasty(), **FAST)
     assert len(json.loads(content(tmp_path))["pairs"]) == 1
     _, tasks, _ = run(masks[:3], tmp_path)
+    assert len(tasks) == 2
+    assert not {"cam1", "cam2", "cam3"} & set(tasks)
+    assert content(tmp_path) == content(done[0])
+
+
+def test_threads_that_are_interrupted_lose_nothing(masks, done, tmp_path):
+    with pytest.raises(KeyboardInterrupt):
+        epibar.calibrate_all(masks[:3], tmp_path, watch=Hasty(), **FAST)
+    kept = len(json.loads(content(tmp_path))["pairs"])
+    assert kept >= 1  # others may have ended while the first was told
+    _, tasks, _ = run(masks[:3], tmp_path)
+    assert sum("-" in task for task in tasks) == 3 - kept
     assert len(tasks) <= 3
     assert not {"cam1", "cam2"} <= set(tasks)
     assert content(tmp_path) == content(done[0])
