@@ -16,15 +16,15 @@ use crate::matching::{Candidates, find_candidates};
 use crate::offset_choice::outstanding_offset;
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::{FramePair, RecordedFrame, Recording};
-use crate::refine::{loss_scale, with_outlines};
+use crate::refine::{loss_scale, with_insets};
 use crate::search::by_lines::{self, Filmed};
-use crate::search::{Effort, Found, SearchOptions, Solution, TrainingSet, search, settle};
+use crate::search::{Effort, Found, SearchOptions, Solution, TrainingSet, insets, search, settle};
 use crate::verify::other_clocks::{OtherClock, other_clocks};
 use crate::verify::second_look::Earlier;
 use crate::verify::split::{Fold, Split, Stay};
 use crate::verify::thresholds::{CLOCK_BETTER, MIN_Z_FOR_CLOCK, reaches, within};
 use crate::verify::trials::falls_for;
-use crate::verify::{Case, Verdict, Verified, untestable, verify};
+use crate::verify::{Case, SplitViews, Verdict, Verified, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
 
 /// Finds the fundamental matrix between two cameras.
@@ -223,15 +223,18 @@ impl<'a> Pair<'a> {
         if let Some(verdict) = untestable::too_little_motion(&candidates, self.busy.len()) {
             return refused(verdict, &candidates);
         }
-        let seen = SplitViews::new(self, split);
-        let found = match self.options.method {
-            Method::Frontier => self.by_tangents(&seen, &candidates, watch)?,
-            Method::Lines => self.by_lines(&seen, &candidates, watch)?,
+        let seen = SplitViews::new(split, &self.common, &self.busy, |frames| self.views(frames));
+        let (seen, found) = match self.options.method {
+            Method::Frontier => self.by_tangents(seen, &candidates, watch)?,
+            Method::Lines => {
+                let found = self.by_lines(&seen, &candidates, watch)?;
+                (seen, found)
+            }
         };
         let Some(winner) = found.solutions.first() else {
             return refused(untestable::no_hypothesis(), &candidates);
         };
-        let case = Case { earlier, ..seen.case(self, &found) };
+        let case = Case { earlier, ..self.case(&seen, &found) };
         let verified = verify(&case, &winner.fundamental, watch)?;
         let again = Earlier::new(&verified, found.fitted);
         Ok((self.calibration(&seen, &candidates, &found, winner, verified), again))
@@ -255,13 +258,14 @@ impl<'a> Pair<'a> {
         self.aligned.views(frames).with_cameras(self.options.cameras_used())
     }
 
-    /// The method of frontier points: search on the fitted frames, then refine on all.
+    /// The method of frontier points: search on the fitted frames, then refine on all, with silhouettes moved onto their outlines, which the fitted frames
+    /// tell; what was moved is what the answer is tested on.
     fn by_tangents(
         &self,
-        seen: &SplitViews,
+        seen: SplitViews,
         candidates: &Candidates,
         watch: &mut dyn Watch,
-    ) -> Result<Found> {
+    ) -> Result<(SplitViews, Found)> {
         let defaults = Effort::default();
         let draws = Draws { lines: self.options.draws, ..defaults.draws };
         let effort = Effort { draws, ..defaults };
@@ -275,7 +279,14 @@ impl<'a> Pair<'a> {
             SearchOptions { seed: self.options.seed, effort, ..SearchOptions::default() },
         );
         let searched = search(&training, candidates, watch)?;
-        settle(&training, &seen.all, searched, watch)
+        let Some(insets) = insets(&training, &searched) else {
+            let found = settle(&training, &seen.all, searched, watch)?;
+            return Ok((seen, found));
+        };
+        let moved = seen.moved_outward(insets);
+        let training = training.moved_outward(&moved.fitted, insets);
+        let found = settle(&training, &moved.all, searched, watch)?;
+        Ok((moved, found))
     }
 
     /// The method of the paper.
@@ -286,6 +297,22 @@ impl<'a> Pair<'a> {
         let fitted = Filmed { recordings, frames: &seen.split.fitted, candidates: &fitted };
         let CalibrateOptions { draws, seed, .. } = *self.options;
         by_lines::search(&all, &fitted, &seen.all, draws, seed, watch)
+    }
+
+    fn case<'s>(&'s self, seen: &'s SplitViews, found: &'s Found) -> Case<'s> {
+        Case {
+            views: &seen.all,
+            busy_views: &seen.busy,
+            fitted_views: &seen.fitted,
+            split: &seen.split,
+            recordings: [self.aligned.a(), self.aligned.b()],
+            common: &self.common,
+            found,
+            earlier: None,
+            max_expected_error: self.options.max_expected_error,
+            frame_rate: self.frame_rate(),
+            seed: self.options.seed,
+        }
     }
 
     fn calibration(
@@ -304,8 +331,12 @@ impl<'a> Pair<'a> {
         let inliers = LineModel::new(candidates.best(), seen.all.sizes()).inliers(f);
         let candidate_pairs = with_inliers(candidates, inliers.into_iter());
         let of_a = |p: &crate::frontier::TangentMatch| RecordedFrame(self.common[p.frame.index()].a);
-        let points = verified.matches.iter().map(|p| FrontierPoint::new(of_a(p), p.a, p.b, f));
-        let frontier_points: Vec<FrontierPoint> = points.collect();
+        // Points stay on the silhouettes, by which pairs of one camera share them.
+        let on_silhouettes = |p: &crate::frontier::TangentMatch| {
+            let frame = p.frame.index();
+            FrontierPoint::new(of_a(p), seen.all.a.unmoved(frame, p.a), seen.all.b.unmoved(frame, p.b), f)
+        };
+        let frontier_points: Vec<FrontierPoint> = verified.matches.iter().map(on_silhouettes).collect();
         let floor = found.floor.as_ref().filter(|floor| floor.is_supported(candidates.best().len()));
         Calibration {
             fundamental: Some(*f),
@@ -325,48 +356,13 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// The geometry with what outlines are off by, where that is no farther from the one that was tested than it may be wrong.
+    /// The geometry with both insets solved for once more, on all frames, where that is no farther from the one that was tested than it may be wrong.
     fn outlined(&self, seen: &SplitViews, f: &Fundamental, verified: &Verified) -> Option<Fundamental> {
         if self.options.method != Method::Frontier {
             return None;
         }
-        let outlined = with_outlines(&seen.all, f, &verified.matches, loss_scale(verified.radius))?;
+        let outlined = with_insets(&seen.all, f, &verified.matches, loss_scale(verified.radius))?;
         within(disagreement(&verified.volume, &outlined), verified.expected_error).then_some(outlined)
-    }
-}
-
-/// The silhouettes of both cameras, and which frames are kept aside.
-struct SplitViews {
-    split: Split,
-    all: Views,
-    fitted: Views,
-    busy: Views,
-}
-
-impl SplitViews {
-    fn new(pair: &Pair, split: Split) -> Self {
-        Self {
-            all: pair.views(&pair.common),
-            fitted: pair.views(&split.fitted_busy),
-            busy: pair.views(&pair.busy),
-            split,
-        }
-    }
-
-    fn case<'s>(&'s self, pair: &'s Pair, found: &'s Found) -> Case<'s> {
-        Case {
-            views: &self.all,
-            busy_views: &self.busy,
-            fitted_views: &self.fitted,
-            split: &self.split,
-            recordings: [pair.aligned.a(), pair.aligned.b()],
-            common: &pair.common,
-            found,
-            earlier: None,
-            max_expected_error: pair.options.max_expected_error,
-            frame_rate: pair.frame_rate(),
-            seed: pair.options.seed,
-        }
     }
 }
 

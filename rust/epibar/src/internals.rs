@@ -44,7 +44,7 @@ pub use crate::recording::hull::convex_hull;
 pub use crate::recording::recorder::MAX_LINES;
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
-pub use crate::refine::{loss_scale, refine, with_outlines};
+pub use crate::refine::{insets, loss_scale, refine};
 pub use crate::search::resampled;
 pub use crate::verify::error_map::{COLUMNS as MAP_COLUMNS, ROWS as MAP_ROWS};
 pub use crate::verify::planarity::plane_residual;

@@ -6,9 +6,7 @@ use common::cameras::{error, fundamental, random_pair};
 use common::flying::Scene;
 use common::masks::Random;
 use common::pairs;
-use epibar::internals::{
-    SevenParameters, Step, Views, compare, loss_scale, refine, resampled, with_outlines,
-};
+use epibar::internals::{SevenParameters, Step, Views, insets, refine, resampled};
 use epibar::{Recorder, RecorderOptions, Recording};
 use nalgebra::Matrix3;
 
@@ -113,8 +111,9 @@ fn outlines_that_are_too_wide_are_found_beside_the_geometry() {
         let [a, b] = [0, 1].map(|camera| too_wide(&scene, camera, wide[camera]));
         let views = Views::new(&a, &b, &pairs(300));
         let refined = refine(&views, &truth, &[RADIUS], 5).unwrap();
-        let matches = compare(&views, &refined, RADIUS).matches;
-        let found = with_outlines(&views, &refined, &matches, loss_scale(RADIUS)).unwrap();
+        let found = insets(&views, &refined).unwrap();
+        let moved = views.moved_outward(found);
+        let found = refine(&moved, &refined, &[RADIUS], 5).unwrap();
         let (before, after) = (error(&refined, &scene.cameras), error(&found, &scene.cameras));
         if wide[0] == wide[1] {
             assert!(before < 0.2 && after < before + 0.02, "{wide:?}: {before} {after}");
@@ -123,7 +122,7 @@ fn outlines_that_are_too_wide_are_found_beside_the_geometry() {
         }
         // Which end of what moves is up is what tells on which side of its tangents it is.
         let rolled = views.clone().with_upright(false);
-        assert!(with_outlines(&rolled, &refined, &matches, loss_scale(RADIUS)).is_none());
+        assert!(insets(&rolled, &refined).is_none());
     }
 }
 

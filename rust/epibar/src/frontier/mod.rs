@@ -1,12 +1,13 @@
 //! Epipolar tangents of two cameras' silhouettes, and the score of an `F` by how they meet.
 //!
 //! [`views`] holds the silhouettes of both cameras on one time line and [`up`] finds which way they stand; [`score`]
-//! compares their tangents under an `F`, [`symmetric`] takes both cameras in turn at the radius that suits the masks,
+//! compares their tangents under an `F`, `meeting` tells within which radius they meet, [`symmetric`] takes both cameras in turn at the radius that suits the masks,
 //! [`preview`] scores many hypotheses on few frames, and [`volume`] measures how far two geometries are apart where things
 //! moved.
 
 mod edges;
 pub mod matches;
+mod meeting;
 pub mod preview;
 pub mod score;
 pub mod symmetric;
@@ -15,6 +16,7 @@ pub mod views;
 pub mod volume;
 
 pub use matches::{Class, ClassScore, CommonFrame, FrontierScore, TangentMatch};
+pub use meeting::meeting_radius;
 pub use preview::Scorer;
 pub use score::{Comparer, compare, frontier_score};
 pub use symmetric::symmetric_score;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use super::edges::Edges;
 use super::up::Up;
+use crate::geometry::hull::moved_outward;
 use crate::geometry::{CameraMatrices, TangentPoint, epipolar_tangents};
 use crate::image::{Homogeneous, ImageSize};
 use crate::recording::{FramePair, Recording, visible};
@@ -27,6 +28,8 @@ pub struct View {
     vertices: Vec<[f64; 2]>,
     /// Vertices again, NaN where the view ends.
     touchable: Vec<[f64; 2]>,
+    /// Vertices as they were before they were moved; empty where they were not.
+    unmoved: Vec<[f64; 2]>,
     edges: Edges,
     /// For each pixel 0 where nothing is seen to move; `None` where all is visible.
     visible: Option<Arc<[u8]>>,
@@ -39,27 +42,43 @@ impl View {
         visible: Option<&Arc<[u8]>>,
         frames: impl Iterator<Item = Vec<Cow<'h, [[f64; 2]]>>>,
     ) -> Self {
-        let mut view = Self {
+        let mut view = Self::empty(size, visible.cloned());
+        for hulls in frames {
+            for hull in hulls {
+                view.push(&hull, &hull);
+            }
+            view.end_frame();
+        }
+        view
+    }
+
+    /// Of no frame.
+    fn empty(size: ImageSize, visible: Option<Arc<[u8]>>) -> Self {
+        Self {
             size,
             up: Up::IMAGE.direction,
             frame_start: vec![0],
             hull_start: vec![0],
             vertices: Vec::new(),
             touchable: Vec::new(),
+            unmoved: Vec::new(),
             edges: Edges::default(),
-            visible: visible.cloned(),
-        };
-        for hulls in frames {
-            for hull in hulls {
-                let cut = |p: &[f64; 2]| visible::on_border(view.size, view.visible.as_deref(), *p);
-                view.touchable.extend(hull.iter().map(|p| if cut(p) { [f64::NAN; 2] } else { *p }));
-                view.edges.push(&hull);
-                view.vertices.extend_from_slice(&hull);
-                view.hull_start.push(view.vertices.len() as u32);
-            }
-            view.frame_start.push((view.hull_start.len() - 1) as u32);
+            visible,
         }
-        view
+    }
+
+    /// A hull; where the view ends is told by its vertices before they were moved.
+    fn push(&mut self, hull: &[[f64; 2]], unmoved: &[[f64; 2]]) {
+        let seen = |(p, was): (&[f64; 2], &[f64; 2])| if self.on_border(*was) { [f64::NAN; 2] } else { *p };
+        let touchable: Vec<_> = hull.iter().zip(unmoved).map(seen).collect();
+        self.touchable.extend(touchable);
+        self.edges.push(hull);
+        self.vertices.extend_from_slice(hull);
+        self.hull_start.push(self.vertices.len() as u32);
+    }
+
+    fn end_frame(&mut self) {
+        self.frame_start.push(self.hulls() as u32);
     }
 
     /// The frames of a recording.
@@ -73,11 +92,43 @@ impl View {
         Self::new(recording.size, recording.visible.as_ref(), frames.map(hulls))
     }
 
+    /// The same with every silhouette moved outward by so many pixels, but for where the view ends.
+    fn moved_outward(&self, pixels: f64) -> Self {
+        let mut view = Self { up: self.up, ..Self::empty(self.size, self.visible.clone()) };
+        for frame in 0..self.frames() {
+            for hull in self.hulls_of(frame) {
+                let (moved, was): (Vec<_>, Vec<_>) =
+                    moved_outward(hull, pixels, |p| self.on_border(p)).into_iter().unzip();
+                view.push(&moved, &was);
+                view.unmoved.extend(was);
+            }
+            view.end_frame();
+        }
+        view
+    }
+
+    /// A vertex of a frame as it was before silhouettes were moved.
+    pub fn unmoved(&self, frame: usize, vertex: [f64; 2]) -> [f64; 2] {
+        let first = self.hull_start[self.frame_start[frame] as usize] as usize;
+        let last = self.hull_start[self.frame_start[frame + 1] as usize] as usize;
+        let found = self.vertices[first..last].iter().position(|v| *v == vertex);
+        found.and_then(|i| self.unmoved.get(first + i)).copied().unwrap_or(vertex)
+    }
+
     /// Some of the frames.
     fn chosen(&self, frames: &[usize]) -> Self {
-        let hulls = |&frame: &usize| self.hulls_of(frame).map(Cow::Borrowed).collect();
-        let frames = frames.iter().map(hulls);
-        Self { up: self.up, ..Self::new(self.size, self.visible.as_ref(), frames) }
+        let mut view = Self { up: self.up, ..Self::empty(self.size, self.visible.clone()) };
+        for &frame in frames {
+            for hull in self.hull_indices(frame) {
+                let vertices = self.hull_start[hull] as usize..self.hull_start[hull + 1] as usize;
+                let unmoved = self.unmoved.get(vertices.clone()).unwrap_or_default();
+                let was = if unmoved.is_empty() { &self.vertices[vertices.clone()] } else { unmoved };
+                view.push(&self.vertices[vertices], was);
+                view.unmoved.extend(unmoved);
+            }
+            view.end_frame();
+        }
+        view
     }
 
     /// Hulls made up by a test.
@@ -155,12 +206,14 @@ pub struct Views {
     pub upright: bool,
     /// The camera matrices, where both are known.
     pub cameras: Option<CameraMatrices>,
+    /// Silhouettes were moved outward by so many pixels in A and in B, onto their outlines; `None` where they are as they were seen.
+    pub insets: Option<[f64; 2]>,
 }
 
 impl Views {
     /// Two views of as many frames, of cameras that are the right way up and whose matrices are not known.
     pub(crate) fn of(a: View, b: View, frame_pairs: Vec<FramePair>) -> Self {
-        Self { a, b, frame_pairs, upright: true, cameras: None }
+        Self { a, b, frame_pairs, upright: true, cameras: None, insets: None }
     }
 
     /// Both recordings at the given pairs of frames.
@@ -218,6 +271,7 @@ impl Views {
             b: self.a.clone(),
             frame_pairs: self.frame_pairs.iter().map(|p| p.swapped()).collect(),
             cameras: self.cameras.map(CameraMatrices::swapped),
+            insets: self.insets.map(|[a, b]| [b, a]),
             ..*self
         }
     }
@@ -234,6 +288,13 @@ impl Views {
             frame_pairs: frames.iter().map(|&frame| self.frame_pairs[frame]).collect(),
             ..*self
         }
+    }
+
+    /// These views with the silhouettes of A and of B, as they were seen, moved outward by so many pixels.
+    #[must_use]
+    pub fn moved_outward(&self, insets: [f64; 2]) -> Self {
+        let (a, b) = rayon::join(|| self.a.moved_outward(insets[0]), || self.b.moved_outward(insets[1]));
+        Self { a, b, frame_pairs: self.frame_pairs.clone(), insets: Some(insets), ..*self }
     }
 
     /// Number of common frames.
@@ -264,5 +325,38 @@ pub fn busy_frames(
     match limit {
         Some(limit) if busy.len() > limit => (0..limit).map(|k| busy[k * busy.len() / limit]).collect(),
         _ => busy,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moved_silhouettes_know_where_they_were() {
+        let size = ImageSize::new(100, 80).unwrap();
+        let whole = vec![[30.0, 20.0], [50.0, 20.0], [50.0, 60.0], [30.0, 60.0]];
+        let cut = vec![[0.0, 10.0], [20.0, 10.0], [20.0, 70.0], [0.0, 70.0]];
+        // The second corner is nearer to the border than it is moved.
+        let near = vec![[60.0, 1.0], [98.0, 1.0], [90.0, 40.0]];
+        let seen = View::made_up(size, &[vec![cut.clone()], vec![whole.clone(), near.clone()]]);
+        let moved = seen.moved_outward(2.0);
+        assert_eq!((moved.frames(), moved.hulls()), (2, 3));
+        let on_frame = |view: &View, frame| view.hulls_of(frame).flatten().copied().collect::<Vec<_>>();
+        let was: Vec<_> = on_frame(&moved, 1).into_iter().map(|p| moved.unmoved(1, p)).collect();
+        assert_eq!(was, on_frame(&seen, 1));
+        assert!(
+            on_frame(&moved, 1).iter().zip(&was).all(|(p, was)| (p[0] - was[0]).hypot(p[1] - was[1]) > 1.9)
+        );
+        // Where the view ends nothing is moved, or touched; what is moved beyond it can be touched all the same.
+        assert_eq!(moved.hulls_of(0).next().unwrap()[0], [0.0, 10.0]);
+        let touchable: Vec<bool> = (0..11).map(|i| !moved.touchable(i)[0].is_nan()).collect();
+        assert_eq!(touchable, [false, true, true, false, true, true, true, true, true, true, true]);
+        // Some of the frames know it as well, and of silhouettes as they were seen each vertex is where it was.
+        let some = moved.chosen(&[1]);
+        assert_eq!(on_frame(&some, 0), on_frame(&moved, 1));
+        assert_eq!(some.unmoved(0, on_frame(&some, 0)[5]), was[5]);
+        assert!((0..7).all(|i| some.touchable(i) == moved.touchable(4 + i)));
+        assert_eq!(seen.unmoved(1, whole[2]), whole[2]);
     }
 }

@@ -105,6 +105,45 @@ pub fn mixture(p: &[[f64; 2]], q: &[[f64; 2]], share: f64) -> Vec<[f64; 2]> {
     sum
 }
 
+/// The corners of a hull, clockwise on the screen, moved outward by so many pixels along the middle of the normals of their sides, each with the
+/// corner that it was; those that `stay` do not move. Inward a narrow hull moves by a quarter of its width at most, and corners that are none any more go.
+pub fn moved_outward(
+    hull: &[[f64; 2]],
+    outward: f64,
+    stays: impl Fn([f64; 2]) -> bool,
+) -> Vec<([f64; 2], [f64; 2])> {
+    let outward = outward.max(-0.25 * shorter_side(hull));
+    let around = |i: usize| (hull[(i + hull.len() - 1) % hull.len()], hull[(i + 1) % hull.len()]);
+    let normal = |p: [f64; 2], q: [f64; 2]| unit([q[1] - p[1], p[0] - q[0]]);
+    let mut corners: Vec<_> = (0..hull.len())
+        .map(|i| {
+            let (corner, (before, after)) = (hull[i], around(i));
+            if stays(corner) {
+                return (corner, corner);
+            }
+            let (p, q) = (normal(before, corner), normal(corner, after));
+            let middle = unit([p[0] + q[0], p[1] + q[1]]);
+            ([corner[0] + outward * middle[0], corner[1] + outward * middle[1]], corner)
+        })
+        .collect();
+    while let Some(i) = (0..corners.len()).find(|&i| !is_corner(&corners, i)) {
+        corners.remove(i);
+    }
+    if corners.len() < 3 { hull.iter().map(|&p| (p, p)).collect() } else { corners }
+}
+
+fn unit([x, y]: [f64; 2]) -> [f64; 2] {
+    let length = x.hypot(y).max(f64::MIN_POSITIVE);
+    [x / length, y / length]
+}
+
+/// Whether a polygon turns clockwise at its `i`-th corner.
+fn is_corner(corners: &[([f64; 2], [f64; 2])], i: usize) -> bool {
+    let n = corners.len();
+    let [(p, _), (q, _), (r, _)] = [(i + n - 1) % n, i, (i + 1) % n].map(|k| corners[k]);
+    (q[0] - p[0]) * (r[1] - q[1]) - (q[1] - p[1]) * (r[0] - q[0]) > 0.0
+}
+
 /// The polygon from its topmost corner on, the left one of two.
 fn from_the_top(polygon: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let before = |p: &[f64; 2], q: &[f64; 2]| p[1].total_cmp(&q[1]).then(p[0].total_cmp(&q[0]));
@@ -137,6 +176,37 @@ mod tests {
                 let (a, b, c) = (mixed[i], mixed[(i + 1) % n], mixed[(i + 2) % n]);
                 assert!((b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) > 0.0);
             }
+        }
+    }
+
+    #[test]
+    fn corners_move_along_their_normals() {
+        // An octagon about a circle, and a thin triangle.
+        let round: Vec<_> = (0..16)
+            .map(|k| f64::from(k) * std::f64::consts::TAU / 16.0)
+            .map(|angle| [40.0 + 20.0 * angle.cos(), 30.0 + 20.0 * angle.sin()])
+            .collect();
+        for outward in [-1.5, 0.0, 0.7, 2.0] {
+            let moved = moved_outward(&round, outward, |_| false);
+            assert_eq!(moved.len(), 16);
+            for (k, (p, was)) in moved.iter().enumerate() {
+                assert_eq!(*was, round[k]);
+                assert!(((p[0] - 40.0).hypot(p[1] - 30.0) - 20.0 - outward).abs() < 1e-9, "{outward}");
+            }
+        }
+        let kept = moved_outward(&round, 1.0, |[x, _]| x > 50.0);
+        assert!(kept.iter().all(|(p, was)| (p == was) == (was[0] > 50.0)));
+        let thin = [[0.0, 0.0], [2.0, 0.0], [1.0, 60.0]];
+        for outward in [-9.0, -0.5, 0.5] {
+            let moved: Vec<_> =
+                moved_outward(&thin, outward, |_| false).into_iter().map(|(p, _)| p).collect();
+            assert_eq!(moved.len(), 3);
+            // It neither turns inside out nor moves by more than it is wide.
+            let inside = (0..64).map(|k| f64::from(k) * 0.1).all(|angle| {
+                let by = support(&moved, angle) - support(&thin, angle);
+                (by * outward > -1e-9 || by.abs() < 0.8) && by.abs() < outward.abs().min(0.8) + 1e-9
+            });
+            assert!(inside, "{outward}: {moved:?}");
         }
     }
 

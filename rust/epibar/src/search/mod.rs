@@ -3,7 +3,7 @@
 //! Of the hypotheses of every source a few dozen *different* ones are refined with a shrinking radius, and compared on
 //! more frames ([`starts`]); while they contest one another ([`contest`]) or the best still gains, the best are fitted anew to samples of what meets
 //! ([`resample`]) and refined again, and followed along the valleys that they lie in ([`pass`]). What remains is a list of different geometries with
-//! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames. Where one stands out among few hypotheses that is
+//! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames, with silhouettes moved onto their outlines. Where one stands out among few hypotheses that is
 //! all ([`early`]). [`by_lines`] is the search of the paper instead, and [`mod@glance`] looks whether there is anything to search for.
 
 pub mod by_lines;
@@ -21,7 +21,7 @@ mod training_set;
 
 pub use glance::{glance, of_a_glance};
 pub use resample::resampled;
-pub use settle::settle;
+pub use settle::{insets, settle};
 pub use solution::{Found, Searched, Solution};
 pub use training_set::{Effort, SearchOptions, TrainingSet};
 

@@ -7,7 +7,7 @@ use super::training_set::TrainingSet;
 use crate::error::Result;
 use crate::frontier::Views;
 use crate::geometry::Fundamental;
-use crate::refine::{polish, touch_up};
+use crate::refine::{self, polish, touch_up};
 use crate::watch::{Stage, Watch, report};
 
 /// A solution with less than this share of the best one's score is no rival to settle.
@@ -18,6 +18,14 @@ const CONTESTING: f64 = 0.85;
 const APART: f64 = 0.5;
 /// Solutions that are kept.
 const KEPT: usize = 12;
+
+/// By how many pixels hulls lie inside of the outlines in A and in B, as the best of the few that remain on the fitted frames tells; `None` where
+/// nothing does.
+pub fn insets(training: &TrainingSet, searched: &Searched) -> Option<[f64; 2]> {
+    let fitted = refined_on(training, training.all, &searched.solutions, polish);
+    let Solution { fundamental, .. } = fitted.first()?;
+    refine::insets(training.all, fundamental)
+}
 
 /// The few that remain, first on the fitted frames alone, for the test, and from there on all frames, for the answer.
 ///

@@ -88,6 +88,17 @@ impl<'a> TrainingSet<'a> {
         }
     }
 
+    /// The same with silhouettes moved outward by so many pixels; `all` are the fitted frames of which that is done.
+    pub fn moved_outward<'m>(&self, all: &'m Views, insets: [f64; 2]) -> TrainingSet<'m> {
+        TrainingSet {
+            all,
+            scoring: self.scoring.moved_outward(insets),
+            comparing: self.comparing.moved_outward(insets),
+            scale: self.scale,
+            options: self.options.clone(),
+        }
+    }
+
     /// Radius at which hypotheses are scored, pixels.
     pub(super) fn coarse_radius(&self) -> f64 {
         5.0 * self.scale

@@ -2,7 +2,7 @@
 //!
 //! * `split`: keeps frames aside.
 //! * `shift_curve`, `independence`: a geometry on these against chance, which shifted clocks have to offer; what the shifts are worth.
-//! * `case`, `second_look`: what is tested on what, and what other frames gave.
+//! * `split_views`, `case`, `second_look`: silhouettes at those frames, what is tested on what, and what other frames gave.
 //! * `evidence`: the numbers that this gives.
 //! * `repetition`: does what moves look the same with others in its place?
 //! * `throughout`, `sides`, `turned_in_part`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
@@ -44,6 +44,7 @@ pub mod second_look;
 pub mod shift_curve;
 pub mod sides;
 pub mod split;
+mod split_views;
 pub mod thresholds;
 mod throughout;
 pub mod trials;
@@ -57,13 +58,13 @@ pub use case::Case;
 pub use error_map::ErrorMap;
 pub use evidence::Evidence;
 pub use rivals::Rival;
+pub use split_views::SplitViews;
 pub use verdict::{Kind, Verdict};
 pub use verified::Verified;
 
 use crate::error::Result;
-use crate::frontier::matches::robust_deviation;
 use crate::frontier::volume::{Correspondence, disagreement, met_correspondences};
-use crate::frontier::{TangentMatch, compare};
+use crate::frontier::{TangentMatch, compare, meeting_radius};
 use crate::geometry::Fundamental;
 use crate::watch::Watch;
 use decide::decide;
@@ -77,10 +78,7 @@ use rivals::{Winner, rivals};
 use room::Room;
 use second_look::{Earlier, LOOKS};
 use shift_curve::{HeldOut, ShiftCurve, cross_validated, shift_curve};
-use thresholds::{
-    FAINT_CLASS_Z, GENEROUS_RADIUS, LEAST_RADIUS, LEAST_TESTED_RADIUS, MIN_Z, RADIUS_DEVIATIONS, SHIFTS,
-    UNKNOWN_RADIUS, larger, reaches, within,
-};
+use thresholds::{FAINT_CLASS_Z, LEAST_TESTED_RADIUS, MIN_Z, SHIFTS, larger, reaches, within};
 use throughout::holds;
 use trials::left;
 use turning::may_turn;
@@ -95,7 +93,7 @@ const VOLUME: usize = 400;
 pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> Result<Verified> {
     let views = case.views;
     let scale = views.pixel_scale();
-    let radius = radius_of(&compare(views, fundamental, GENEROUS_RADIUS * scale).matches, scale);
+    let radius = meeting_radius(views, fundamental);
     let matches = compare(views, fundamental, radius).matches;
     let volume = met_correspondences(views, fundamental, &matches, VOLUME, case.seed);
 
@@ -160,13 +158,6 @@ fn questioned(
     Ok(Away { by_halves: halves.away, by_turning: turned.volume })
 }
 
-/// The radius follows the masks: three times the deviation of what meets at a generous one.
-fn radius_of(generous: &[TangentMatch], scale: f64) -> f64 {
-    let radius = RADIUS_DEVIATIONS * robust_deviation(generous);
-    let radius = radius.clamp(LEAST_RADIUS * scale, GENEROUS_RADIUS * scale);
-    if radius.is_nan() { UNKNOWN_RADIUS * scale } else { radius }
-}
-
 /// What the fitted frames gave, on those kept aside and with clocks shifted, together with what other frames gave where that is the same
 /// geometry; and how far from the one of all frames either is.
 fn against_chance(
@@ -198,13 +189,12 @@ fn tested(
     alike: Option<&Earlier>,
 ) -> (ShiftCurve, Evidence) {
     let scale = case.busy_views.pixel_scale();
-    let generous = compare(case.fitted_views, fitted, GENEROUS_RADIUS * scale).matches;
     let held_out = HeldOut {
         views: case.busy_views,
         fitted: case.fitted_views,
         tested: &case.split.tested,
         stay: case.split.stay,
-        radius: radius_of(&generous, scale).max(LEAST_TESTED_RADIUS * scale),
+        radius: meeting_radius(case.fitted_views, fitted).max(LEAST_TESTED_RADIUS * scale),
     };
     let curve = shift_curve(&held_out, fitted, SHIFTS);
     let curve = match alike {

@@ -31,14 +31,6 @@ pub const MIN_LINES: usize = 2;
 /// Fewest candidates that make a pencil.
 pub const MIN_CANDIDATES: usize = 3;
 
-/// Tangents meet within so many deviations of what meets at [`GENEROUS_RADIUS`]: nearly all of those that are right.
-pub const RADIUS_DEVIATIONS: f64 = 3.0;
-/// Tangents meet within this at first, and no farther apart, pixels of a 640×480 image: four times the radius of clean outlines.
-pub const GENEROUS_RADIUS: f64 = 6.0;
-/// Tangents meet within at least this, whatever their deviation, pixels of a 640×480 image: outlines are of whole pixels in both.
-pub const LEAST_RADIUS: f64 = 1.0;
-/// Tangents meet within this where too few do to tell a deviation, pixels of a 640×480 image.
-pub const UNKNOWN_RADIUS: f64 = 3.0;
 /// Tangents are held against chance within at least this, pixels of a 640×480 image: what was fitted to other frames is off by more than a pixel on
 /// those kept aside.
 pub const LEAST_TESTED_RADIUS: f64 = 2.0;

@@ -1,4 +1,4 @@
-//! `F` with what outlines are off by solved for beside it.
+//! By how much hulls lie inside of the outlines, in either image, solved for beside `F`.
 //!
 //! A mask that is a pixel too wide, or eaten by as much, puts its tangents outside of what moves or inside, all alike. Bottoms then lie
 //! too low and tops too high, or the other way round, and `F` gives way to that: residuals are small, and the epipolar lines are off
@@ -9,9 +9,9 @@ use nalgebra::{Matrix3, SMatrix, SVector, Vector2, Vector3};
 
 use super::essential::EssentialPrior;
 use super::least_squares::{Problem, Unknowns, cauchy, minimise};
-use super::polish::prior_weight;
+use super::polish::{loss_scale, prior_weight};
 use super::sampson::residual_rows;
-use crate::frontier::{Class, TangentMatch, Views};
+use crate::frontier::{Class, TangentMatch, Views, compare, meeting_radius};
 use crate::geometry::{Fundamental, SevenParameters};
 
 /// Standard deviation of what outlines are off by, pixels of a 640×480 image.
@@ -19,27 +19,27 @@ const DEVIATION: f64 = 1.0;
 /// Steps at most.
 const ITERATIONS: usize = 30;
 
-/// The seven parameters and both outlines.
+/// The seven parameters and both insets.
 type Step = SVector<f64, 9>;
 type Normal = SMatrix<f64, 9, 9>;
 
 /// Where the search is.
 struct At {
     geometry: SevenParameters,
-    outlines: [f64; 2],
+    insets: [f64; 2],
 }
 
 impl Unknowns<9> for At {
     fn stepped(&self, step: &Step) -> Self {
         Self {
             geometry: self.geometry.stepped(&step.fixed_rows::<7>(0).into_owned()),
-            outlines: [self.outlines[0] + step[7], self.outlines[1] + step[8]],
+            insets: [self.insets[0] + step[7], self.insets[1] + step[8]],
         }
     }
 }
 
 /// What is minimised.
-struct Outlines<'m> {
+struct WithInsets<'m> {
     views: &'m Views,
     matches: &'m [TangentMatch],
     /// Of the Cauchy loss, pixels.
@@ -47,17 +47,22 @@ struct Outlines<'m> {
     prior_weight: f64,
 }
 
-impl Outlines<'_> {
-    /// Unit normals of the epipolar lines through a match, away from what moves, in A and in B.
-    fn outward(&self, matrix: &Matrix3<f64>, m: &TangentMatch) -> [Vector2<f64>; 2] {
-        let away = |line: Vector3<f64>, [x, y]: [f64; 2]| {
-            let normal = line.xy() / line.xy().norm().max(f64::MIN_POSITIVE);
-            let to_top = normal.dot(&Vector2::new(x, y)) > 0.0;
-            if to_top == (m.class == Class::Top) { normal } else { -normal }
-        };
-        let (in_a, in_b) = lines(matrix, m);
-        [away(in_a, self.views.a.up), away(in_b, self.views.b.up)]
-    }
+/// Unit normals of the epipolar lines through a match, away from what moves, in A and in B.
+fn outward(views: &Views, matrix: &Matrix3<f64>, m: &TangentMatch) -> [Vector2<f64>; 2] {
+    let away = |line: Vector3<f64>, [x, y]: [f64; 2]| {
+        let normal = line.xy() / line.xy().norm().max(f64::MIN_POSITIVE);
+        let to_top = normal.dot(&Vector2::new(x, y)) > 0.0;
+        if to_top == (m.class == Class::Top) { normal } else { -normal }
+    };
+    let (in_a, in_b) = lines(matrix, m);
+    [away(in_a, views.a.up), away(in_b, views.b.up)]
+}
+
+/// Derivatives of the residual of a match by both insets, along normals that are known.
+fn by_insets(matrix: &Matrix3<f64>, m: &TangentMatch, [out_a, out_b]: &[Vector2<f64>; 2]) -> [f64; 2] {
+    let (in_a, in_b) = lines(matrix, m);
+    let norm = (in_a.xy().norm_squared() + in_b.xy().norm_squared()).sqrt().max(f64::MIN_POSITIVE);
+    [in_a.xy().dot(out_a) / norm, in_b.xy().dot(out_b) / norm]
 }
 
 /// Epipolar lines of a match in A and in B.
@@ -66,28 +71,25 @@ fn lines(matrix: &Matrix3<f64>, m: &TangentMatch) -> (Vector3<f64>, Vector3<f64>
     (matrix.tr_mul(&point(m.b)), matrix * point(m.a))
 }
 
-impl Problem<At, 9> for Outlines<'_> {
+impl Problem<At, 9> for WithInsets<'_> {
     // Where the epipole is nearly open the last digits of the cost move it.
     const LEAST_GAIN: f64 = 1e-8;
 
     fn linearise(&self, at: &At) -> (f64, Normal, Step) {
         let matrix = at.geometry.unscaled();
-        let normals: Vec<_> = self.matches.iter().map(|m| self.outward(&matrix, m)).collect();
+        let normals: Vec<_> = self.matches.iter().map(|m| outward(self.views, &matrix, m)).collect();
         let along = |p: [f64; 2], normal: &Vector2<f64>, by: f64| (Vector2::from(p) + normal * by).into();
-        let [by_a, by_b] = at.outlines;
-        let moved = self.matches.iter().zip(&normals);
-        let moved: Vec<_> = moved
+        let moved = self.views.insets.unwrap_or_default();
+        let [by_a, by_b] = [0, 1].map(|k| at.insets[k] - moved[k]);
+        let moved: Vec<_> = (self.matches.iter().zip(&normals))
             .map(|(m, [a, b])| TangentMatch { a: along(m.a, a, by_a), b: along(m.b, b, by_b), ..*m })
             .collect();
         let (mut cost, mut normal, mut gradient) = (0.0, Normal::zeros(), Step::zeros());
         let rows = residual_rows(&at.geometry, &moved).zip(moved.iter().zip(&normals));
-        for ((residual, of_geometry), (m, [out_a, out_b])) in rows {
-            let (in_a, in_b) = lines(&matrix, m);
-            let norm = (in_a.xy().norm_squared() + in_b.xy().norm_squared()).sqrt().max(f64::MIN_POSITIVE);
+        for ((residual, of_geometry), (m, normals)) in rows {
             let mut row = Step::zeros();
             row.fixed_rows_mut::<7>(0).copy_from(&of_geometry);
-            row[7] = in_a.xy().dot(out_a) / norm;
-            row[8] = in_b.xy().dot(out_b) / norm;
+            [row[7], row[8]] = by_insets(&matrix, m, normals);
             let (loss, weight) = cauchy(residual, self.scale);
             cost += m.surprise * loss;
             let weighed = row * (m.surprise * weight);
@@ -95,7 +97,7 @@ impl Problem<At, 9> for Outlines<'_> {
             gradient += weighed * residual;
         }
         let weight = self.prior_weight / (DEVIATION * self.views.pixel_scale()).powi(2);
-        for (k, off) in at.outlines.into_iter().enumerate() {
+        for (k, off) in at.insets.into_iter().enumerate() {
             cost += 0.5 * weight * off * off;
             normal[(7 + k, 7 + k)] += weight;
             gradient[7 + k] += weight * off;
@@ -112,20 +114,31 @@ impl Problem<At, 9> for Outlines<'_> {
     }
 }
 
-/// `f`, refined on tangents that meet under it, with outlines of either image that may all be off by so much; `scale` is that of the Cauchy
-/// loss, pixels. `None` where it is not known which end of what moves is up, so that nobody knows on which side of its tangents it is.
-pub fn with_outlines(
+/// By how many pixels hulls lie inside of the outlines in A and in B as they were seen, beyond them where below nought, as tangents tell that meet under
+/// `f`. `None` where it is not known which end of what moves is up, so that nobody knows on which side of its tangents it is.
+pub fn insets(views: &Views, f: &Fundamental) -> Option<[f64; 2]> {
+    let radius = meeting_radius(views, f);
+    let matches = compare(views, f, radius).matches;
+    Some(solve(views, f, &matches, loss_scale(radius))?.insets)
+}
+
+/// `f`, refined with both insets on tangents that meet under it; `scale` is that of the Cauchy loss, pixels. `None` as of [`insets`].
+pub fn with_insets(
     views: &Views,
     f: &Fundamental,
     matches: &[TangentMatch],
     scale: f64,
 ) -> Option<Fundamental> {
+    solve(views, f, matches, scale)?.geometry.fundamental()
+}
+
+fn solve(views: &Views, f: &Fundamental, matches: &[TangentMatch], scale: f64) -> Option<At> {
     if !views.upright || matches.is_empty() || scale.is_nan() {
         return None;
     }
-    let problem = Outlines { views, matches, scale, prior_weight: prior_weight(matches) };
+    let problem = WithInsets { views, matches, scale, prior_weight: prior_weight(matches) };
     let geometry = SevenParameters::new(f, views.sizes())?;
-    minimise(&problem, At { geometry, outlines: [0.0; 2] }, ITERATIONS).0.geometry.fundamental()
+    Some(minimise(&problem, At { geometry, insets: views.insets.unwrap_or_default() }, ITERATIONS).0)
 }
 
 #[cfg(test)]
@@ -161,9 +174,9 @@ mod tests {
         let cameras = crate::geometry::CameraMatrices::new(k(600.0), k(700.0)).ok();
         for cameras in [None, cameras] {
             let views = Views::of(a.clone(), b.clone(), vec![]).with_cameras(cameras);
-            let problem = Outlines { views: &views, matches: &matches, scale: 1.5, prior_weight: 3.0 };
+            let problem = WithInsets { views: &views, matches: &matches, scale: 1.5, prior_weight: 3.0 };
             let geometry = SevenParameters::new(&f, sizes).unwrap();
-            let at = At { geometry, outlines: [0.3, -0.6] };
+            let at = At { geometry, insets: [0.3, -0.6] };
             let (_, _, gradient) = problem.linearise(&at);
             let cost = |step: &Step| problem.linearise(&at.stepped(step)).0;
             for k in 0..9 {
