@@ -24,7 +24,7 @@ use crate::verify::second_look::Earlier;
 use crate::verify::split::{Fold, Split, Stay};
 use crate::verify::thresholds::{CLOCK_BETTER, MIN_Z_FOR_CLOCK, reaches, within};
 use crate::verify::trials::falls_for;
-use crate::verify::{Case, SplitViews, Verdict, Verified, untestable, verify};
+use crate::verify::{Case, SplitViews, Verdict, Verified, are_masks, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
 
 /// Finds the fundamental matrix between two cameras.
@@ -279,7 +279,9 @@ impl<'a> Pair<'a> {
             SearchOptions { seed: self.options.seed, effort, ..SearchOptions::default() },
         );
         let searched = search(&training, candidates, watch)?;
-        let Some(insets) = insets(&training, &searched) else {
+        // Shapes that stand for others are off by a share of their width, and not all alike.
+        let masks = are_masks([self.aligned.a(), self.aligned.b()]);
+        let Some(insets) = insets(&training, &searched).filter(|_| masks) else {
             let found = settle(&training, &seen.all, searched, watch)?;
             return Ok((seen, found));
         };

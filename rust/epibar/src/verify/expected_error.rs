@@ -14,6 +14,7 @@ use crate::frontier::matches::robust_deviation;
 use crate::frontier::{TangentMatch, Views, compare};
 use crate::geometry::SevenParameters;
 use crate::geometry::seven_parameters::Information;
+use crate::recording::Recording;
 use crate::recording::stand_ins::stand_ins;
 use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
@@ -112,10 +113,13 @@ fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64, stand_in:
 
 /// Pixels by which shapes are wrong that may stand in for something else, as boxes and ellipses do for people; 0 of masks that were cut out.
 fn of_stand_ins(case: &Case) -> f64 {
-    let [p, q] = case.recordings.map(|recording| stand_ins(&recording.silhouettes));
     let width = 0.5 * (median_width(&case.views.a) + median_width(&case.views.b));
-    // Of silhouettes too small to tell it is not known that they are masks.
-    if within(p, STAND_INS) && within(q, STAND_INS) { 0.0 } else { STANDS_IN * width }
+    if are_masks(case.recordings) { 0.0 } else { STANDS_IN * width }
+}
+
+/// Whether silhouettes of both are those of masks that were cut out, and do not stand in for something else. Of silhouettes too small to tell it is not known.
+pub fn are_masks(recordings: [&Recording; 2]) -> bool {
+    recordings.into_iter().all(|recording| within(stand_ins(&recording.silhouettes), STAND_INS))
 }
 
 #[cfg(test)]

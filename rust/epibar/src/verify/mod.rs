@@ -57,6 +57,7 @@ pub mod verified;
 pub use case::Case;
 pub use error_map::ErrorMap;
 pub use evidence::Evidence;
+pub use expected_error::are_masks;
 pub use rivals::Rival;
 pub use split_views::SplitViews;
 pub use verdict::{Kind, Verdict};
