@@ -80,11 +80,11 @@ def test_a_long_time_in_which_nobody_is_there_costs_nothing():
 def test_a_clock_that_is_a_stride_off_is_not_believed():
     """People who walk one way step alike: accepted once, 15 px off with 1.7 stated, by this offset."""
     situation, rec_a, rec_b = recorded(17237010288702173568, "one_way", 0, 1)
-    stride = 27.27
-    cal = epibar.calibrate(rec_a, rec_b, seed=17237010288702173568 % 2**32, time_offset=stride)
+    a_stride_off = 27.27
+    cal = epibar.calibrate(rec_a, rec_b, seed=17237010288702173568 % 2**32, time_offset=a_stride_off)
     assert situation.error(cal.F, 0, 1) > 10.0
     assert not cal.accepted
     assert cal.kind == "ambiguous"
     assert "speaks against the offset that was given" in cal.reason
     told = epibar.calibrate(rec_a, rec_b, time_offset=situation.time_offset(0, 1))
-    assert situation.error(told.F, 0, 1) < 1.0 < stride - told.time_offset
+    assert situation.error(told.F, 0, 1) < 1.0 < a_stride_off - told.time_offset

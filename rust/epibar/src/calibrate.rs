@@ -190,6 +190,8 @@ struct Pair<'a> {
     busy: Vec<FramePair>,
     /// For how many frames motion stays where it is.
     stay: Stay,
+    /// Silhouettes were cut out, and stand in for nothing else.
+    masks: bool,
 }
 
 impl<'a> Pair<'a> {
@@ -197,7 +199,7 @@ impl<'a> Pair<'a> {
         let (a, b) = (aligned.a(), aligned.b());
         let busy = busy_frames(a, b, &common, None);
         let stay = Stay::new(a, b, &common, &busy);
-        Self { aligned, options, common, busy, stay }
+        Self { aligned, options, common, busy, stay, masks: are_masks([a, b]) }
     }
 
     /// Common frames a second: where A films faster than B not all of its frames are. NaN where unknown.
@@ -280,8 +282,8 @@ impl<'a> Pair<'a> {
         );
         let searched = search(&training, candidates, watch)?;
         // Shapes that stand for others are off by a share of their width, and not all alike.
-        let masks = are_masks([self.aligned.a(), self.aligned.b()]);
-        let Some(insets) = insets(&training, &searched).filter(|_| masks) else {
+        let insets = if self.masks { insets(&training, &searched) } else { None };
+        let Some(insets) = insets else {
             let found = settle(&training, &seen.all, searched, watch)?;
             return Ok((seen, found));
         };
@@ -308,6 +310,7 @@ impl<'a> Pair<'a> {
             fitted_views: &seen.fitted,
             split: &seen.split,
             recordings: [self.aligned.a(), self.aligned.b()],
+            masks: self.masks,
             common: &self.common,
             found,
             earlier: None,

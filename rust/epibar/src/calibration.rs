@@ -115,7 +115,7 @@ pub struct Calibration {
     pub method: Method,
     /// The seed it was found with.
     pub seed: u64,
-    /// The answer with what outlines are off by solved for, on its way out: what tests a geometry holds it against outlines as they are.
+    /// The answer with both insets solved for once more, on its way out: what was tested has those that the fitted frames tell.
     pub(crate) outlined: Option<Fundamental>,
 }
 
@@ -143,7 +143,7 @@ impl Calibration {
         }
     }
 
-    /// With the geometry that goes with what outlines are off by. The points stay on the silhouettes, by which pairs of one camera share them.
+    /// With the geometry that goes with both insets solved for once more. The points stay on the silhouettes, by which pairs of one camera share them.
     pub(crate) fn with_outlines(mut self) -> Self {
         if let Some(f) = self.outlined.take() {
             for point in &mut self.frontier_points {

@@ -69,9 +69,9 @@ impl View {
 
     /// A hull; where the view ends is told by its vertices before they were moved.
     fn push(&mut self, hull: &[[f64; 2]], unmoved: &[[f64; 2]]) {
-        let seen = |(p, was): (&[f64; 2], &[f64; 2])| if self.on_border(*was) { [f64::NAN; 2] } else { *p };
-        let touchable: Vec<_> = hull.iter().zip(unmoved).map(seen).collect();
-        self.touchable.extend(touchable);
+        let cut = |p: [f64; 2]| visible::on_border(self.size, self.visible.as_deref(), p);
+        self.touchable
+            .extend(hull.iter().zip(unmoved).map(|(p, was)| if cut(*was) { [f64::NAN; 2] } else { *p }));
         self.edges.push(hull);
         self.vertices.extend_from_slice(hull);
         self.hull_start.push(self.vertices.len() as u32);

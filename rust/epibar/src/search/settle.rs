@@ -20,8 +20,11 @@ const APART: f64 = 0.5;
 const KEPT: usize = 12;
 
 /// By how many pixels hulls lie inside of the outlines in A and in B, as the best of the few that remain on the fitted frames tells; `None` where
-/// nothing does.
+/// there is none, or nobody knows which end is up.
 pub fn insets(training: &TrainingSet, searched: &Searched) -> Option<[f64; 2]> {
+    if !training.all.upright {
+        return None;
+    }
     let fitted = refined_on(training, training.all, &searched.solutions, polish);
     let Solution { fundamental, .. } = fitted.first()?;
     refine::insets(training.all, fundamental)

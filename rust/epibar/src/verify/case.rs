@@ -21,6 +21,8 @@ pub struct Case<'a> {
     pub split: &'a Split,
     /// What the views are of.
     pub recordings: [&'a Recording; 2],
+    /// Their silhouettes were cut out, and stand in for nothing else.
+    pub masks: bool,
     /// The frames of either that are common.
     pub common: &'a [FramePair],
     /// The winner, what is tested, and the rivals.

@@ -8,14 +8,12 @@ use super::planarity::median_width;
 use super::rivals::{Rival, Winner};
 use super::thresholds::{
     CLEAN_RADIUS, COARSE_SHARE, FIT_FACTOR, GRID_ERROR, LEAST_EXPLAINED, NEIGHBOUR, NEIGHBOUR_SHARE,
-    ROUGH_DEVIATION, STAND_INS, STANDS_IN, larger, reaches, within,
+    ROUGH_DEVIATION, STANDS_IN, larger, reaches, within,
 };
 use crate::frontier::matches::robust_deviation;
 use crate::frontier::{TangentMatch, Views, compare};
 use crate::geometry::SevenParameters;
 use crate::geometry::seven_parameters::Information;
-use crate::recording::Recording;
-use crate::recording::stand_ins::stand_ins;
 use crate::refine::essential::EssentialPrior;
 use crate::refine::loss_scale;
 
@@ -114,12 +112,7 @@ fn of_outlines(matches: &[TangentMatch], best_radius: f64, scale: f64, stand_in:
 /// Pixels by which shapes are wrong that may stand in for something else, as boxes and ellipses do for people; 0 of masks that were cut out.
 fn of_stand_ins(case: &Case) -> f64 {
     let width = 0.5 * (median_width(&case.views.a) + median_width(&case.views.b));
-    if are_masks(case.recordings) { 0.0 } else { STANDS_IN * width }
-}
-
-/// Whether silhouettes of both are those of masks that were cut out, and do not stand in for something else. Of silhouettes too small to tell it is not known.
-pub fn are_masks(recordings: [&Recording; 2]) -> bool {
-    recordings.into_iter().all(|recording| within(stand_ins(&recording.silhouettes), STAND_INS))
+    if case.masks { 0.0 } else { STANDS_IN * width }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 //! * `split`: keeps frames aside.
 //! * `shift_curve`, `independence`: a geometry on these against chance, which shifted clocks have to offer; what the shifts are worth.
 //! * `split_views`, `case`, `second_look`: silhouettes at those frames, what is tested on what, and what other frames gave.
+//! * `masks`: were silhouettes cut out, or do they stand in for something else?
 //! * `evidence`: the numbers that this gives.
 //! * `repetition`: does what moves look the same with others in its place?
 //! * `throughout`, `sides`, `turned_in_part`: do all parts of the recording agree, on either side of any moment, or does a moved camera explain one?
@@ -32,6 +33,7 @@ mod gains;
 mod given_cameras;
 mod halves;
 mod independence;
+mod masks;
 pub mod other_clocks;
 mod over_image;
 pub mod planarity;
@@ -57,7 +59,7 @@ pub mod verified;
 pub use case::Case;
 pub use error_map::ErrorMap;
 pub use evidence::Evidence;
-pub use expected_error::are_masks;
+pub use masks::are_masks;
 pub use rivals::Rival;
 pub use split_views::SplitViews;
 pub use verdict::{Kind, Verdict};
