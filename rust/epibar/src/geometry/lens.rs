@@ -123,6 +123,11 @@ impl Lens {
     /// Whether the polynomial rises all the way from the axis to an undistorted distance.
     fn rises_to(&self, r: f64) -> bool {
         let square = r * r;
+        // What makes it fall does so more and more on the way out, so that where it rises in spite of all of that it has risen before.
+        let falling = Self { k: self.k.map(|k| k.min(0.0)) };
+        if falling.slope(square) >= LEAST_SLOPE {
+            return true;
+        }
         let between = self.bends().into_iter().filter(|q| *q < square);
         between.chain([square]).all(|q| self.slope(q) >= LEAST_SLOPE)
     }

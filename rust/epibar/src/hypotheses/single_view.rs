@@ -32,11 +32,13 @@ const KEPT: usize = 7;
 /// Heights that are tried are so many of a hundred of those that silhouettes give: merged ones give others.
 const HEIGHTS: [usize; 5] = [20, 35, 50, 65, 80];
 /// Seen from above, the top of a figure is so much farther away than its lowest point, in heights of it: it is no line.
-const DEPTH: f64 = 0.15;
+const BODY_DEPTH: f64 = 0.15;
 /// A silhouette stands where it is told to if its top is off by no more than this share of its height.
 const STANDS: f64 = 0.25;
 /// Sine of the angle below the horizon from which on a place of the floor is known.
 const BELOW_HORIZON: f64 = 0.02;
+/// What is nearer to the camera than this, in heights of a figure, is behind it.
+const NEAREST: f64 = 1e-6;
 
 /// A camera over a floor, in heights of a figure: its own foot is the origin, x points to where it looks, z up.
 #[derive(Debug, Clone, Copy)]
@@ -71,9 +73,10 @@ impl SingleView {
     /// How a camera of this matrix is held, and the share of the figures that agree.
     fn held(matrix: &Matrix3<f64>, up: [f64; 2], figures: &[Extremes]) -> Option<(f64, Self)> {
         let inverse = matrix.try_inverse()?;
+        let seen: Vec<Figure> = figures.iter().map(|figure| Figure::new(&inverse, figure)).collect();
         let of = |tilt: f64, roll: f64| {
             let up = direction_of_up(up, tilt, roll);
-            Some((at_height(matrix, &inverse, &up, figures)?, [tilt, roll]))
+            Some((at_height(matrix, &inverse, &up, &seen)?, [tilt, roll]))
         };
         let range = |[from, to, step]: [f64; 3]| {
             (0..=((to - from) / step).round() as usize).map(move |k| from + k as f64 * step)
@@ -163,8 +166,67 @@ fn direction_of_up(up: [f64; 2], tilt: f64, roll: f64) -> Vector3<f64> {
 /// The point of the floor that is seen at a pixel from a camera one unit above it.
 fn on_floor(inverse: &Matrix3<f64>, up: &Vector3<f64>, pixel: [f64; 2]) -> Option<Vector3<f64>> {
     let ray = inverse * Vector3::new(pixel[0], pixel[1], 1.0);
-    let below = -up.dot(&ray);
-    (below > BELOW_HORIZON * ray.norm()).then(|| ray / below)
+    floor_along(&ray, ray.norm(), up)
+}
+
+/// The point of the floor along a ray of some length from a camera one unit above it.
+fn floor_along(ray: &Vector3<f64>, length: f64, up: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let below = -up.dot(ray);
+    (below > BELOW_HORIZON * length).then(|| ray / below)
+}
+
+/// A silhouette as a camera of some matrix sees it, however it is held.
+struct Figure {
+    /// Rays of its highest and its lowest point.
+    to_top: Vector3<f64>,
+    to_foot: Vector3<f64>,
+    /// Length of the latter.
+    length: f64,
+    /// Its highest point, pixels, and its height, squared.
+    top: [f64; 2],
+    height_squared: f64,
+}
+
+impl Figure {
+    fn new(inverse: &Matrix3<f64>, &[top, bottom]: &Extremes) -> Self {
+        let ray = |pixel: [f64; 2]| inverse * Vector3::new(pixel[0], pixel[1], 1.0);
+        let to_foot = ray(bottom);
+        let height_squared = distance_squared(top, bottom);
+        Self { to_top: ray(top), to_foot, length: to_foot.norm(), top, height_squared }
+    }
+}
+
+/// A figure that stands on the floor under a camera that is held in some way: a camera at height `h` sees its top at `h · foot + body`.
+struct Stands<'s> {
+    seen: &'s Figure,
+    /// Height of the camera, by its top.
+    height: f64,
+    /// In the image, homogeneous.
+    foot: Vector3<f64>,
+    body: Vector3<f64>,
+}
+
+impl<'s> Stands<'s> {
+    /// `None` where it is seen above the horizon, or by no camera above the floor.
+    fn new(matrix: &Matrix3<f64>, up: &Vector3<f64>, seen: &'s Figure) -> Option<Self> {
+        let foot = floor_along(&seen.to_foot, seen.length, up)?;
+        let body = to_top(up, &foot);
+        // From a foot at h times the point, the ray of the top passes h times that point and one upwards.
+        let across = seen.to_top.cross(&foot);
+        let height = -seen.to_top.cross(&body).dot(&across) / across.norm_squared();
+        let stands = height > 0.0 && height.is_finite();
+        stands.then(|| Self { seen, height, foot: matrix * foot, body: matrix * body })
+    }
+
+    /// How well it agrees with a camera at that height, 1 at the most.
+    fn agrees(&self, height: f64) -> f64 {
+        let top = self.foot * height + self.body;
+        if top.z <= NEAREST {
+            return 0.0;
+        }
+        let off = distance_squared([top.x / top.z, top.y / top.z], self.seen.top);
+        (1.0 - off / (self.seen.height_squared * AGREES * AGREES)).max(0.0)
+    }
 }
 
 /// The camera at the height at which most figures agree, and their share.
@@ -172,31 +234,17 @@ fn at_height(
     matrix: &Matrix3<f64>,
     inverse: &Matrix3<f64>,
     up: &Vector3<f64>,
-    figures: &[Extremes],
+    figures: &[Figure],
 ) -> Option<(f64, SingleView)> {
-    // From a foot at h times the point, the ray of the top passes h times that point and one upwards.
-    let stand = figures.iter().filter_map(|figure| {
-        let foot = on_floor(inverse, up, figure[1])?;
-        let top = inverse * Vector3::new(figure[0][0], figure[0][1], 1.0);
-        let across = top.cross(&foot);
-        let height = -top.cross(&to_top(up, &foot)).dot(&across) / across.norm_squared();
-        (height > 0.0 && height.is_finite()).then_some((height, foot, figure))
-    });
-    let mut stand: Vec<_> = stand.collect();
-    stand.sort_by(|p, q| p.0.total_cmp(&q.0));
+    let stand: Vec<Stands> = figures.iter().filter_map(|seen| Stands::new(matrix, up, seen)).collect();
+    let mut heights: Vec<f64> = stand.iter().map(|figure| figure.height).collect();
+    heights.sort_unstable_by(f64::total_cmp);
     let x = (Vector3::z() - up * up.z).try_normalize(1e-3)?;
     let axes = Matrix3::from_columns(&[x, up.cross(&x), *up]);
     let tried = HEIGHTS.iter().filter_map(|k| {
-        let view = SingleView {
-            matrix: *matrix,
-            inverse: *inverse,
-            axes,
-            height: stand.get(k * stand.len() / 100)?.0,
-        };
-        let agree = |(_, foot, figure): &(f64, Vector3<f64>, &Extremes)| {
-            (1.0 - (view.off(&(foot * view.height), figure) / AGREES).powi(2)).max(0.0)
-        };
-        Some((stand.iter().map(agree).sum::<f64>() / figures.len() as f64, view))
+        let height = *heights.get(k * heights.len() / 100)?;
+        let agree = stand.iter().map(|figure| figure.agrees(height)).sum::<f64>() / figures.len() as f64;
+        Some((agree, SingleView { matrix: *matrix, inverse: *inverse, axes, height }))
     });
     tried.max_by(|p, q| p.0.total_cmp(&q.0))
 }
@@ -204,14 +252,18 @@ fn at_height(
 /// From the lowest point of a figure that stands there to its highest.
 fn to_top(up: &Vector3<f64>, foot: &Vector3<f64>) -> Vector3<f64> {
     let away = foot - up * foot.dot(up);
-    up + away * (DEPTH / away.norm().max(1e-9))
+    up + away * (BODY_DEPTH / away.norm().max(1e-9))
 }
 
 fn project(matrix: &Matrix3<f64>, point: &Vector3<f64>) -> Option<[f64; 2]> {
     let p = matrix * point;
-    (p.z > 1e-6).then(|| [p.x / p.z, p.y / p.z])
+    (p.z > NEAREST).then(|| [p.x / p.z, p.y / p.z])
 }
 
 fn distance(p: [f64; 2], q: [f64; 2]) -> f64 {
-    (p[0] - q[0]).hypot(p[1] - q[1])
+    distance_squared(p, q).sqrt()
+}
+
+fn distance_squared(p: [f64; 2], q: [f64; 2]) -> f64 {
+    (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)
 }
