@@ -15,7 +15,7 @@ CRATE = ROOT / "rust" / "epibar" / "src"
 ROOMS = (
     *("error", "watch", "random", "bits_of_bytes", "image", "geometry", "recording", "foreground"),
     *("matching", "frontier", "refine", "hypotheses", "search", "clock", "verify"),
-    *("options", "calibration", "offset_choice", "calibrate", "examine", "files", "network"),
+    *("options", "calibration", "calibrate", "examine", "files", "network"),
 )
 """From tools to jobs: each may import from those before it. The root and `internals` stand above all."""
 

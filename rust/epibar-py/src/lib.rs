@@ -57,7 +57,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("NINE_IN_TEN_IN_SPACE", internals::NINE_IN_TEN_IN_SPACE)?;
     module.add("PAIR_DEVIATES", internals::PAIR_DEVIATES)?;
     module.add("RIVALS", internals::RIVALS)?;
-    module.add("RIVAL_SHARE", internals::RIVAL_SHARE)?;
+    module.add("RIVAL_SHARE", internals::OFFERED_SHARE)?;
     module.add("SEARCH_SECONDS", internals::SEARCH_SECONDS)?;
     module.add("SOME_Z", internals::SOME_Z)?;
     module.add("TANGENTIAL", internals::TANGENTIAL)?;

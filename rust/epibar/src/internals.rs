@@ -2,6 +2,7 @@
 //!
 //! No part of the public interface: anything in here may change with every version.
 
+pub use crate::calibrate::outstanding_offset;
 pub use crate::clock::offset::FoundOffset;
 pub use crate::clock::{Clock, Clocks, common_frames, find_offset};
 #[cfg(feature = "files")]
@@ -29,18 +30,17 @@ pub use crate::matching::{
 pub use crate::network::clocks::{GRID, MOST_DRIFT};
 pub use crate::network::input::TANGENTIAL;
 pub use crate::network::optics::Optics;
-pub use crate::network::pair::{RIVAL_SHARE, RIVALS};
+pub use crate::network::pair::{OFFERED_SHARE, RIVALS};
 pub use crate::network::pair_choice::ALL_PAIRS;
 pub use crate::network::stated_errors::{NINE_IN_TEN, NINE_IN_TEN_IN_SPACE};
 pub use crate::network::support::{BASELINE, PAIR_DEVIATES};
-pub use crate::offset_choice::outstanding_offset;
 pub use crate::options::{MAX_EXPECTED_ERROR, SEARCH_SECONDS};
 pub use crate::random::generator;
 pub use crate::recording::FramePair;
 pub use crate::recording::barcode::barcodes_of_segments;
 pub use crate::recording::barcode_words::{BLOCK_FRAMES, PixelBlock};
 pub use crate::recording::components::Components;
-pub use crate::recording::hull::convex_hull;
+pub use crate::recording::convex_hull::convex_hull;
 pub use crate::recording::recorder::MAX_LINES;
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;

@@ -71,7 +71,6 @@ mod image;
 pub mod internals;
 mod matching;
 pub mod network;
-mod offset_choice;
 mod options;
 mod random;
 mod recording;
@@ -92,7 +91,7 @@ pub use files::SavedRecording;
 pub use examine::{ExamineOptions, Examined, TangentCounts, examine};
 pub use geometry::{CameraMatrices, Fundamental, sampson_distance, symmetric_epipolar_distance};
 pub use hypotheses::Source;
-pub use image::{ImageSize, Line, Segment};
+pub use image::{Homogeneous, ImageSize, Line, Segment};
 pub use options::{CalibrateOptions, Method};
 pub use recording::{
     Barcodes, Informative, RecordedFrame, Recorder, RecorderOptions, Recording, RecordingParts, Silhouettes,

@@ -4,14 +4,14 @@
 //! more frames ([`starts`]); while they contest one another ([`contest`]) or the best still gains, the best are fitted anew to samples of what meets
 //! ([`resample`]) and refined again, and followed along the valleys that they lie in ([`pass`]). What remains is a list of different geometries with
 //! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames, with silhouettes moved onto their outlines. Where one stands out among few hypotheses that is
-//! all ([`early`]). [`by_lines`] is the search of the paper instead, and [`mod@glance`] looks whether there is anything to search for.
+//! all ([`early`]). [`by_lines`] is the search of the paper instead, and [`brief`] looks whether there is anything to search for.
 
 pub mod by_lines;
 
+mod brief;
 mod contest;
 mod early;
 mod either_order;
-mod glance;
 mod pass;
 mod resample;
 mod settle;
@@ -19,7 +19,7 @@ mod solution;
 mod starts;
 mod training_set;
 
-pub use glance::{glance, of_a_glance};
+pub use brief::{brief_options, brief_search};
 pub use resample::resampled;
 pub use settle::{insets, settle};
 pub use solution::{Found, Searched, Solution};

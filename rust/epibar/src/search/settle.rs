@@ -13,7 +13,7 @@ use crate::watch::{Stage, Watch, report};
 /// A solution with less than this share of the best one's score is no rival to settle.
 const WORTH_SETTLING: f64 = 0.5;
 /// A solution with this share of the best one's score contests it.
-const CONTESTING: f64 = 0.85;
+const NEARLY_BEST: f64 = 0.85;
 /// Solutions that differ by less are one, pixels of a 640×480 image.
 const APART: f64 = 0.5;
 /// Solutions that are kept.
@@ -52,7 +52,7 @@ pub fn settle(
 
 /// What contests the best, and the best itself, polished: a point on the way to the answer is no rival of it.
 fn followed(training: &TrainingSet, all: &Views, solutions: Vec<Solution>) -> Vec<Solution> {
-    let contesting = solutions.first().map_or(0.0, |best| share_of(best.score, CONTESTING));
+    let contesting = solutions.first().map_or(0.0, |best| share_of(best.score, NEARLY_BEST));
     let ends = solutions
         .into_par_iter()
         .filter_map(|s| {

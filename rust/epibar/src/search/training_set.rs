@@ -88,7 +88,7 @@ impl<'a> TrainingSet<'a> {
         }
     }
 
-    /// The same with silhouettes moved outward by so many pixels; `all` are the fitted frames of which that is done.
+    /// This set with silhouettes moved outward by so many pixels; `all` are the fitted frames of which that is done.
     pub fn moved_outward<'m>(&self, all: &'m Views, insets: [f64; 2]) -> TrainingSet<'m> {
         TrainingSet {
             all,

@@ -1,4 +1,7 @@
 //! The tests of a geometry, in their order: the first that finds fault is the verdict.
+//!
+//! Before them [`untestable`](super::untestable) refuses what has nothing to test, and after them an accepted one may fall by what its clock was
+//! chosen among: [`trials`](super::trials), and [`other_clocks`](super::other_clocks).
 
 use std::collections::HashSet;
 

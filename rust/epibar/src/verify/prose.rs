@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::findings::Findings;
 use super::gains::Gain;
 use super::rivals::Rival;
-use super::thresholds::{CAMERAS_DOUBTED, MIN_Z, SOME_Z, reaches};
+use super::thresholds::{CAMERAS_DOUBTED, MIN_FRAMES, MIN_LINES, MIN_Z, SOME_Z, reaches};
 
 /// How much suggests something, as a sentence begins.
 fn suggestion(z: f64) -> &'static str {
@@ -22,6 +22,36 @@ fn not_rounded_down(number: f64, limit: f64) -> f64 {
     let printed = |x: f64| (100.0 * x).round();
     if printed(number) > printed(limit) { number } else { (printed(limit) + 1.0) / 100.0 }
 }
+
+pub(super) fn few_common_frames(common: usize) -> String {
+    format!("Only {common} frames are common to both cameras; at least {MIN_FRAMES} are needed.")
+}
+
+/// Of so many informative lines of A and of B.
+pub(super) fn uninformative(a: usize, b: usize) -> String {
+    let which = match (a < MIN_LINES, b < MIN_LINES) {
+        (true, false) => "camera A",
+        (false, true) => "camera B",
+        _ => "either camera",
+    };
+    format!(
+        "Too little changes in {which}: {a} lines of A and {b} of B are crossed by motion in some frames and \
+         free of it in others, and at least {MIN_LINES} are needed in each."
+    )
+}
+
+pub(super) const NO_CANDIDATES: &str = "No lines of the two cameras are crossed by motion at the same moments, so nothing suggests that they see \
+     the same moving things at the same time.";
+
+pub(super) fn few_silhouettes(busy: usize) -> String {
+    format!(
+        "Only {busy} frames show something larger than specks moving in both cameras; at least {MIN_FRAMES} \
+         are needed."
+    )
+}
+
+pub(super) const NO_HYPOTHESIS: &str = "No epipolar geometry explains what moves in both cameras, so nothing suggests that they see the same \
+     moving things at the same time.";
 
 pub(super) fn accepted(f: &Findings) -> String {
     let mut accepted = format!(

@@ -8,12 +8,12 @@ use rayon::prelude::*;
 
 pub use super::clock_pairs::PairOffset;
 use super::clock_pairs::{asked, asked_beyond, unvouched};
+use crate::calibrate::{OutstandingOffset, outstanding_offset};
 use crate::clock::offset::FoundOffset;
 use crate::clock::{Clocks, TimeOffset, find_offset, score_at_offset};
 use crate::error::Result;
 use crate::network::model::joint::Belief;
 use crate::network::thresholds as limits;
-use crate::offset_choice::{OutstandingOffset, outstanding_offset};
 use crate::options::CalibrateOptions;
 use crate::recording::Recording;
 use crate::watch::{Stage, Unwatched, Watch, report};

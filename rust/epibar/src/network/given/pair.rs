@@ -58,7 +58,7 @@ pub struct PairHypotheses {
 /// Other geometries of a pair that go along, at most.
 pub const RIVALS: usize = 3;
 /// The share of the best one's score that such a one has at the least.
-pub const RIVAL_SHARE: f64 = 0.5;
+pub const OFFERED_SHARE: f64 = 0.5;
 /// Common frames that a geometry is looked at with.
 const FRAMES: usize = 400;
 /// Radius within which tangents meet, pixels of a 640×480 image.
@@ -96,7 +96,7 @@ impl PairFound {
     /// Of a calibration of two recordings; `None` where it has no geometry.
     pub fn of(a: usize, b: usize, calibration: &Calibration) -> Option<Self> {
         let best = calibration.fundamental?;
-        let rivals = calibration.rivals.iter().filter(|r| r.share > RIVAL_SHARE).take(RIVALS);
+        let rivals = calibration.rivals.iter().filter(|r| r.share > OFFERED_SHARE).take(RIVALS);
         let others = rivals.map(|r| (*r.fundamental.matrix(), r.share));
         Some(Self {
             a,

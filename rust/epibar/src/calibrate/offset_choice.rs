@@ -2,7 +2,7 @@
 //!
 //! The best barcodes of two cameras are alike by chance at many offsets where much moves, or little for long. Tangents are not: at the true
 //! offset some geometry explains several times as much of them as any does at another. So where none stands out at the offset for which barcodes
-//! speak most, a few hypotheses are looked at at each of the others ([`glance`]).
+//! speak most, a few hypotheses are looked at at each of the others ([`brief_search`]).
 
 use crate::clock::{Aligned, Clocks};
 use crate::error::Result;
@@ -10,7 +10,7 @@ use crate::frontier::busy_frames;
 use crate::matching::find_candidates;
 use crate::options::CalibrateOptions;
 use crate::recording::FramePair;
-use crate::search::{TrainingSet, glance, of_a_glance};
+use crate::search::{TrainingSet, brief_options, brief_search};
 use crate::verify::thresholds::{STANDS_OUT, STANDS_OUT_OF_ALL, SURE, reaches, within};
 use crate::watch::{Stage, Unwatched, Watch, report};
 
@@ -95,7 +95,7 @@ fn outstanding(seen: &[(f64, f64)], [least, share]: [f64; 2]) -> Option<Outstand
     (stands_out || reaches(score, SURE)).then_some(OutstandingOffset { offset, score, runner_up })
 }
 
-/// Score of a tangent of the best geometry that is seen at a glance.
+/// Score of a tangent of the best geometry of a brief search.
 fn of_tangent(aligned: &Aligned, options: &CalibrateOptions) -> Result<f64> {
     let (a, b) = (aligned.a(), aligned.b());
     let common = aligned.frame_pairs();
@@ -106,8 +106,8 @@ fn of_tangent(aligned: &Aligned, options: &CalibrateOptions) -> Result<f64> {
     let candidates = find_candidates(a, b, &common, &common, &options.candidate_options())?;
     let views = |frames: &[FramePair]| aligned.views(frames).with_cameras(options.cameras_used());
     let (all, some) = (views(&busy), |limit| views(&busy_frames(a, b, &busy, Some(limit))));
-    let training = TrainingSet::new(&all, some, of_a_glance(options.seed));
-    glance(&training, &candidates, &mut Unwatched)
+    let training = TrainingSet::new(&all, some, brief_options(options.seed));
+    brief_search(&training, &candidates, &mut Unwatched)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! A glance: a few hypotheses, refined once. Too little to find a geometry by, and enough to see that there is one.
+//! A brief search: a few hypotheses, refined once. Too little to find a geometry by, and enough to see that there is one.
 
 use super::contest::score_of_tangent;
 use super::either_order::from_a;
@@ -11,17 +11,17 @@ use crate::watch::Watch;
 
 /// What is drawn and refined: a twentieth of what a search draws. Six development pairs whose offset barcodes did not tell had at the true one three times the score
 /// of a tangent or more that they had at any of four others, and with an eighth 1.8 times or more.
-pub fn of_a_glance(seed: u64) -> SearchOptions {
+pub fn brief_options(seed: u64) -> SearchOptions {
     let draws = Effort::default().draws.one_of(20);
     let effort = Effort { draws, starts: 12, own_starts: 2 };
     SearchOptions { seed, effort, ..SearchOptions::default() }
 }
 
-/// Score of a tangent of the best geometry that is seen at a glance; 0 where there is none.
+/// Score of a tangent of the best geometry that is found; 0 where there is none.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
-pub fn glance(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn Watch) -> Result<f64> {
+pub fn brief_search(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn Watch) -> Result<f64> {
     let SearchOptions { seed, effort, .. } = &training.options;
     let hypotheses = from_a(training, candidates, &effort.draws, seed_of_pass(*seed, 0), watch)?;
     let found = refined_once(training, effort, &hypotheses.scored);
