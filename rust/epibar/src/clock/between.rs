@@ -2,6 +2,7 @@
 
 use crate::geometry::hull::mixture;
 use crate::recording::Silhouettes;
+use crate::recording::at_moment::{Between, at_moment};
 use crate::recording::tracker::Links;
 
 /// A silhouette at a position between frames.
@@ -25,24 +26,20 @@ pub fn hulls(silhouettes: &Silhouettes, links: &Links, position: f64) -> Vec<Hul
     let corners =
         |h: usize| -> Vec<[f64; 2]> { silhouettes.hull(h).iter().map(|p| p.map(f64::from)).collect() };
     let usable = |h: &usize| silhouettes.hull(*h).len() >= 3;
-    let still = |h: usize| Hull { vertices: corners(h), first: h, last: h };
-    if share == 0.0 {
-        return silhouettes.hulls(frame).filter(usable).map(still).collect();
-    }
-    let mut found = Vec::new();
-    for h in silhouettes.hulls(frame).filter(usable) {
-        match links.next(h).filter(usable) {
-            Some(k) => {
-                found.push(Hull { vertices: mixture(&corners(h), &corners(k), share), first: h, last: k });
-            }
-            None if share < 0.5 => found.push(still(h)),
-            None => (),
-        }
-    }
-    if share >= 0.5 {
-        let new = silhouettes.hulls(frame + 1).filter(usable);
-        let followed = |k: usize| links.previous(k).is_some_and(|h| usable(&h));
-        found.extend(new.filter(|&k| !followed(k)).map(still));
-    }
-    found
+    let there = if share == 0.0 { 0..0 } else { silhouettes.hulls(frame + 1) };
+    let all = at_moment(
+        silhouettes.hulls(frame).filter(usable),
+        there.filter(usable),
+        |h| links.next(h).filter(usable),
+        |h| links.previous(h).filter(usable),
+        share,
+    );
+    let drawn = |Between { first, last, share }| {
+        let vertices = match share {
+            0.0 => corners(first),
+            share => mixture(&corners(first), &corners(last), share),
+        };
+        Hull { vertices, first, last }
+    };
+    all.map(drawn).collect()
 }

@@ -174,7 +174,7 @@ fn bulge(hull: &[[u16; 2]], size: ImageSize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::components::Components;
-    use super::super::hull::convex_hull;
+    use super::super::convex_hull::convex_hull;
     use super::*;
 
     /// The farthest place of a component in a direction, through a lens, pixels; over all of its pixels, or over some.

@@ -101,7 +101,7 @@ pub struct Recorder {
     outlines: OutlineFinder,
     /// Nearly all of the memory, which is first taken when there is a frame: whoever learns a background before that
     /// needs as much.
-    pixels: Option<Pixels>,
+    pixels: Option<PixelMotion>,
     /// Finished blocks: 256 frames of every line.
     blocks: PackedBlocks,
     silhouettes: Silhouettes,
@@ -112,14 +112,14 @@ pub struct Recorder {
 
 /// Motion of all pixels on its way into barcodes.
 #[derive(Debug, Clone)]
-struct Pixels {
+struct PixelMotion {
     /// Frames since the last multiple of 64.
     planes: BitPlanes,
     /// Frames since the last multiple of 256.
     block: PixelBlock,
 }
 
-impl Pixels {
+impl PixelMotion {
     fn new(size: ImageSize) -> Self {
         Self { planes: BitPlanes::new(size.pixels()), block: PixelBlock::new(size) }
     }
@@ -205,7 +205,7 @@ impl Recorder {
         let least = self.options.min_component_area;
         self.silhouettes.push(&self.found, &mut self.outlines, self.size, self.visible.as_deref(), least)?;
         let bit = frame % BLOCK_FRAMES;
-        let pixels = self.pixels.get_or_insert_with(|| Pixels::new(self.size));
+        let pixels = self.pixels.get_or_insert_with(|| PixelMotion::new(self.size));
         let mut moving = 0;
         for run in self.found.runs() {
             let first = usize::from(run.y) * self.size.width + usize::from(run.x_first);
@@ -259,7 +259,7 @@ impl Recorder {
 
     /// Turns the block into bits of the barcodes and the heat map, and empties it.
     fn flush(&mut self) {
-        let Some(Pixels { planes, block }) = &mut self.pixels else { return };
+        let Some(PixelMotion { planes, block }) = &mut self.pixels else { return };
         // Where the planes are empty this adds nothing.
         block.take((self.times.len() - 1) % BLOCK_FRAMES / 64, planes);
         self.blocks.push(&block.unions(&self.segments));

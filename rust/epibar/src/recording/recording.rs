@@ -16,7 +16,7 @@ pub struct FramePair {
 }
 
 impl FramePair {
-    /// The same moment with B for A.
+    /// This moment with B for A.
     pub(crate) fn swapped(self) -> Self {
         Self { a: self.b, b: self.a }
     }

@@ -4,7 +4,7 @@
 //! line without the pixels, and epipolar tangents.
 
 use super::components::Components;
-use super::hull::convex_hull;
+use super::convex_hull::convex_hull;
 use super::lens_corners::OutlineFinder;
 use super::visible::on_border;
 use crate::error::{Error, Result};

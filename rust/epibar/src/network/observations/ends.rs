@@ -56,7 +56,7 @@ pub fn ends(seen: &CameraView, axis: &Vector3<f64>, wanted: &[bool]) -> Ends {
         .with_min_len(256)
         .map(|(silhouette, wanted)| {
             let range = seen.observed.range(silhouette as u32);
-            let Some([low, high]) = wanted.then(|| extremes(&seen.rays[range.clone()], &u, &v)).flatten()
+            let Some([low, high]) = wanted.then(|| extreme_rays(&seen.rays[range.clone()], &u, &v)).flatten()
             else {
                 return [NO_END; 2];
             };
@@ -76,7 +76,7 @@ pub fn ends(seen: &CameraView, axis: &Vector3<f64>, wanted: &[bool]) -> Ends {
 }
 
 /// Which rays have the least and the greatest angle; `None` where they surround the axis.
-fn extremes(rays: &[Vector3<f64>], u: &Vector3<f64>, v: &Vector3<f64>) -> Option<[usize; 2]> {
+fn extreme_rays(rays: &[Vector3<f64>], u: &Vector3<f64>, v: &Vector3<f64>) -> Option<[usize; 2]> {
     let at = |i: usize| [rays[i].dot(u), rays[i].dot(v)];
     let left_of = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
     let (mut low, mut high) = (0, 0);

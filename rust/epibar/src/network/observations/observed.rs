@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
+use crate::recording::at_moment::{Between, at_moment};
 use crate::recording::fill::fill;
 use crate::recording::tracker::Links;
 use crate::recording::visible::on_border;
@@ -41,18 +42,6 @@ pub struct Moment {
     /// The frame before it, or at it.
     pub frame: u32,
     /// How far it is to the next one, 0 to 1.
-    pub share: f64,
-}
-
-/// A silhouette at a moment between two frames: `share` of the way from `first` to `last`, or where both are the same
-/// that one as it stands.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Between {
-    /// In the frame before.
-    pub first: u32,
-    /// In the frame after.
-    pub last: u32,
-    /// How much the latter counts.
     pub share: f64,
 }
 
@@ -226,24 +215,17 @@ impl Observed {
     }
 
     /// The silhouettes at a moment; those that are not followed to the other frame stand still in the nearer.
-    pub fn between(&self, moment: Moment, found: &mut Vec<Between>) {
-        found.clear();
+    pub fn between(&self, moment: Moment, found: &mut Vec<Between<u32>>) {
         let Moment { frame, share } = moment;
-        let still = |h: u32| Between { first: h, last: h, share: 0.0 };
-        if share == 0.0 {
-            found.extend(self.of_frame(frame).filter(|&h| self.usable(h)).map(still));
-            return;
-        }
-        for h in self.of_frame(frame).filter(|&h| self.usable(h)) {
-            match self.next(h) {
-                Some(last) => found.push(Between { first: h, last, share }),
-                None if share < 0.5 => found.push(still(h)),
-                None => (),
-            }
-        }
-        if share >= 0.5 {
-            let fresh = self.of_frame(frame + 1).filter(|&h| self.usable(h) && self.previous(h).is_none());
-            found.extend(fresh.map(still));
-        }
+        let usable = |h: &u32| self.usable(*h);
+        let there = if share == 0.0 { 0..0 } else { self.of_frame(frame + 1) };
+        found.clear();
+        found.extend(at_moment(
+            self.of_frame(frame).filter(usable),
+            there.filter(usable),
+            |h| self.next(h),
+            |h| self.previous(h),
+            share,
+        ));
     }
 }

@@ -13,9 +13,10 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 use super::ends::{CameraView, End, Ends, ends, wrapped};
-use super::observed::{Between, Moment, Observed};
+use super::observed::{Moment, Observed};
 use crate::network::model::camera::Camera;
 use crate::network::model::residual::Meeting;
+use crate::recording::at_moment::Between;
 
 /// Frames of A with the moments of B at which they were seen.
 fn common_moments(a: &CameraView, b: &CameraView, frames: &[u32]) -> Vec<(u32, Moment)> {
@@ -58,7 +59,7 @@ pub struct MatchedEnds {
     /// Silhouette of A.
     pub a: u32,
     /// Silhouette of B.
-    pub b: Between,
+    pub b: Between<u32>,
     /// Pixels between them.
     pub distance: f64,
     /// `−ln` of the chance that some tangent of B lies within the radius at another moment.
@@ -129,7 +130,7 @@ impl<'a> PairTangents<'a> {
     }
 
     /// An end of B between two frames.
-    fn end_of_b(&self, between: &Between, side: usize) -> End {
+    fn end_of_b(&self, between: &Between<u32>, side: usize) -> End {
         let first = self.ends_b[between.first as usize][side];
         if between.first == between.last {
             return first;
@@ -183,7 +184,7 @@ impl<'a> PairTangents<'a> {
         parts.concat()
     }
 
-    fn meet_at(&self, moment: usize, seen: &[Between], radius: f64, found: &mut Vec<MatchedEnds>) {
+    fn meet_at(&self, moment: usize, seen: &[Between<u32>], radius: f64, found: &mut Vec<MatchedEnds>) {
         let in_a = self.a.observed.of_frame(self.moments[moment].0);
         for side in 0..2 {
             let ends_b: Vec<End> = seen.iter().map(|between| self.end_of_b(between, side)).collect();
@@ -301,7 +302,7 @@ impl<'a> PairTangents<'a> {
     }
 
     /// Where a tangent point of B is, and how fast it moves, pixels a second, where it is followed.
-    fn motion_of_b(&self, between: &Between, side: usize) -> ([f64; 2], [f64; 2]) {
+    fn motion_of_b(&self, between: &Between<u32>, side: usize) -> ([f64; 2], [f64; 2]) {
         let b = self.b.observed;
         let at = |h: u32| b.point(self.ends_b[h as usize][side].point);
         let usable = |h: u32| !self.ends_b[h as usize][side].angle.is_nan();

@@ -57,7 +57,7 @@ pub struct Scale {
     pub height: f64,
     /// Pixels within which tangents meet.
     pub radius: f64,
-    /// The same in pixels of the cameras, in the mean of them.
+    /// That radius in pixels of the cameras, in the mean of them.
     pub pixels: f64,
 }
 

@@ -24,6 +24,8 @@ const WINDOW: f64 = 0.5;
 const FASTEST: f64 = 3.0;
 /// A height may differ by this share from that of its track.
 const TALL: f64 = 0.1;
+/// At one moment it may differ so many times as much.
+const TALLER: f64 = 1.5;
 /// A top may be so many median heights off those before and after it.
 const SMOOTH: f64 = 0.1;
 /// Seconds and moments that a track has at least.
@@ -106,7 +108,7 @@ impl Crowd<'_> {
         let reach = (REACH[0] + REACH[1] * seconds) * self.height + DEVIATIONS * deviation;
         let off = (walker.top - expected).norm() / reach;
         let taller = (walker.top.z - walker.foot.z) / tall(track) - 1.0;
-        if off >= 1.0 || taller.abs() > 1.5 * TALL {
+        if off >= 1.0 || taller.abs() > TALLER * TALL {
             return None;
         }
         Some(off - if self.followed(before, walker) { FOLLOWED } else { 0.0 })

@@ -7,7 +7,8 @@ use super::triangulate::{Ray, covariance};
 use crate::network::model::camera::Camera;
 use crate::network::observations::ends::{CameraView, Ends, ends, wrapped};
 use crate::network::observations::figures::triangulated;
-use crate::network::observations::observed::{Between, Observed};
+use crate::network::observations::observed::Observed;
+use crate::recording::at_moment::Between;
 use crate::recording::visible::on_border;
 
 /// Below this share of up in a tangent's normal, top and bottom mean nothing.
@@ -54,7 +55,7 @@ pub struct Eye<'a> {
     /// Its silhouettes.
     pub observed: &'a Observed,
     /// The silhouettes at each moment; none where it saw nothing.
-    pub moments: Vec<Vec<Between>>,
+    pub moments: Vec<Vec<Between<u32>>>,
     /// Whether it was filming at each moment.
     filming: Vec<bool>,
     visible: Option<&'a [u8]>,
@@ -105,7 +106,7 @@ impl<'a> Eye<'a> {
     }
 
     /// Where one side of a silhouette is touched; `None` where it has no tangent.
-    fn touch(&self, ends: &Ends, between: &Between, side: usize) -> Option<Touch> {
+    fn touch(&self, ends: &Ends, between: &Between<u32>, side: usize) -> Option<Touch> {
         let (p, q) = (&ends[between.first as usize][side], &ends[between.last as usize][side]);
         let mean = |a: f64, b: f64| a + between.share * (b - a);
         let angle = p.angle + between.share * wrapped(q.angle - p.angle);
