@@ -240,7 +240,7 @@ pub struct PythonPosed {
 }
 
 impl PythonPosed {
-    /// The same as the crate takes it.
+    /// This camera as the crate takes it.
     pub fn posed(&self) -> PosedCamera {
         PosedCamera {
             matrix: matrix_of_rows(&self.matrix),

@@ -47,7 +47,7 @@ fn all_filmed(degrees: f64, turned_at: usize, moving: &Range<usize>, frames: usi
     all_filmed_but(degrees, turned_at, moving, moving, frames)
 }
 
-/// The same, and the third shows a part of what moves.
+/// What all film as in [`all_filmed`], and the third shows a part of what moves.
 fn all_filmed_but(
     degrees: f64,
     turned_at: usize,

@@ -11,7 +11,8 @@ use crate::refine::loss_scale;
 
 /// A walker's outline is off in the same way for several steps.
 const BLOCK_SECONDS: f64 = 4.0;
-const MIN_BLOCKS: f64 = 30.0;
+/// Or so short that there are so many.
+const FEWEST_BLOCKS: f64 = 30.0;
 /// Equations that one thread adds up.
 const SUMMED: usize = 512;
 
@@ -50,7 +51,7 @@ impl Span {
 
     /// Seconds that share their error; a short recording keeps enough of them to have a variance.
     pub(super) fn block(&self) -> f64 {
-        BLOCK_SECONDS.min(2.0 * self.half / MIN_BLOCKS)
+        BLOCK_SECONDS.min(2.0 * self.half / FEWEST_BLOCKS)
     }
 
     /// A clock moved by `offset` frames in the middle, and by `drift` more at the end.
@@ -78,7 +79,7 @@ pub(super) struct Equation {
 }
 
 /// Linear equations in the seven parameters of `F`, the offset in the middle and the drift to the end, frames of B.
-pub(super) struct Rows {
+pub(super) struct ClockEquations {
     pub(super) at: SevenParameters,
     pub(super) span: Span,
     pub(super) radius: f64,
@@ -93,7 +94,7 @@ pub(super) struct Fit {
     pub(super) covariance: ClockMatrix,
 }
 
-impl Rows {
+impl ClockEquations {
     /// Robust least squares; the covariance takes what a few seconds share as one (the sandwich estimator with clusters).
     pub(super) fn fit(&self, with_rate: bool) -> Option<Fit> {
         const ROUNDS: usize = 8;

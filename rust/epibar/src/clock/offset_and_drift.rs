@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::aligned::Aligned;
 use super::between::{self, Hull};
 use super::clock::Clock;
-use super::equations::{ClockError, ClockVector, Equation, Rows, Span};
+use super::equations::{ClockEquations, ClockError, ClockVector, Equation, Span};
 use crate::frontier::{TangentMatch, Up, Views, busy_frames, compare};
 use crate::geometry::Fundamental;
 use crate::geometry::seven_parameters::{SevenParameters, Step};
@@ -24,7 +24,7 @@ const FRAMES: usize = 3000;
 /// Rounds of finding the tangents anew.
 const ROUNDS: usize = 10;
 /// Fewest points with a known motion.
-const MIN_POINTS: usize = 40;
+const FEWEST_MOVING: usize = 40;
 /// A rate is used where it differs from 1 by so many standard errors, and
 const SIGNIFICANT: f64 = 4.0;
 /// by so many frames from one end of the recording to the other, and
@@ -120,7 +120,7 @@ impl Fitter<'_> {
     }
 
     /// The equations of a state: matched tangents whose motion is known.
-    fn rows(&self, state: &State, radius: f64) -> Option<Rows> {
+    fn rows(&self, state: &State, radius: f64) -> Option<ClockEquations> {
         let aligned = Aligned::new(self.a, self.b, self.links, state.clock, self.up);
         let pairs = busy_frames(self.a, self.b, &aligned.frame_pairs(), Some(FRAMES));
         let (first, last) = (pairs.first()?.a, pairs.last()?.a);
@@ -132,7 +132,7 @@ impl Fitter<'_> {
         let at = SevenParameters::new(&state.fundamental, views.sizes())?;
         let span = Span::new(self.a, self.b, first, last);
         let motions = self.motions(&aligned, &views, &state.fundamental, &points);
-        let mut rows = Rows { at, span, radius, next_radius: radius, equations: Vec::new() };
+        let mut rows = ClockEquations { at, span, radius, next_radius: radius, equations: Vec::new() };
         let residuals = residual_rows(&rows.at, &points);
         for ((p, motion), (residual, seven)) in points.iter().zip(motions).zip(residuals) {
             let Some(motion) = motion else { continue };
@@ -145,7 +145,7 @@ impl Fitter<'_> {
             let block = (time / rows.span.block()).floor() as i64;
             rows.equations.push(Equation { residual, row, weight: p.surprise, block });
         }
-        if rows.equations.len() < MIN_POINTS {
+        if rows.equations.len() < FEWEST_MOVING {
             return None;
         }
         let mut sizes: Vec<f64> = rows.equations.iter().map(|e| e.residual.abs()).collect();

@@ -85,7 +85,7 @@ pub fn majority(mask: &[u8], size: ImageSize, side: usize) -> Vec<u8> {
     let inside = |y: usize, above: usize| y.saturating_sub(above).min(size.height - 1);
     let mut found = vec![0; size.pixels()];
     found.par_chunks_mut(TASK_ROWS * size.width).enumerate().for_each(|(task, part)| {
-        let mut columns = Columns::new(size.width, half);
+        let mut columns = WindowColumns::new(size.width, half);
         let first = task * TASK_ROWS;
         for y in 0..side {
             let y = inside(first + y, half);
@@ -116,7 +116,7 @@ fn is_empty(row: &[u8]) -> bool {
 }
 
 /// Ones of each column among the rows of a window.
-struct Columns {
+struct WindowColumns {
     half: usize,
     counts: Vec<u16>,
     /// The counts with the border repeated, then sums of 1, 2, 4, ... of them; and the sums that are wanted.
@@ -126,7 +126,7 @@ struct Columns {
     ones: usize,
 }
 
-impl Columns {
+impl WindowColumns {
     fn new(width: usize, half: usize) -> Self {
         let padded = vec![0; width + 2 * half];
         Self { half, counts: vec![0; width], padded, sums: vec![0; width], ones: 0 }

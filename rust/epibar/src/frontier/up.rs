@@ -21,7 +21,7 @@ const SIDE_BY_SIDE: f64 = 0.6;
 /// Least correlation of height and depth in the image that decides which end is up, in the mean over [`BLOCKS`] parts of
 /// the recording, and how many of its standard errors it must be.
 const CORRELATION: f64 = 0.4;
-const MIN_Z: f64 = 3.0;
+const CORRELATION_Z: f64 = 3.0;
 const BLOCKS: usize = 8;
 /// Fewest silhouettes in a part.
 const FEWEST: usize = 20;
@@ -97,7 +97,7 @@ fn sense(hulls: &[Vec<[f64; 2]>], up: [f64; 2]) -> Option<f64> {
     let n = BLOCKS as f64;
     let mean = correlations.iter().sum::<f64>() / n;
     let variance = correlations.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    let clear = mean.abs() >= CORRELATION && mean.abs() >= MIN_Z * (variance / n).sqrt();
+    let clear = mean.abs() >= CORRELATION && mean.abs() >= CORRELATION_Z * (variance / n).sqrt();
     clear.then_some(mean.signum())
 }
 

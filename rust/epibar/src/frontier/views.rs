@@ -92,7 +92,7 @@ impl View {
         Self::new(recording.size, recording.visible.as_ref(), frames.map(hulls))
     }
 
-    /// The same with every silhouette moved outward by so many pixels, but for where the view ends.
+    /// This view with every silhouette moved outward by so many pixels, but for where the view ends.
     fn moved_outward(&self, pixels: f64) -> Self {
         let mut view = Self { up: self.up, ..Self::empty(self.size, self.visible.clone()) };
         for frame in 0..self.frames() {
@@ -263,7 +263,7 @@ impl Views {
         Self { cameras, ..self }
     }
 
-    /// The same with B for A: `F` becomes [`Fundamental::transposed`](crate::Fundamental::transposed).
+    /// These views with B for A: `F` becomes [`Fundamental::transposed`](crate::Fundamental::transposed).
     #[must_use]
     pub fn swapped(&self) -> Self {
         Self {

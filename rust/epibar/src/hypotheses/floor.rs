@@ -20,6 +20,18 @@ use crate::watch::{Stage, Watch};
 const DRAWS: usize = 10_000;
 /// A line fits where both ends of its segment lie within this share of the image diagonal.
 const TOLERANCE: f64 = 0.006;
+/// Fewest candidates of which a floor is asked, and fewest that fit one.
+const FEWEST: usize = 20;
+const FEWEST_INLIERS: usize = 12;
+/// Rounds of fitting it anew to what fits.
+const FITS: usize = 5;
+/// Homographies that agree within this share of the diagonal are one floor.
+const ALIKE: f64 = 0.01;
+/// A floor is worth reporting where one candidate in so many fits it, and one in so many does that does not pass through one point with most of
+/// the others: at least so many. It decides nothing but whether it is told of.
+const SUPPORTED: usize = 5;
+const OUTSIDE_PENCIL: usize = 8;
+const LEAST_OUTSIDE_PENCIL: usize = 30;
 
 /// The homography of a plane on which things move.
 #[derive(Debug, Clone)]
@@ -50,7 +62,9 @@ fn end_distance(line: &Vector3<f64>, segment: &Segment) -> f64 {
 impl FloorHomography {
     /// Whether it is worth reporting: many of the candidates fit it, and not because they all pass through one point.
     pub fn is_supported(&self, candidates: usize) -> bool {
-        self.inliers * 5 >= candidates && self.outside_pencil * 8 >= candidates && self.outside_pencil >= 30
+        self.inliers * SUPPORTED >= candidates
+            && self.outside_pencil * OUTSIDE_PENCIL >= candidates
+            && self.outside_pencil >= LEAST_OUTSIDE_PENCIL
     }
 }
 
@@ -103,7 +117,7 @@ pub fn find_floors(
     keep: usize,
     watch: &mut dyn Watch,
 ) -> Result<Vec<FloorHomography>> {
-    if candidates.len() < 20 {
+    if candidates.len() < FEWEST {
         return Ok(Vec::new());
     }
     let model = FloorModel { candidates, arrays: LineArrays::new(candidates), sizes };
@@ -112,7 +126,7 @@ pub fn find_floors(
     for start in found {
         let mut h = start.model;
         let mut inliers = model.inliers(&h);
-        for _ in 0..5 {
+        for _ in 0..FITS {
             let Some(better) = homography::from_line_pairs(inliers.iter().map(|c| &c.lines), sizes) else {
                 break;
             };
@@ -123,7 +137,7 @@ pub fn find_floors(
             h = better;
             inliers = fitting;
         }
-        if inliers.len() < 12 || floors.iter().any(|f| alike(&f.homography, &h, sizes)) {
+        if inliers.len() < FEWEST_INLIERS || floors.iter().any(|f| alike(&f.homography, &h, sizes)) {
             continue;
         }
         let outside_pencil = inliers.len() - largest_pencil(&inliers, sizes[0]);
@@ -134,13 +148,13 @@ pub fn find_floors(
     Ok(floors)
 }
 
-/// Whether two homographies agree within 1 % of the diagonal on the lower half of image A.
+/// Whether two homographies agree on the lower half of image A.
 fn alike(p: &Matrix3<f64>, q: &Matrix3<f64>, sizes: [ImageSize; 2]) -> bool {
     let (x, y) = (sizes[0].x_max(), sizes[0].y_max());
     [[0.2 * x, 0.6 * y], [0.8 * x, 0.6 * y], [0.5 * x, 0.9 * y]].iter().all(|c| {
         let point = Vector3::new(c[0], c[1], 1.0);
         let (a, b) = (p * point, q * point);
-        (a.x / a.z - b.x / b.z).hypot(a.y / a.z - b.y / b.z) < 0.01 * sizes[1].diagonal()
+        (a.x / a.z - b.x / b.z).hypot(a.y / a.z - b.y / b.z) < ALIKE * sizes[1].diagonal()
     })
 }
 

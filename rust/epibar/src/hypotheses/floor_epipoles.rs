@@ -14,6 +14,9 @@ use crate::frontier::{Scorer, View, Views};
 use crate::geometry::Fundamental;
 use crate::random::Generator;
 
+/// Fewest silhouettes that are associated by their feet.
+const FEWEST: usize = 8;
+
 /// The tops of silhouettes of A and of B that stand at one place of the floor.
 #[derive(Debug, Clone, Copy)]
 struct Tops {
@@ -70,7 +73,7 @@ impl Estimator for FloorEpipoles<'_> {
     type Model = Fundamental;
 
     fn generate(&self, _index: usize, random: &mut Generator) -> Option<Fundamental> {
-        if self.tops.len() < 8 {
+        if self.tops.len() < FEWEST {
             return None;
         }
         let mut parallax = || {

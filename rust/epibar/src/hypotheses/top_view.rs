@@ -58,7 +58,7 @@ struct Map {
 }
 
 /// A place in the map of A and one in that of B.
-type Pair = ([f64; 2], [f64; 2]);
+type PlacePair = ([f64; 2], [f64; 2]);
 
 /// The map of B from that of A: `scale · R(turn) p + shift`, and which maps these are.
 #[derive(Debug, Clone, Copy)]
@@ -71,8 +71,8 @@ pub struct Overlay {
 
 impl Overlay {
     /// The one that best sends points to points; `None` where they are at one place or differ too much in scale.
-    fn of(maps: [usize; 2], pairs: &[Pair]) -> Option<Self> {
-        let mean = |of: fn(&Pair) -> [f64; 2]| {
+    fn of(maps: [usize; 2], pairs: &[PlacePair]) -> Option<Self> {
+        let mean = |of: fn(&PlacePair) -> [f64; 2]| {
             let sum = pairs.iter().map(of).fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
             sum.map(|s| s / pairs.len() as f64)
         };

@@ -83,7 +83,7 @@ impl Candidates {
         &self.pairs[..self.limit.min(self.pairs.len())]
     }
 
-    /// The same with B for A.
+    /// These candidates with B for A.
     #[must_use]
     pub fn swapped(&self) -> Self {
         let swapped = |candidate: &Candidate| Candidate {

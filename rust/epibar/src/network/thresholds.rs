@@ -122,7 +122,7 @@ pub const FOCALS_TELL: usize = 2;
 /// A network whose cameras are turned by more than this against one another is another geometry, radians: 3°.
 pub const RIVAL_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
 /// Another geometry is a rival with less than this share less evidence.
-pub const RIVAL_SHARE: f64 = 0.1;
+pub const RIVAL_LESS: f64 = 0.1;
 /// Another geometry is a rival only where it is not worse by so many standard deviations over parts of the recording.
 pub const RIVAL_DEVIATES: f64 = 3.0;
 /// A tangent that a pair found agrees with the network below this residual, pixels of a 640×480 image.

@@ -20,7 +20,7 @@ const DEVIATION: f64 = 1.0;
 const ITERATIONS: usize = 30;
 
 /// The seven parameters and both insets.
-type Step = SVector<f64, 9>;
+type StepWithInsets = SVector<f64, 9>;
 type Normal = SMatrix<f64, 9, 9>;
 
 /// Where the search is.
@@ -30,7 +30,7 @@ struct At {
 }
 
 impl Unknowns<9> for At {
-    fn stepped(&self, step: &Step) -> Self {
+    fn stepped(&self, step: &StepWithInsets) -> Self {
         Self {
             geometry: self.geometry.stepped(&step.fixed_rows::<7>(0).into_owned()),
             insets: [self.insets[0] + step[7], self.insets[1] + step[8]],
@@ -75,7 +75,7 @@ impl Problem<At, 9> for WithInsets<'_> {
     // Where the epipole is nearly open the last digits of the cost move it.
     const LEAST_GAIN: f64 = 1e-8;
 
-    fn linearise(&self, at: &At) -> (f64, Normal, Step) {
+    fn linearise(&self, at: &At) -> (f64, Normal, StepWithInsets) {
         let matrix = at.geometry.unscaled();
         let normals: Vec<_> = self.matches.iter().map(|m| outward(self.views, &matrix, m)).collect();
         let along = |p: [f64; 2], normal: &Vector2<f64>, by: f64| (Vector2::from(p) + normal * by).into();
@@ -84,10 +84,10 @@ impl Problem<At, 9> for WithInsets<'_> {
         let moved: Vec<_> = (self.matches.iter().zip(&normals))
             .map(|(m, [a, b])| TangentMatch { a: along(m.a, a, by_a), b: along(m.b, b, by_b), ..*m })
             .collect();
-        let (mut cost, mut normal, mut gradient) = (0.0, Normal::zeros(), Step::zeros());
+        let (mut cost, mut normal, mut gradient) = (0.0, Normal::zeros(), StepWithInsets::zeros());
         let rows = residual_rows(&at.geometry, &moved).zip(moved.iter().zip(&normals));
         for ((residual, of_geometry), (m, normals)) in rows {
-            let mut row = Step::zeros();
+            let mut row = StepWithInsets::zeros();
             row.fixed_rows_mut::<7>(0).copy_from(&of_geometry);
             [row[7], row[8]] = by_insets(&matrix, m, normals);
             let (loss, weight) = cauchy(residual, self.scale);
@@ -178,9 +178,9 @@ mod tests {
             let geometry = SevenParameters::new(&f, sizes).unwrap();
             let at = At { geometry, insets: [0.3, -0.6] };
             let (_, _, gradient) = problem.linearise(&at);
-            let cost = |step: &Step| problem.linearise(&at.stepped(step)).0;
+            let cost = |step: &StepWithInsets| problem.linearise(&at.stepped(step)).0;
             for k in 0..9 {
-                let step = Step::ith(k, H);
+                let step = StepWithInsets::ith(k, H);
                 let difference = (cost(&step) - cost(&-step)) / (2.0 * H);
                 // Normals turn with the lines, and a point that slides along its tangent is not noticed: to first order.
                 assert!(

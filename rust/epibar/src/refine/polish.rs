@@ -11,6 +11,8 @@ use crate::geometry::{Fundamental, SevenParameters};
 const ITERATIONS: usize = 5;
 /// Matches of neighbouring frames and of one outline say the same: so many count as one independent measurement.
 const DEPENDENT: f64 = 100.0;
+/// Fewest tangents that meet of which seven parameters are fitted.
+const FEWEST: usize = 12;
 /// Deviation that is not believed to be smaller, pixels.
 const LEAST_DEVIATION: f64 = 0.25;
 
@@ -32,7 +34,7 @@ pub fn refine(views: &Views, f: &Fundamental, radii: &[f64], repeats: usize) -> 
     for &radius in radii {
         for _ in 0..repeats {
             let matches = compare(views, &current, radius).matches;
-            if matches.len() < 12 {
+            if matches.len() < FEWEST {
                 return None;
             }
             let start = SevenParameters::new(&current, views.sizes())?;

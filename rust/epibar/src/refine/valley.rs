@@ -17,6 +17,8 @@ use crate::geometry::seven_parameters::{SevenParameters, Step};
 const DIRECTIONS: usize = 3;
 /// Mean distance by which a step moves the frontier points, pixels of a 640×480 image.
 const LENGTHS: [f64; 4] = [0.5, 1.5, 4.0, 10.0];
+/// Fewest tangents that meet of which a valley is told.
+const FEWEST: usize = 20;
 /// Most rounds.
 const ROUNDS: usize = 6;
 
@@ -25,7 +27,7 @@ const ROUNDS: usize = 6;
 fn weak_directions(views: &Views, f: &Fundamental, radius: f64) -> Option<(SevenParameters, Vec<Step>)> {
     let points = compare(views, f, radius).matches;
     let at = SevenParameters::new(f, views.sizes())?;
-    if points.len() < 20 {
+    if points.len() < FEWEST {
         return None;
     }
     let mut normal = nalgebra::SMatrix::<f64, 7, 7>::zeros();

@@ -113,7 +113,7 @@ pub(super) fn autocorrelation(barcodes: &Barcodes, lag: usize) -> f64 {
     correlation(barcodes, lag, (barcodes.frames, barcodes.frames - lag))
 }
 
-/// The same over those of the frames, a bit each, at which, and `lag` frames later, something moves; NaN where these are less than so
+/// Correlation of all barcodes with themselves `lag` frames later over those of the frames, a bit each, at which, and `lag` frames later, something moves; NaN where these are less than so
 /// large a share of them, and say nothing. `barcodes`: where nothing moves, nothing either ([`among`]).
 pub(super) fn autocorrelation_among(barcodes: &Barcodes, busy: &[u64], lag: usize, least: f64) -> f64 {
     let frames = busy.iter().map(|w| w.count_ones() as usize).sum();

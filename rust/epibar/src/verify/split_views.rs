@@ -27,7 +27,7 @@ impl SplitViews {
         Self { all: views(common), busy: views(busy), fitted: views(&split.fitted_busy), split }
     }
 
-    /// The same with silhouettes moved outward by so many pixels in A and in B.
+    /// These views with silhouettes moved outward by so many pixels in A and in B.
     #[must_use]
     pub fn moved_outward(&self, pixels: [f64; 2]) -> Self {
         Self {

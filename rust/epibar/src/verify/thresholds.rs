@@ -172,7 +172,7 @@ pub const CAMERAS_DOUBTED: f64 = 0.02;
 /// Pixels of a 640×480 image that a geometry is off for each unit of this deviation: 62 to 153 where one camera did not see the lower 10 or 25 cm of walkers, 76 to 138 of four
 /// right pairs of ordinary made-up situations. Real principal points are not in the middle, so that less is taken for error: of 28 right pairs of `pets_cameras` it refuses one.
 pub const CAMERAS_ERROR: f64 = 30.0;
-/// The same where principal points are known.
+/// Pixels for each unit of this deviation where principal points are known.
 pub const CAMERAS_ERROR_GIVEN: f64 = 60.0;
 /// So many of its own standard errors are chance: what is known of a geometry badly is far from any two cameras though the truth is not.
 pub const CAMERAS_CHANCE: f64 = 2.0;
@@ -206,7 +206,7 @@ pub const MIN_DEVIATION: f64 = 3.0;
 /// Below this normal deviate of a geometry its silhouettes say nothing of the clock.
 pub const MIN_Z_FOR_CLOCK: f64 = 4.0;
 
-/// Score of a tangent, at a glance, with which an offset needs no comparison: at true ones 0.13 to 2.3, at others 0.38 at most.
+/// Score of a tangent in a brief search with which an offset needs no comparison: at true ones 0.13 to 2.3, at others 0.38 at most.
 pub const SURE: f64 = 0.8;
 /// Among a few offsets one stands out with such a score of which the next best has no more than such a share.
 pub const STANDS_OUT: [f64; 2] = [0.25, 0.4];

@@ -62,7 +62,7 @@ impl Verdict {
         Self { kind, reason: reason.into() }
     }
 
-    /// The same, with something to know beside it.
+    /// This verdict, with something to know beside it.
     pub(crate) fn with_remark(self, remark: &str) -> Self {
         Self { reason: self.reason + remark, ..self }
     }

@@ -32,20 +32,20 @@ impl Camera {
         Self { size, k: Matrix3::new(focal, 0.0, cx, 0.0, focal, cy, 0.0, 0.0, 1.0), r, t: -(r * position) }
     }
 
-    /// The same with the principal point in the middle of the image, as a network takes it to be unless told otherwise.
+    /// This camera with the principal point in the middle of the image, as a network takes it to be unless told otherwise.
     pub fn centred(self) -> Self {
         let mut k = self.k;
         (k[(0, 2)], k[(1, 2)]) = (0.5 * self.size.x_max(), 0.5 * self.size.y_max());
         Self { k, ..self }
     }
 
-    /// The same, knocked: turned about its centre.
+    /// This camera, knocked: turned about its centre.
     pub fn turned(self, turn: &nalgebra::Rotation3<f64>) -> Self {
         let (r, centre) = (turn * self.r, self.centre());
         Self { t: -(r * centre), r, ..self }
     }
 
-    /// The same with its focal length so many times as long.
+    /// This camera with its focal length so many times as long.
     pub fn zoomed(mut self, by: f64) -> Self {
         self.k.m11 *= by;
         self.k.m22 *= by;

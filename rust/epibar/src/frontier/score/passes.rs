@@ -22,7 +22,7 @@ const SIGN_STEP: usize = 4;
 
 /// For each tangent of B in a frame the nearest of A.
 #[derive(Debug, Default)]
-struct Nearest {
+struct NearestOfA {
     /// Squared distance.
     distance: Vec<f64>,
     /// Index of the tangent of A.
@@ -38,7 +38,7 @@ pub(super) struct Buffers {
     pub(super) targets: [Targets; 2],
     pub(super) objects: Objects,
     pub(super) sides: Vec<u8>,
-    nearest: Nearest,
+    nearest: NearestOfA,
 }
 
 /// Pass: everything that depends on `f` alone.

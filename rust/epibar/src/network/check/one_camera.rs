@@ -51,7 +51,7 @@ pub struct Move {
     pub better: f64,
     /// Part of the time of its own pairs from which on it does.
     pub from: usize,
-    /// The same as a part of the time of all pairs.
+    /// That moment as a part of the time of all pairs.
     pub from_of_all: usize,
     /// When that part begins, the network's time.
     pub since: f64,
@@ -89,7 +89,7 @@ impl Move {
         Self { turned, turned_error, shifted, shifted_error, ..self }
     }
 
-    /// The same with errors to state: what is stored is wrong by more than its own scatter.
+    /// This move with errors to state: what is stored is wrong by more than its own scatter.
     pub fn beside_stored(&self) -> Self {
         let [turned_error, shifted_error, focal_error] =
             [self.turned_error, self.shifted_error, self.focal_error].map(|e| limits::STORED_WRONG * e);

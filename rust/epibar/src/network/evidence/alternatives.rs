@@ -32,7 +32,7 @@ pub struct Alternative {
     pub solved: Solved,
     /// What that gains, in nats, less one for each number.
     pub gain: f64,
-    /// The same, less what it costs that the numbers may be anything: the logarithm of the Bayes factor of it against what was given. `None`
+    /// That gain, less what it costs that the numbers may be anything: the logarithm of the Bayes factor of it against what was given. `None`
     /// where it says nothing: outlines that are wrong alike everywhere, as those of shapes that stand for others, ask for other numbers in all
     /// cameras by themselves, and those that are all too tall for another fy / fx.
     pub log_evidence: Option<f64>,

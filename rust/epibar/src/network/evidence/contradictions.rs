@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::alternatives::Alternative;
 use crate::network::given::input::IntrinsicKind;
-use crate::network::model::camera::{Camera, Step};
+use crate::network::model::camera::{Camera, CameraStep};
 use crate::network::thresholds as limits;
 
 /// What was given of a camera, and is contradicted by what moves.
@@ -56,7 +56,7 @@ fn contradicted(given: &[Camera], alternative: &Alternative) -> Option<Contradic
 
 /// A camera with the numbers of one kind as they were given: what is held stays where it starts.
 fn with_given(camera: &Camera, given: &Camera, kind: IntrinsicKind) -> Camera {
-    let mut step = Step::zeros();
+    let mut step = CameraStep::zeros();
     for &k in kind.parameters() {
         step[k] = given.intrinsic()[k] - camera.intrinsic()[k];
     }

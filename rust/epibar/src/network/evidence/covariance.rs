@@ -153,7 +153,7 @@ impl Covariance {
         })
     }
 
-    /// The same among other parameters, which are known.
+    /// This information among other parameters, which are known.
     #[must_use]
     pub fn among(&self, active: &[(usize, usize)]) -> Self {
         let place: Vec<Option<usize>> = active.iter().map(|&(c, k)| self.row(c, k)).collect();
@@ -166,14 +166,14 @@ impl Covariance {
         Self { active: active.to_vec(), matrix, off }
     }
 
-    /// The same, with an optimum that is off by so much of each parameter of a camera.
+    /// This information with an optimum that is off by so much of each parameter of a camera.
     #[must_use]
     pub fn off_by(self, step: impl Fn(usize, usize) -> f64) -> Self {
         let off = self.active.iter().map(|&(camera, k)| step(camera, k));
         Self { off: DVector::from_iterator(self.active.len(), off), ..self }
     }
 
-    /// The same, with the offset of each camera's clock that was solved for wrong by more than scatters, and with it what was solved for
+    /// This information with the offset of each camera's clock that was solved for wrong by more than scatters, and with it what was solved for
     /// beside it, as the normal matrix says; `None` where that is not usable.
     ///
     /// `wrong` gives seconds of a camera and of how much still tells of its offset where all else follows it, as a share of what does where

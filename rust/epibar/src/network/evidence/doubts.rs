@@ -11,7 +11,7 @@ use std::iter::once;
 use super::alternatives::Alternative;
 use super::covariance::Covariance;
 use crate::network::given::input::IntrinsicKind;
-use crate::network::model::camera::{Camera, Step};
+use crate::network::model::camera::{Camera, CameraStep};
 use crate::network::thresholds as limits;
 
 /// Something that was given and may be wrong.
@@ -24,7 +24,7 @@ pub struct Doubt {
     /// By how much likelier it is now that it is wrong, of 1.
     pub share: f64,
     /// By how much each camera is moved without it.
-    pub steps: Vec<Step>,
+    pub steps: Vec<CameraStep>,
     /// What is solved for without it.
     active: Vec<(usize, usize)>,
 }
@@ -41,7 +41,7 @@ pub fn doubts(given: &[Camera], alternatives: &[Alternative]) -> Vec<Doubt> {
     let doubt = |(weight, one): (f64, &Alternative)| {
         let share = (weight / sum - limits::GIVEN_WRONG) / (1.0 - limits::GIVEN_WRONG);
         let cameras = one.solved.network.cameras.iter().zip(given);
-        let steps: Vec<Step> = cameras.map(|(fits, held)| fits.step_from(held)).collect();
+        let steps: Vec<CameraStep> = cameras.map(|(fits, held)| fits.step_from(held)).collect();
         let active = one.errors.active.clone();
         (share > 0.0).then(|| Doubt { kind: one.kind, cameras: one.freed.clone(), share, steps, active })
     };
@@ -97,7 +97,7 @@ mod tests {
         };
         let errors = of(&[(0, ROTATION)], 1.0);
         assert_eq!(with_doubts(errors.clone(), &[]).unwrap().matrix, errors.matrix);
-        let mut step = Step::zeros();
+        let mut step = CameraStep::zeros();
         (step[FOCAL], step[ROTATION]) = (0.1, -3.0);
         let active = vec![(0, FOCAL), (0, ROTATION)];
         let doubt =

@@ -7,7 +7,7 @@
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
 use crate::geometry::across::across;
-use crate::network::model::camera::{INTRINSIC, POSITION, ROTATION, Step};
+use crate::network::model::camera::{CameraStep, INTRINSIC, POSITION, ROTATION};
 use crate::network::observations::figures::triangulated;
 use crate::network::solve::relocate::Placed;
 use crate::network::solve::world::{Bottom, FloorFound};
@@ -62,7 +62,7 @@ pub fn floor_errors(
         if k >= INTRINSIC && !(ROTATION..POSITION + 3).contains(&k) {
             return Vector3::zeros();
         }
-        let mut step = Step::zeros();
+        let mut step = CameraStep::zeros();
         step[k] = DIFFERENCE;
         let stepped = network.cameras[camera].stepped(&step);
         let lifted = |b: &Bottom| {
@@ -117,7 +117,7 @@ mod tests {
     }
 
     /// What is stated by a covariance of one step alone, up to its sign.
-    fn stated(network: &Placed, found: &FloorFound, step: impl Fn(usize) -> Step) -> FloorErrors {
+    fn stated(network: &Placed, found: &FloorFound, step: impl Fn(usize) -> CameraStep) -> FloorErrors {
         let active: Vec<(usize, usize)> =
             (0..3).flat_map(|c| (0..INTRINSIC).chain(ROTATION..POSITION + 3).map(move |k| (c, k))).collect();
         let off = nalgebra::DVector::from_iterator(active.len(), active.iter().map(|&(c, k)| step(c)[k]));
@@ -130,7 +130,7 @@ mod tests {
         let (network, bottoms) = seen();
         assert!(bottoms.len() > 40);
         let of_focal = |c: usize| {
-            let mut step = Step::zeros();
+            let mut step = CameraStep::zeros();
             step[0] = if c == 0 { 0.01 } else { 0.0 };
             step
         };
@@ -157,7 +157,7 @@ mod tests {
         let turn = Vector3::new(0.003, -0.01, 0.005);
         let of_whole = |c: usize| {
             let camera = &network.cameras[c];
-            let mut step = Step::zeros();
+            let mut step = CameraStep::zeros();
             let own: Vector3<f64> = camera.rotation * turn;
             step.fixed_rows_mut::<3>(ROTATION).copy_from(&-own);
             step.fixed_rows_mut::<3>(POSITION).copy_from(&turn.cross(&camera.position));

@@ -28,12 +28,12 @@ const PLANES: usize = 300;
 
 /// A plane through a point.
 #[derive(Clone, Copy)]
-struct Plane {
+struct WorldPlane {
     normal: Vector3<f64>,
     through: Vector3<f64>,
 }
 
-impl Plane {
+impl WorldPlane {
     /// How far from what one camera sees the other would see it, did it lie in the plane, pixels; a great deal where that is nowhere.
     fn misses(&self, from: &Camera, to: &Camera, [seen, other]: [[f64; 2]; 2]) -> f64 {
         let on = from.ray(seen).and_then(|ray| {
@@ -57,7 +57,7 @@ pub struct Seen {
     /// How far half of them are from their middle.
     extent: f64,
     /// Of the planes through three of them the one that most are nearest to.
-    plane: Plane,
+    plane: WorldPlane,
     /// How near, over the extent.
     thickness: f64,
 }
@@ -103,11 +103,11 @@ impl Seen {
         let middle = Vector3::new(middle(0)?, middle(1)?, middle(2)?);
         let extent = median(points.iter().map(|p| (p - middle).norm()))?;
         let mut rng = generator(11, 0);
-        let mut best: Option<(f64, Plane)> = None;
+        let mut best: Option<(f64, WorldPlane)> = None;
         for _ in 0..PLANES {
             let [p, q, r] = std::array::from_fn(|_| points[rng.random_range(0..points.len())]);
             let normal = (q - p).cross(&(r - p)).try_normalize(1e-3 * extent * extent);
-            let Some(plane) = normal.map(|normal| Plane { normal, through: p }) else { continue };
+            let Some(plane) = normal.map(|normal| WorldPlane { normal, through: p }) else { continue };
             let off = plane.off(&points)?;
             if best.is_none_or(|b| off < b.0) {
                 best = Some((off, plane));

@@ -65,7 +65,7 @@ impl Expected {
         }
     }
 
-    /// The same in a world that is turned and has another unit.
+    /// These errors in a world that is turned and has another unit.
     pub(in crate::network) fn in_world(self, turn: &Rotation3<f64>, unit: f64) -> Self {
         Self {
             position: self.position / unit,

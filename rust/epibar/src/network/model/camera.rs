@@ -26,7 +26,7 @@ pub const CLOCK: usize = 13;
 pub const INSET: usize = 15;
 
 /// A step in the parameters of a camera.
-pub type Step = SVector<f64, PARAMETERS>;
+pub type CameraStep = SVector<f64, PARAMETERS>;
 
 /// A camera with its lens, its place and its clock.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,7 +133,7 @@ impl Camera {
 
     /// The camera after a step in its parameters.
     #[must_use]
-    pub fn stepped(&self, step: &Step) -> Self {
+    pub fn stepped(&self, step: &CameraStep) -> Self {
         let turn = Rotation3::new(Vector3::new(step[ROTATION], step[ROTATION + 1], step[ROTATION + 2]));
         Self {
             size: self.size,
@@ -150,10 +150,10 @@ impl Camera {
     }
 
     /// The step that leads here from another camera.
-    pub fn step_from(&self, before: &Self) -> Step {
+    pub fn step_from(&self, before: &Self) -> CameraStep {
         let turn = (self.rotation * before.rotation.inverse()).scaled_axis();
         let moved = self.position - before.position;
-        let mut step = Step::zeros();
+        let mut step = CameraStep::zeros();
         step[0] = self.log_focal - before.log_focal;
         step[1] = self.log_aspect - before.log_aspect;
         for i in 0..2 {
@@ -219,7 +219,7 @@ pub(in crate::network) mod tests {
             for k in 0..INTRINSIC {
                 let h = if (2..4).contains(&k) { 1e-3 } else { 1e-6 };
                 let at = |h: f64| {
-                    let mut step = Step::zeros();
+                    let mut step = CameraStep::zeros();
                     step[k] = h;
                     of(&camera.stepped(&step), pixel)
                 };
@@ -241,7 +241,7 @@ pub(in crate::network) mod tests {
         let (before, after) = (odd(1.0), odd(1.3));
         let there = before.stepped(&after.step_from(&before));
         assert!(after.step_from(&there).norm() < 1e-12, "{there:?} {after:?}");
-        let step = Step::from_fn(|k, _| 0.01 * (k as f64 + 1.0));
+        let step = CameraStep::from_fn(|k, _| 0.01 * (k as f64 + 1.0));
         assert!((before.stepped(&step).step_from(&before) - step).norm() < 1e-10);
     }
 

@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 use rayon::prelude::*;
 
-use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, Step};
+use super::camera::{CLOCK, Camera, CameraStep, INSET, INTRINSIC, PARAMETERS};
 use super::residual::{CameraPair, Meeting, PairGradient};
 use crate::geometry::median::median;
 
@@ -360,7 +360,7 @@ fn damped_step(now: &Linear, damping: f64) -> Option<DVector<f64>> {
 
 /// The cameras after a step in the active parameters.
 pub fn stepped(cameras: &[Camera], active: &[(usize, usize)], step: &DVector<f64>) -> Vec<Camera> {
-    let mut steps = vec![Step::zeros(); cameras.len()];
+    let mut steps = vec![CameraStep::zeros(); cameras.len()];
     for ((camera, k), value) in active.iter().zip(step.iter()) {
         steps[*camera][*k] = *value;
     }

@@ -46,7 +46,7 @@ pub struct CameraPair<'c> {
 }
 
 /// The pixels of a meeting with the clocks and the insets as they are, and the network's time.
-struct Pixels {
+struct MeetingPixels {
     a: [f64; 2],
     b: [f64; 2],
     time: f64,
@@ -61,10 +61,10 @@ impl<'c> CameraPair<'c> {
         Self { a, b, optics_a: a.optics(), optics_b: b.optics(), q }
     }
 
-    fn pixels(&self, m: &Meeting) -> Pixels {
+    fn pixels(&self, m: &Meeting) -> MeetingPixels {
         let time = self.a.time_of(m.time_a);
         let late = self.b.clock_at(time) - m.time_b;
-        Pixels {
+        MeetingPixels {
             a: [0, 1].map(|k| m.a[k] + self.a.inset * m.outward_a[k]),
             b: [0, 1].map(|k| m.b[k] + late * m.velocity_b[k] + self.b.inset * m.outward_b[k]),
             time,
@@ -143,7 +143,7 @@ impl<'c> CameraPair<'c> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::camera::{Step, tests::odd};
+    use super::super::camera::{CameraStep, tests::odd};
     use super::*;
 
     #[test]
@@ -166,7 +166,7 @@ mod tests {
                 _ => 1e-6,
             };
             let at = |h: f64| {
-                let mut step = Step::zeros();
+                let mut step = CameraStep::zeros();
                 step[k % PARAMETERS] = h;
                 let moved = if k < PARAMETERS { (a.stepped(&step), b) } else { (a, b.stepped(&step)) };
                 CameraPair::new(&moved.0, &moved.1).residual(&meeting).unwrap()

@@ -81,7 +81,7 @@ impl Settled {
         self.pairs.iter().filter(|p| placed[p.a] && placed[p.b] && confirmed.contains(&(p.a, p.b)))
     }
 
-    /// The same tangents under other cameras, and what they scatter there.
+    /// These tangents under other cameras, and what they scatter there.
     pub fn under(&self, cameras: &[Camera]) -> Self {
         let scale = scatter(cameras, &self.pairs).max(LEAST_SCATTER);
         Self { cameras: cameras.to_vec(), pairs: self.pairs.clone(), scale, ..*self }
@@ -172,7 +172,7 @@ fn scatter(cameras: &[Camera], pairs: &[PairMeetings]) -> f64 {
     scatter_of(cameras, pairs, |_| 1.0)
 }
 
-/// The same, each pair in so many pixels as a unit.
+/// Robust standard deviation of all residuals, those of each pair in so many pixels as a unit; NaN of none.
 fn scatter_of(cameras: &[Camera], pairs: &[PairMeetings], unit: impl Fn(&PairMeetings) -> f64) -> f64 {
     let residuals = pairs.iter().flat_map(|p| {
         let (pair, unit) = (CameraPair::new(&cameras[p.a], &cameras[p.b]), unit(p));

@@ -169,7 +169,7 @@ pub(in crate::network) fn is_as_good(
 ) -> bool {
     let differs = best.turns(rival).any(|turn| turn > limits::RIVAL_TURN);
     let (share, z) = gain(survey, pairs, best, rival);
-    differs && share > -limits::RIVAL_SHARE && z > -limits::RIVAL_DEVIATES
+    differs && share > -limits::RIVAL_LESS && z > -limits::RIVAL_DEVIATES
 }
 
 /// A camera that stands.
