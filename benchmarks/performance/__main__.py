@@ -16,13 +16,14 @@ from data import Pair
 from machine import measure
 from matching import huge_stage, matching_stages
 from memory import memory_stage
+from plan import plan_stages
 from record import record_stages
 from scores import score_stages
 from table import print_tables, to_json
 from whole import whole_stages
 
 PEERS = ("numpy", "opencv-python-headless", "numkong", "faiss-cpu", "scikit-image", "poselib")
-PARTS = ("recording", "matching", "huge", "scores", "whole", "record", "memory")
+PARTS = ("recording", "matching", "huge", "scores", "whole", "record", "memory", "plan")
 
 
 def main() -> None:
@@ -63,6 +64,8 @@ def main() -> None:
                 stages += record_stages(options.length, (width, height))
         elif part == "memory":
             stages += [memory_stage(int(frames)) for frames in options.frames.split(",")]
+        elif part == "plan":
+            stages += plan_stages()
     print_tables(stages)
     if options.json:
         about = {"python": platform.python_version(), "cpus": os.cpu_count(), "platform": platform.platform()}
