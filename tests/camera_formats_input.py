@@ -69,3 +69,27 @@ def assert_projects(net, found, atol=1e-3):
     assert list(found) == list(net.cameras)
     for name, values in found.items():
         np.testing.assert_allclose(pixels(*values), expected(net.cameras[name]), atol=atol, err_msg=name)
+
+
+def rerun_entities(path):
+    """What a recording of Rerun holds: of each entity the last value of each component."""
+    from rerun.chunk import RrdReader
+
+    logged = {}
+    for chunk in RrdReader(path).stream():
+        batch = chunk.to_record_batch()
+        entity = logged.setdefault(str(chunk.entity_path).replace("\\", ""), {})
+        for name in batch.schema.names:
+            column = batch.column(batch.schema.names.index(name))
+            values = [one.as_py() for one in column if one.is_valid]
+            entity.update({name: values[-1]} if values else {})
+    return logged
+
+
+def rerun_pixels(camera):
+    """Where a camera of :func:`rerun_entities` sees the points."""
+    (place,), (turn,) = camera["Transform3D:translation"], camera["Transform3D:mat3x3"]
+    (lens,) = camera["Pinhole:image_from_camera"]
+    R = np.array(turn).reshape(3, 3)  # column by column: its transpose, world to camera
+    K = np.array(lens).reshape(3, 3).T
+    return pixels(K, np.zeros(5), R, -R @ np.array(place))

@@ -19,6 +19,8 @@ from camera_formats_input import (
     inside,
     network,
     pixels,
+    rerun_entities,
+    rerun_pixels,
     walkers,
 )
 from network_input import made_up
@@ -266,28 +268,13 @@ def test_fisheye_lenses(tmp_path):
 
 def test_rerun(tmp_path):
     pytest.importorskip("rerun", reason="rerun-sdk, the extra 'live', is not installed")
-    from rerun.chunk import RrdReader
-
     net = network(distortions=np.zeros(5), names=["cam 1", *(f"c{k}" for k in range(11))])
     net.export(tmp_path / "c.rrd", format="rerun")
-    logged = {}
-    for chunk in RrdReader(tmp_path / "c.rrd").stream():
-        batch = chunk.to_record_batch()
-        entity = logged.setdefault(str(chunk.entity_path).replace("\\", ""), {})
-        for name in batch.schema.names:
-            column = batch.column(batch.schema.names.index(name))
-            values = [one.as_py() for one in column if one.is_valid]
-            entity.update({name: values[-1]} if values else {})
+    logged = rerun_entities(tmp_path / "c.rrd")
     for camera in net.cameras.values():
         found = logged[f"/world/{camera.name}"]
-        (place,), (turn,) = found["Transform3D:translation"], found["Transform3D:mat3x3"]
-        (lens,), (size,) = found["Pinhole:image_from_camera"], found["Pinhole:resolution"]
-        R = np.array(turn).reshape(3, 3)  # column by column: its transpose, world to camera
-        K = np.array(lens).reshape(3, 3).T
-        np.testing.assert_allclose(
-            pixels(K, np.zeros(5), R, -R @ np.array(place)), expected(camera), atol=0.01
-        )
-        assert size == [640, 480]
+        np.testing.assert_allclose(rerun_pixels(found), expected(camera), atol=1e-3)
+        assert found["Pinhole:resolution"] == [[640, 480]]
     assert logged["/world/names"]["Points3D:labels"] == list(net.cameras)
     assert "unit: metre" in logged["/about"]["TextDocument:text"][0]
 
