@@ -49,6 +49,12 @@ PROBES = {
     + FROM_ROWS
     + "for P, K, R, t in zip(projections, p['K'], p['R_mat'], p['T']):\n"
     "    assert np.allclose(P, K @ np.column_stack([R, t]))\n",
+    "EasyMocap": "\nkeys = 'K', 'dist', 'R', 'T'\n"
+    "rows = {name: [cameras[name][key] for key in keys] for name in cameras['basenames']}\n"
+    + FROM_ROWS
+    + "for one in (cameras[name] for name in rows):\n"
+    "    assert (one['W'], one['H']) == (640, 480)\n"
+    "    assert np.allclose(one['P'], one['K'] @ np.hstack([one['R'], one['T']]))\n",
     "OpenCV": "\nassert pixels.shape == (1000, 1, 2)\n"
     "keys = ('camera_matrix', 'distortion_coefficients', 'R', 't')\n"
     "every = [cameras.at(k) for k in range(cameras.size())]\n"
@@ -81,6 +87,17 @@ for part in parts:
 """
 """Its own projection, which has no k3."""
 
+MULTINERF = """
+from internal.camera_utils import pixels_to_rays
+seen = np.load("seen.npy")
+for name, pose, pixels in zip(names, poses, seen):
+    x, y = pixels.T
+    origins, directions, *_ = pixels_to_rays(x, y, pixtocam, pose, lens, camtype=kind)
+    along = np.sum((points - origins) * directions, axis=1) / np.sum(directions**2, axis=1)
+    found[name.removesuffix(".png")] = origins + along[:, None] * directions
+"""
+"""It goes from pixels to rays: of each, the place next to the point that was seen."""
+
 STUBS = {
     # Its readers import the trackers for types alone, which would bring torch and more.
     "FreeMoCap": """
@@ -95,6 +112,23 @@ for name in names:
 sys.modules[names[-1]].process_list_of_videos = None
 sys.modules[names[3]].CharucoModelInfo = sys.modules[names[3]].CharucoTrackingParams = _Any
 """,
+    # The package of its reader imports what draws and computes.
+    "EasyMocap": """
+import os, types
+package = sys.modules["easymocap.mytools"] = types.ModuleType("easymocap.mytools")
+package.__path__ = [os.path.join(os.environ["EPIBAR_EASYMOCAP"], "easymocap", "mytools")]
+""",
+    # Beside the reader stands the training, with jax, and a reader of COLMAP's files.
+    "MultiNeRF": """
+import types
+from unittest.mock import MagicMock
+parts = "absl", "dm_pix", "flax", "flax.core", "gin", "jax", "rawpy"
+sys.modules.update({name: MagicMock(name=name) for name in parts})
+sys.modules["jax.numpy"] = sys.modules["jax"].numpy = types.ModuleType("jax.numpy")
+sys.modules["jax.numpy"].__dict__.update({k: v for k, v in vars(np).items() if k[:2] != "__"})
+sys.modules["pycolmap"] = types.ModuleType("pycolmap")
+sys.modules["pycolmap"].SceneManager = object
+""",
 }
 """What stands for libraries that a program imports beside its reader."""
 
@@ -106,6 +140,11 @@ NEEDS = {
     "nerfstudio": "nerfbaselines",
 }
 OF_OURS = {"OpenCV": "cv2", "COLMAP": "pycolmap", "NumPy": "numpy"}
+CHECKOUTS = {
+    "EasyMocap": ("EPIBAR_EASYMOCAP", "easymocap/mytools/camera_utils.py"),
+    "MultiNeRF": ("EPIBAR_MULTINERF", "internal/datasets.py"),
+}
+"""Those that are no package: which variable names the folder, and where their reader is in it."""
 
 
 def blocks(program, language):
@@ -113,9 +152,11 @@ def blocks(program, language):
     return re.findall(rf"^```{language}\n(.*?)^```$", TOLD[program], re.MULTILINE | re.DOTALL)
 
 
-def executed(python, program, code):
+def executed(python, program, code, path=None):
     """Run code in another interpreter, where FreeMoCap makes its folders at home, and Rerun its own."""
     outside = {**os.environ, "HOME": str(Path.cwd())}
+    if path is not None:
+        outside["PYTHONPATH"] = str(path)
     found = subprocess.run(
         [python, "-c", code], capture_output=True, text=True, check=False, timeout=300, env=outside
     )
@@ -131,3 +172,13 @@ def installed(library, environment=READERS):
     if subprocess.run([python, "-c", ask], check=False).returncode:
         pytest.skip(f"{library} is not installed beside the other readers: make readers")
     return python
+
+
+def checkout(program):
+    """The folder of a program that is no package."""
+    variable, reader = CHECKOUTS[program]
+    if not os.environ.get(variable):
+        pytest.skip(f"{program} is no package: set {variable} to a checkout of it")
+    folder = Path(os.environ[variable])
+    assert (folder / reader).is_file(), f"{variable}={folder}: there is no {reader}"
+    return folder

@@ -2,23 +2,26 @@
 
 The command of a page writes the files, from a run whose network has twelve cameras; its Python then runs as
 it stands, and what it read is projected. Programs that need other libraries than epibar's (`make readers`
-installs them) run in an environment of their own, or are skipped.
+installs them) run in an environment of their own, or are skipped. EasyMocap and MultiNeRF are no packages:
+they are skipped unless a variable names a checkout.
 """
 
 import importlib.util
 import json
 import re
 import sys
+from dataclasses import replace
 
 import cv2
 import numpy as np
 import pytest
-from camera_formats_input import POINTS, expected, network
+from camera_formats_input import POINTS, expected, network, pixels
 from readers_input import (
     AFTER,
     BEFORE,
     FOUR,
     LENS,
+    MULTINERF,
     NEEDS,
     NERFBASELINES,
     OF_OURS,
@@ -28,6 +31,7 @@ from readers_input import (
     STUBS,
     TOLD,
     blocks,
+    checkout,
     executed,
     installed,
 )
@@ -77,12 +81,16 @@ def of_this_environment(program):
 
 @pytest.mark.parametrize("program", PROBES)
 def test_it_projects_in_the_program_as_in_the_network(program, run):
-    python = installed(NEEDS[program]) if program in NEEDS else of_this_environment(program)
+    path = checkout(program) if program == "EasyMocap" else None
+    if program in NEEDS:
+        python = installed(NEEDS[program])
+    else:
+        python = of_this_environment(program) if path is None else sys.executable
     net = network(distortions=FOUR if program == "Pose2Sim" else LENS)
     folder = run(net)
     export(program)
     code = BEFORE + STUBS.get(program, "") + blocks(program, "python")[0] + PROBES[program] + AFTER
-    executed(python, program, code)
+    executed(python, program, code, path)
     found = json.loads((folder / "found.json").read_text())
     assert list(found) == list(net.cameras)
     for name, seen in found.items():
@@ -100,6 +108,27 @@ def test_nerfbaselines_projects_as_the_network_without_k3(run):
     assert set(found) == set(net.cameras)
     for name, seen in found.items():
         np.testing.assert_allclose(seen, expected(net.cameras[name]), atol=OF_A_PIXEL, err_msg=name)
+
+
+def test_multinerf_looks_where_the_network_looks(run):
+    """Through one lens without k3, of all cameras: its rays meet what was seen."""
+    path, python = checkout("MultiNeRF"), installed("scipy")
+    net = network(distortions=FOUR)
+    matrix = net.cameras["cam1"].matrix
+    net = replace(net, cameras={name: replace(c, matrix=matrix) for name, c in net.cameras.items()})
+    folder = run(net)
+    np.save(folder / "seen.npy", [expected(camera) for camera in net.cameras.values()])
+    export("nerfstudio")
+    code = BEFORE + STUBS["MultiNeRF"] + blocks("nerfstudio", "python")[1] + MULTINERF + AFTER
+    executed(python, "MultiNeRF", code, path)
+    found = json.loads((folder / "found.json").read_text())
+    assert list(found) == list(net.cameras)
+    for name, places in found.items():
+        camera = net.cameras[name]
+        again = pixels(
+            camera.matrix, camera.distortions, camera.rotation, camera.translation, np.array(places)
+        )
+        np.testing.assert_allclose(again, expected(camera), atol=OF_A_PIXEL, err_msg=name)
 
 
 IN_BLENDER = """
@@ -137,7 +166,7 @@ def test_blender_sees_what_the_network_sees(run):
 
 
 @pytest.mark.parametrize("program", ["EasyMocap", "Rerun"])
-def test_what_has_no_reader_here_is_written_by_its_command(program, run):
+def test_what_is_no_package_is_written_by_its_command(program, run):
     """What is in it, `test_camera_formats.py` reads."""
     if program == "Rerun" and importlib.util.find_spec("rerun") is None:
         pytest.skip("rerun-sdk, the extra 'live', is not installed")

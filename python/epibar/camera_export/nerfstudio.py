@@ -3,8 +3,8 @@
 nerfstudio's reader (``nerfstudio/data/dataparsers/nerfstudio_dataparser.py``) takes ``fl_x``, ``fl_y``,
 ``cx``, ``cy``, ``w``, ``h``, ``k1``, ``k2``, ``k3``, ``p1`` and ``p2`` from each frame, or from the top where
 they stand there; ``camera_model`` from the top alone. MultiNeRF's (``internal/datasets.py``,
-``load_blender_posedata``) knows those of the top alone, and no k3. ``transform_matrix`` is camera to world,
-x right, y up, z back.
+``load_blender_posedata``) knows those of the top alone, and no k3, and takes no lens for a fisheye.
+``transform_matrix`` is camera to world, x right, y up, z back.
 
 Pitfall: both count pixels from the corner of the image, so that the centre of the first pixel is (0.5, 0.5).
 """
