@@ -7,6 +7,7 @@ they are skipped unless a variable names a checkout.
 """
 
 import importlib.util
+import itertools
 import json
 import re
 import sys
@@ -15,7 +16,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from camera_formats_input import POINTS, expected, network, pixels
+from camera_formats_input import POINTS, expected, inside, network, pixels, rerun_entities, rerun_pixels
 from readers_input import (
     AFTER,
     BEFORE,
@@ -36,7 +37,9 @@ from readers_input import (
     installed,
 )
 
+from epibar import FrontierPoints
 from epibar.cli import main
+from epibar.files.frontier_csv import write_frontier_points
 from epibar.files.json_file import write_json
 
 PAGE = (ROOT / "docs" / "exports.md").read_text()
@@ -55,7 +58,8 @@ def run(tmp_path, monkeypatch):
             for k, name in enumerate(net.cameras)
         ]
         content = {"format": 1, "intrinsics": None, "cameras": cameras, "errors": []}
-        write_json(folder / "calibration.json", {**content, "pairs": [], "network": net.as_dict()})
+        pairs = [seen_by(net, a, b, folder) for a, b in itertools.pairwise(net.cameras)]
+        write_json(folder / "calibration.json", {**content, "pairs": pairs, "network": net.as_dict()})
         net.save(folder / "network.json")
         np.save(tmp_path / "points.npy", POINTS)
         (tmp_path / "images").mkdir()
@@ -65,6 +69,17 @@ def run(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     return made
+
+
+def seen_by(net, a, b, folder):
+    """An accepted pair with what both cameras see of the points, as it stands in a run."""
+    seen = [expected(net.cameras[name]) for name in (a, b)]
+    good = inside(seen[0], net.cameras[a]) & inside(seen[1], net.cameras[b])
+    points = FrontierPoints(np.arange(good.sum()), seen[0][good], seen[1][good], np.zeros(good.sum()))
+    file = write_frontier_points(folder / f"{a}_{b}.csv", points).name
+    F = net.pairs[a, b].F.tolist()
+    known = {"a": a, "b": b, "kind": "accepted", "accepted": True, "reason": "", "F": F}
+    return {**known, "expected_error": None, "time_offset": 0.0, "frontier_points": file}
 
 
 def export(program):
@@ -107,6 +122,22 @@ def test_nerfbaselines_projects_as_the_network_without_k3(run):
     found = json.loads((folder / "found.json").read_text())
     assert set(found) == set(net.cameras)
     for name, seen in found.items():
+        np.testing.assert_allclose(seen, expected(net.cameras[name]), atol=OF_A_PIXEL, err_msg=name)
+
+
+def test_what_fits_stays_in_colmaps_own_adjustment(run):
+    """The page's second block, after the first: points that all cameras see where they are move nothing."""
+    python = of_this_environment("COLMAP")
+    net = network(distortions=LENS)
+    folder = run(net)
+    export("COLMAP")
+    code = "\n".join(blocks("COLMAP", "python"))
+    asked = "\nassert model.num_points3D() > 1000\n"
+    executed(python, "COLMAP", BEFORE + code + asked + PROBES["COLMAP"] + AFTER)
+    found = json.loads((folder / "found.json").read_text())
+    assert list(found) == list(net.cameras)
+    for name, seen in found.items():
+        seen = np.reshape(seen, (-1, 2))
         np.testing.assert_allclose(seen, expected(net.cameras[name]), atol=OF_A_PIXEL, err_msg=name)
 
 
@@ -165,6 +196,24 @@ def test_blender_sees_what_the_network_sees(run):
         )
 
 
+def test_rerun_loads_what_the_network_sees(run):
+    """The page's command, with an option that saves what it loaded instead of opening a window."""
+    if importlib.util.find_spec("rerun") is None:
+        pytest.skip("rerun-sdk, the extra 'live', is not installed")
+    net = network(distortions=LENS)
+    folder = run(net)
+    export("Rerun")
+    command = blocks("Rerun", "sh")[1].split()
+    assert command == ["rerun", "cameras.rrd"]
+    words = ["-m", "rerun_cli", *command[1:], "--save", "loaded.rrd", "--port", "auto"]
+    code = f"import subprocess, sys; sys.exit(subprocess.run([sys.executable, *{words}]).returncode)"
+    executed(sys.executable, "Rerun", code)
+    logged = rerun_entities(folder / "loaded.rrd")
+    for name, camera in net.cameras.items():
+        seen = rerun_pixels(logged[f"/world/{name}"])
+        np.testing.assert_allclose(seen, expected(camera, np.zeros(5)), atol=OF_A_PIXEL, err_msg=name)
+
+
 @pytest.mark.parametrize("program", ["EasyMocap", "Rerun"])
 def test_what_is_no_package_is_written_by_its_command(program, run):
     """What is in it, `test_camera_formats.py` reads."""
@@ -176,6 +225,13 @@ def test_what_is_no_package_is_written_by_its_command(program, run):
     assert (folder / out).exists()
     for code in re.findall(r"[\w/]+\.(?:yml|json|rrd)", TOLD[program]):
         assert (folder / code).exists(), code
+
+
+def test_every_block_of_python_is_run():
+    """Each page has the blocks that the tests here run, and no more."""
+    found = {program: len(blocks(program, "python")) for program in TOLD}
+    more = {"COLMAP": 2, "nerfstudio": 2, "Blender and game engines": 1, "Rerun": 0}
+    assert found == {**dict.fromkeys(PROBES, 1), **more}
 
 
 def test_every_format_of_cameras_is_told_of():
