@@ -7,6 +7,7 @@ import tomllib
 import cv2
 import numpy as np
 import pytest
+from camera_formats_input import walkers
 from network_input import made_up
 
 import epibar
@@ -15,6 +16,7 @@ from epibar.camera_export.formats import FORMATS
 from epibar.cli import main
 from epibar.files.json_file import write_json
 from epibar.lens import Intrinsics, write_cameras
+from epibar.network.tracks_csv import load_tracks
 
 RNG = np.random.default_rng(0)
 LIBRARIES = {"colmap": "pycolmap", "live": "rerun"}
@@ -223,6 +225,43 @@ def test_exports_that_cannot_be(run, capsys):
         assert named in capsys.readouterr().err
     (run / "network.json").unlink()
     assert main(["export", str(run), "--out", str(run / "c"), "--format", "npz", "--cameras"]) == 2
+    assert "no network" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["t.npz", "t.csv"])
+def test_walkers_are_exported_as_tracks(name, run, capsys):
+    walkers().scaled(1.0, "baseline").save(run / "tracks.csv")
+    assert main(["export", str(run), "--format", "tracks", "--out", str(run / name)]) == 0
+    assert "not in metres" in capsys.readouterr().err
+    table = load_tracks(run / "tracks.csv")
+    if name.endswith(".csv"):
+        assert (run / name).read_bytes() == (run / "tracks.csv").read_bytes()
+        return
+    with np.load(run / name, allow_pickle=False) as found:
+        assert (found["names"].tolist(), str(found["unit"])) == (["cam1", "cam2"], "baseline")
+        for key in ("time", "track", "foot", "top", "height", "cameras", "residual"):
+            np.testing.assert_array_equal(found[key], getattr(table, key), err_msg=key)
+        assert found["foot"].shape == (8, 3)
+
+
+def test_tracks_that_cannot_be_exported(run, capsys):
+    words = ["export", str(run), "--format", "tracks", "--out"]
+    assert main([*words, str(run / "t.npz")]) == 2
+    assert "tracks.csv: this run followed no walkers" in capsys.readouterr().err
+    walkers().save(run / "tracks.csv")
+    assert main([*words, str(run / "t.npz")]) == 2
+    assert "tracks.csv: in metres, and the network in baselines" in capsys.readouterr().err
+    walkers().scaled(1.0, "baseline").save(run / "tracks.csv")
+    before = (run / "tracks.csv").read_bytes()
+    for out, named in (("t.json", "written as .csv or .npz"), ("tracks.csv", "part of the run")):
+        assert main([*words, str(run / out)]) == 2
+        assert named in capsys.readouterr().err
+    assert main([*words, str(run / "t.npz"), "--cameras"]) == 2
+    assert "tracks has no cameras" in capsys.readouterr().err
+    assert (run / "tracks.csv").read_bytes() == before
+    assert not (run / "t.npz").exists()
+    (run / "network.json").unlink()
+    assert main([*words, str(run / "t.npz")]) == 2
     assert "no network" in capsys.readouterr().err
 
 

@@ -6,7 +6,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from ..camera_export.formats import ALIASES
-from ..export.formats import CAMERA_FORMATS, PAIR_FORMATS
+from ..export.formats import CAMERA_FORMATS, PAIR_FORMATS, TRACK_FORMATS
 from .exit_codes import DONE
 from .options import CommandParser, add_output_options, add_run_folder
 
@@ -21,20 +21,23 @@ if TYPE_CHECKING:
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
 NAME = "export"
-HELP = "write the cameras or the pairs of a run for another program; 'epibar formats' lists them"
+HELP = "write the cameras, the pairs or the walkers of a run for another program; 'epibar formats' lists them"
 
 DESCRIPTION = (
     "Write what 'epibar calibrate' found in a form that another program reads. "
     f"Pairs: {', '.join(PAIR_FORMATS)}. Cameras: {', '.join(CAMERA_FORMATS)}; a name of both stands "
-    "for the pairs, unless --cameras is given. 'epibar formats' tells what each writes and what it loses. "
+    f"for the pairs, unless --cameras is given. Walkers: {', '.join(TRACK_FORMATS)}. "
+    "'epibar formats' tells what each writes and what it loses. "
     "Where there is a network, its accepted cameras are written; else those of the pairs, put into one "
     "world, which needs intrinsics."
 )
 
+NOT_METRES = "lengths are not in metres: 'epibar scale' makes them so"
+
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
-    names = tuple(dict.fromkeys([*CAMERA_FORMATS, *PAIR_FORMATS, *ALIASES]))
+    names = tuple(dict.fromkeys([*CAMERA_FORMATS, *PAIR_FORMATS, *TRACK_FORMATS, *ALIASES]))
     both = ", ".join(name for name in PAIR_FORMATS if name in CAMERA_FORMATS)
     add_run_folder(command)
     command.add_argument("--format", required=True, choices=names, help="the program")
@@ -65,7 +68,7 @@ def run(args: Namespace) -> int:
 
     from ..errors import EpibarError
     from ..jobs.folder import is_part_of_run
-    from ..jobs.inputs import NETWORK_FILE
+    from ..jobs.inputs import NETWORK_FILE, TRACKS_FILE
     from ..lens.cameras_toml import load_cameras, not_used
     from ..outcome.run import Run
     from .console import Console
@@ -73,15 +76,16 @@ def run(args: Namespace) -> int:
     found = Run.load(args.folder)
     out = Path(args.out)
     network = found.files[0].parent / NETWORK_FILE
-    own = {
-        os.path.realpath(file) for file in (*found.files, network, found.intrinsics, args.intrinsics) if file
-    }
+    used = (*found.files, network, network.parent / TRACKS_FILE, found.intrinsics, args.intrinsics)
+    own = {os.path.realpath(file) for file in used if file}
     if os.path.realpath(out) in own or is_part_of_run(network.parent, out):
         raise EpibarError(f"--out {out}: this is part of the run itself; give another file or folder")
     chosen = ALIASES.get(args.format, args.format)
     of_cameras = args.cameras or chosen not in PAIR_FORMATS
     with Console(args.quiet, verbose=args.verbose) as console, console.warnings():
-        if args.cameras or (of_cameras and network.exists()):
+        if chosen in TRACK_FORMATS and not args.cameras:
+            written = _export_tracks(out, chosen, found, network, console)
+        elif args.cameras or (of_cameras and network.exists()):
             written = _export_network(args, chosen, found, network, console)
         else:
             selected = found.selected(every=args.all)
@@ -124,17 +128,12 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
     """Write the accepted cameras of the network."""
     from ..errors import EpibarError
     from ..jobs.inputs import TRACKS_FILE
-    from ..outcome.stored_network import network_of_run
 
     if chosen not in CAMERA_FORMATS:
         raise EpibarError(
             f"--format {args.format} has no cameras; --cameras is for {', '.join(CAMERA_FORMATS)}"
         )
-    if not file.exists():
-        raise EpibarError(
-            f"{file}: there is no network in this run; calibrate three cameras, or two with intrinsics"
-        )
-    network = network_of_run(file, run.files[0])
+    network = _network(file, run)
     found = len(network.left_out) < len(network.cameras)
     if args.intrinsics and found and all(camera.matrix is None for camera in run.cameras):
         raise EpibarError(
@@ -153,7 +152,43 @@ def _export_network(args: Namespace, chosen: str, run: Run, file: Path, console:
         args.out, chosen, run.lenses(args.intrinsics, network.known_lenses), tracks, points
     )
     if network.unit != "metre":
-        console.note("lengths are not in metres: 'epibar scale' makes them so")
+        console.note(NOT_METRES)
+    return written
+
+
+def _network(file: Path, run: Run) -> Network:
+    """Read the network of a run."""
+    from ..errors import EpibarError
+    from ..outcome.stored_network import network_of_run
+
+    if not file.exists():
+        raise EpibarError(
+            f"{file}: there is no network in this run; calibrate three cameras, or two with intrinsics"
+        )
+    return network_of_run(file, run.files[0])
+
+
+def _export_tracks(out: Path, chosen: str, run: Run, file: Path, console: Console) -> list[Path]:
+    """Write the walkers that the run followed."""
+    from ..errors import EpibarError
+    from ..jobs.inputs import TRACKS_FILE
+    from ..network.tracks_csv import load_tracks
+
+    network, table = _network(file, run), file.parent / TRACKS_FILE
+    if not table.exists():
+        raise EpibarError(
+            f"{table}: this run followed no walkers, as where no floor was found, or fewer than two cameras "
+            "were accepted"
+        )
+    tracks = load_tracks(table)
+    if len(tracks) and tracks.unit != network.unit:
+        raise EpibarError(
+            f"{table}: in {tracks.unit}s, and the network in {network.unit}s; 'epibar calibrate' with the "
+            "same videos writes both anew"
+        )
+    written = TRACK_FORMATS[chosen].write(tracks, out)
+    if network.unit != "metre":
+        console.note(NOT_METRES)
     return written
 
 

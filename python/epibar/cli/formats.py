@@ -22,6 +22,7 @@ TITLES = {
     "cameras": "Cameras in one world: epibar export DIR --format NAME --out PATH "
     "(--cameras where pairs have that name too)",
     "pairs": "Pairs of cameras: epibar export DIR --format NAME --out PATH",
+    "tracks": "Walkers: epibar export DIR --format NAME --out PATH",
 }
 WIDTH = 100
 

@@ -1,8 +1,9 @@
 """The formats of ``epibar export``: what holds pairs of cameras, one module of this package each, and all.
 
 To add one for pairs: a module with a function that takes a :class:`~epibar.outcome.Run` and a path, writes,
-and returns the files it wrote; and a line in :data:`PAIR_FORMATS`. Cameras in one world have a table of their
-own, :mod:`epibar.camera_export.formats`. The command line, its help and ``epibar formats`` follow the tables.
+and returns the files it wrote; and a line in :data:`PAIR_FORMATS`. Those of :data:`TRACK_FORMATS` take
+:class:`~epibar.network.WalkerTracks` in place of the run. Cameras in one world have a table of their own,
+:mod:`epibar.camera_export.formats`. The command line, its help and ``epibar formats`` follow the tables.
 Standard library only: the command line reads it before anything heavy is imported.
 """
 
@@ -11,7 +12,7 @@ from __future__ import annotations
 from ..camera_export.formats import FORMATS as CAMERA_FORMATS
 from ..camera_export.formats import Format
 
-__all__ = ["CAMERA_FORMATS", "FORMATS", "PAIR_FORMATS", "Format"]
+__all__ = ["CAMERA_FORMATS", "FORMATS", "PAIR_FORMATS", "TRACK_FORMATS", "Format"]
 
 AXES = "pixels, pixel centres at integers; X_b = R X_a + t, where matrices are known"
 
@@ -62,5 +63,21 @@ PAIR_FORMATS = {
     )
 }
 
-FORMATS = {"cameras": CAMERA_FORMATS, "pairs": PAIR_FORMATS}
+TRACK_FORMATS = {
+    one.name: one
+    for one in (
+        Format(
+            "tracks",
+            "NumPy, spreadsheets",
+            "walkers: an .npz file, without pickle, or a .csv file",
+            "network",
+            "world z up, 0 on the floor",
+            "digits that tracks.csv does not have",
+            "tracks:write_tracks",
+            package=__package__,
+        ),
+    )
+}
+
+FORMATS = {"cameras": CAMERA_FORMATS, "pairs": PAIR_FORMATS, "tracks": TRACK_FORMATS}
 """Every format by what it holds."""
