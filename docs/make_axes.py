@@ -26,7 +26,9 @@ VIEW = np.array(
     ]
 )
 """World to picture: x to the right, y away, z up; from above."""
-PLACES = {"OpenCV": (3.0, 0.9, 1.7), "OpenGL, glTF": (7.2, 0.9, 1.7)}
+PLACES = {"OpenCV": (3.0, 0.9, 1.7), "OpenGL, glTF": (8.0, 0.9, 1.7)}
+AFTER_HEAD, BASELINE = 14, 5
+"""Pixels from the head of an arrow to the middle of its name, and from there down to its baseline."""
 LOOKS_ALONG = np.array([0.9, 0.6, -0.35])
 
 
@@ -61,12 +63,22 @@ def text(place: object, words: str, colour: str = GREY, size: int = 15) -> str:
     return f'<text x="{x:.1f}" y="{y:.1f}" {look}>{words}</text>'
 
 
+def beyond(start: object, end: object, words: str, colour: str) -> str:
+    """Words behind the head of an arrow between world points, on the side that it points to."""
+    (x0, y0), (x1, y1) = picture([start, end])
+    along = np.array([x1 - x0, y1 - y0]) / np.hypot(x1 - x0, y1 - y0)
+    x, y = (x1, y1) + AFTER_HEAD * along + (0, BASELINE)
+    anchor = "middle" if abs(along[0]) < 0.6 else "start" if along[0] > 0 else "end"
+    look = f'fill="{colour}" font-size="15" text-anchor="{anchor}"'
+    return f'<text x="{x:.1f}" y="{y:.1f}" {look}>{words}</text>'
+
+
 def axes(place: np.ndarray, columns: np.ndarray, names: tuple[str, str, str]) -> list[str]:
     """Draw three arrows with their names."""
     parts = []
     for axis, name, direction in zip("xyz", names, columns.T, strict=True):
         parts.append(line(place, place + direction, COLOURS[axis], 3, axis))
-        parts.append(text(place + 1.5 * direction, name, COLOURS[axis]))
+        parts.append(beyond(place, place + direction, name, COLOURS[axis]))
     return parts
 
 

@@ -41,8 +41,10 @@ from epibar import FrontierPoints
 from epibar.cli import main
 from epibar.files.frontier_csv import write_frontier_points
 from epibar.files.json_file import write_json
+from epibar.geometry.cameras import opengl_pose
 
 PAGE = (ROOT / "docs" / "exports.md").read_text()
+ON_AXES = (ROOT / "docs" / "axes.md").read_text()
 OF_A_PIXEL = 1e-3
 
 
@@ -241,15 +243,36 @@ def test_every_format_of_cameras_is_told_of():
     assert written == set(FORMATS)
 
 
+def table_rows(page):
+    """Cells of each row that begins with a name."""
+    lines = [line for line in page.splitlines() if line[:3] == "| `"]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def test_the_page_on_axes_is_that_of_the_program():
+    from epibar.camera_export.formats import FORMATS
+
+    units = {"network": "that of the network"}
+    wanted = [
+        [f"`{one.name}`", one.program, one.axes, units.get(one.unit, one.unit)] for one in FORMATS.values()
+    ]
+    assert table_rows(ON_AXES) == wanted
+    (code,) = re.findall(r"^```python\n(.*?)^```$", ON_AXES, re.MULTILINE | re.DOTALL)
+    for camera in network().cameras.values():
+        names = {"np": np, "R": camera.rotation, "t": camera.translation}
+        exec(code, names)
+        np.testing.assert_allclose(names["place"], camera.position, atol=1e-9)
+        in_image = camera.rotation @ names["ahead"]
+        np.testing.assert_allclose(in_image, (0, 0, 1), atol=1e-9)
+        turn, place = opengl_pose(camera.intrinsics().posed())
+        np.testing.assert_allclose(names["of_opengl"], np.column_stack([turn, place]), atol=1e-9)
+
+
 def test_the_tables_of_the_page_are_those_of_the_program():
     from epibar.camera_export.formats import FORMATS
     from epibar.export import PAIR_FORMATS
 
-    rows = [
-        [cell.strip() for cell in line.strip("|").split("|")]
-        for line in PAGE.splitlines()
-        if line[:3] == "| `"
-    ]
+    rows = table_rows(PAGE)
     cameras = [row for row in rows if len(row) == 5]
     expected_rows = [
         [
