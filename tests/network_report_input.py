@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 from network_input import made_up
+from report_input import make_report_input
 
 import epibar
 from epibar.network.parts import NetworkPairs
-from epibar.report import NetworkReport, ReportCamera
+from epibar.report import NetworkReport, ReportCamera, ReportPair
+from epibar.report.page import write_report
 
 
 def network(count=5, **options):
@@ -42,6 +44,18 @@ def network_report(count=5):
     """Network, cameras of a report without pairs, and tracks."""
     made = network(count)
     return cameras(made.cameras), NetworkReport(made, None, walkers())
+
+
+def large_report(path):
+    """20 cameras, all 190 pairs, each with as much to show as a well calibrated one has, and long tracks."""
+    made = network(20, refused=(), lost=())
+    report_cameras, pairs = make_report_input()
+    known = {one.name: one for one in report_cameras}
+    shown = [replace(known[f"cam{1 + k % 2}"], name=name) for k, name in enumerate(made.cameras)]
+    both = [ReportPair(a, b, pairs[0].calibration, 1.0) for a, b in made.pairs]
+    assert len(both) == 190
+    tracks = walkers(60, 3000)
+    return write_report(path, shown, both, network=NetworkReport(made, None, tracks))
 
 
 def renamed(made, names):

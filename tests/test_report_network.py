@@ -7,13 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from network_report_input import cameras, network, network_report, renamed, walkers
-from report_input import make_report_input
 from test_report import Page
 
 import epibar
 from epibar.network import Ground
 from epibar.network.walkers import WalkerTracks
-from epibar.report import NetworkReport, ReportPair, read_tracks
+from epibar.report import NetworkReport, read_tracks
 from epibar.report.camera_angles import field_of_view, image_corners, tilt
 from epibar.report.network_table import VERDICTS, camera_table
 from epibar.report.page import write_report
@@ -204,20 +203,3 @@ def test_names_cannot_inject_markup(tmp_path):
     assert not any(name.startswith("on") for _, attributes in page.tags for name in attributes)
     assert list(rows(page)) == list(names.values())
     assert page.data["space"]["cameras"][0]["name"] == evil
-
-
-def test_twenty_cameras_stay_below_25_megabytes(tmp_path):
-    """All 190 pairs, each with as much to show as a well calibrated one has, and long tracks."""
-    made = network(20, refused=(), lost=())
-    report_cameras, pairs = make_report_input()
-    known = {one.name: one for one in report_cameras}
-    shown = [replace(known[f"cam{1 + k % 2}"], name=name) for k, name in enumerate(made.cameras)]
-    both = [ReportPair(a, b, pairs[0].calibration, 1.0) for a, b in made.pairs]
-    assert len(both) == 190
-    tracks = walkers(60, 3000)
-    path = write_report(tmp_path / "report.html", shown, both, network=NetworkReport(made, None, tracks))
-    assert 8_000_000 < path.stat().st_size < 25_000_000
-    space = Page(path).data["space"]
-    assert len(space["pairs"]) == 190
-    assert all(pair["pair"] is not None for pair in space["pairs"])
-    assert 6_000 < sum(map(len, space["tracks"])) <= 13_000

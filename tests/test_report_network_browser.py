@@ -1,10 +1,13 @@
 """The network of report.html in a real browser: what is drawn where, turned, picked, on a phone."""
 
+import time
+
 import numpy as np
 import pytest
 from network_input import COVARIANCE
-from network_report_input import cameras, network, network_report, renamed, walkers
+from network_report_input import cameras, large_report, network, network_report, renamed, walkers
 from report_input import make_report_input
+from test_report import Page
 
 from epibar.report import NetworkReport
 from epibar.report.page import write_report
@@ -98,6 +101,47 @@ def test_names_of_many_cameras_do_not_lie_over_one_another(watched, tmp_path, si
         settled(page)
         assert name in names.all_text_contents()
     assert hidden or size is DESKTOP
+
+
+@pytest.fixture(scope="module")
+def large(tmp_path_factory):
+    return large_report(tmp_path_factory.mktemp("large") / "report.html")
+
+
+def test_twenty_cameras_stay_below_25_megabytes(large):
+    assert 8_000_000 < large.stat().st_size < 25_000_000
+    space = Page(large).data["space"]
+    assert len(space["pairs"]) == 190
+    assert all(pair["pair"] is not None for pair in space["pairs"])
+    assert 6_000 < sum(map(len, space["tracks"])) <= 13_000
+
+
+def test_twenty_cameras_and_all_their_pairs_open_and_turn(watched, large):
+    """How long it takes is printed (`pytest -s`): it is the machine's as much as the page's."""
+    moments = [time.perf_counter()]
+    page = drawn(watched(large.as_uri(), DESKTOP))
+    start = places(page)
+    moments.append(time.perf_counter())
+    assert len(start) == 20
+    assert page.locator(".network-cameras tbody tr").count() == 20
+    assert page.locator(".matrix a.cell").count() == 190
+    assert page.locator(f"{VIEW} .links .link").count() == 190
+    view = page.locator(VIEW)
+    view.focus()
+    moments.append(time.perf_counter())
+    for _ in range(10):
+        page.keyboard.press("ArrowRight")
+        turned = places(page)
+        assert max(np.linalg.norm(turned[name] - start[name]) for name in start) > 2
+        start = turned
+    moments.append(time.perf_counter())
+    page.locator(".matrix a.cell").last.click()
+    page.locator("a.cell[href='#pair-190'][aria-current]").wait_for()
+    moments.append(time.perf_counter())
+    assert page.locator("#pair-title .who").all_inner_texts() == ["A cam19", "B cam20"]
+    opened, _, turns, pair = np.diff(moments)
+    told = f"drawn in {opened:.2f} s, a turn {turns / 10:.2f} s, a pair {pair:.2f} s"
+    print(f"20 cameras, 190 pairs: {told}")  # noqa: T201
 
 
 def test_everything_is_inside_from_whichever_side(watched, report):
