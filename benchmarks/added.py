@@ -16,7 +16,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from check import CALIBRATED, CHECKED, FPS, PAUSE, calibrated_network, recorded, situation, true_network
+from check_networks import (
+    CALIBRATED,
+    CHECKED,
+    FPS,
+    PAUSE,
+    calibrated_network,
+    recorded,
+    situation,
+    true_network,
+)
 from fresh_seeds import sizes_asked_for
 from networks import outcomes_of
 from options import names_of, natural, numbers
