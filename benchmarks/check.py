@@ -75,7 +75,7 @@ class Damage:
 
 
 def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
-    """Check a network against some minutes as it stood, and against one with each damage done to a camera."""
+    """Check a network against some minutes as it stood, and with each damage done to a camera in each."""
     made = situation(seed, count, arguments.minutes)
     stored = true_network(made)
     if arguments.stored == "calibrated":
@@ -83,7 +83,6 @@ def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
         if not stored.accepted:
             return [{"cameras": count, "seed": seed, "what": "not calibrated", "reason": stored.reason}]
     outcomes = []
-    rng = np.random.default_rng((seed, 99))
     for minute in range(arguments.minutes):
         first = CALIBRATED + PAUSE + minute * (PAUSE + CHECKED)
         films = {
@@ -91,13 +90,23 @@ def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
             for k, film in enumerate(made.films)
         }
         outcomes.append({**checked(made, stored, films, UNMOVED, None, None), "seed": seed})
-        for what in arguments.damage if minute == 0 else ():
-            damage, index = Damage(what), int(rng.integers(count))
-            film = damage.done_to(replace(made.films[index], knocked_at=first), rng)
+        for what in arguments.damage:
+            index, rng = drawn(seed, count, what, minute)
+            film = Damage(what).done_to(replace(made.films[index], knocked_at=first), rng)
             again = recorded(film, first, first + CHECKED, 31 * minute + index, arguments.lines)
             name = made.names[index]
             outcomes.append({**checked(made, stored, {**films, name: again}, what, name, film), "seed": seed})
     return outcomes
+
+
+def drawn(seed: int, count: int, what: str, minute: int) -> tuple[int, np.random.Generator]:
+    """Draw which camera is damaged in a minute, all in turn, and what the damage itself is drawn from.
+
+    Neither depends on the other damages and minutes that were asked for.
+    """
+    stream = (seed, 99, DAMAGE.index(what))
+    order = np.random.default_rng(stream).permutation(count)
+    return int(order[minute % count]), np.random.default_rng((*stream, minute + 1))
 
 
 def checked(made: Any, stored: Any, films: Any, what: str, name: str | None, film: Any) -> dict[str, Any]:
@@ -226,7 +235,9 @@ if __name__ == "__main__":
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("--networks", type=natural, default=10, help="of each size (default %(default)s)")
     parser.add_argument("--cameras", type=numbers, default=[3, 6], help="sizes (default 3,6)")
-    parser.add_argument("--minutes", type=natural, default=3, help="unmoved, of each (default %(default)s)")
+    parser.add_argument(
+        "--minutes", type=natural, default=3, help="of new footage, of each (default %(default)s)"
+    )
     parser.add_argument("--only", nargs="*", help="some of: turned shifted zoomed; 'none' for unmoved alone")
     parser.add_argument("--stored", choices=("true", "calibrated"), default="true", help="what is stored")
     parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
