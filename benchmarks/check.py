@@ -202,15 +202,45 @@ def row(what: str, count: int, outcomes: list[dict[str, Any]]) -> list[str]:
     return [*cells, f"{np.median([o['seconds'] for o in outcomes]):.1f}"]
 
 
-def alarms(outcomes: list[dict[str, Any]]) -> str:
+def of_size(outcomes: list[dict[str, Any]], count: int) -> list[dict[str, Any]]:
+    """Those of networks of so many cameras."""
+    return [o for o in outcomes if o["cameras"] == count]
+
+
+def alarms(calm: list[dict[str, Any]]) -> str:
     """False alarms among the checks in which no camera moved."""
-    calm = [o for o in outcomes if o["what"] == UNMOVED]
     cameras = sum(o["cameras"] for o in calm)
     false = sum(len(o["moved"]) + len(o["suspects"]) for o in calm)
     return (
         f"false alarms: {false} of {cameras} cameras in {len(calm)} checks; with 95 % confidence below "
         f"{100 * upper_bound(false, max(cameras, 1)):.1f} % of cameras"
     )
+
+
+MOVE = ("turned", "shifted", "zoomed")
+"""What is found of a camera, as the columns of an outcome's answers: each with its stated error after it."""
+
+HEAD_UNMOVED = (
+    *("cameras of a network", "unmoved ones"),
+    *(f"{what} by more than stated, %; most, times" for what in MOVE),
+)
+
+
+def unmoved_row(count: int, outcomes: list[dict[str, Any]]) -> list[str]:
+    """How many cameras that did not move are found to have moved by more than its stated error.
+
+    Nine in ten should be below. Cameras of damaged networks are left out: their minutes are the same.
+    """
+    answers = [one for o in outcomes for one in o["answers"].values()]
+    cells = [str(count), str(len(answers))]
+    for k in range(len(MOVE)):
+        pairs = [(abs(one[2 * k]), one[2 * k + 1]) for one in answers if one[2 * k] is not None]
+        if not pairs:
+            cells.append("-")
+            continue
+        found, stated = np.array(pairs).T
+        cells.append(f"{100 * (found > stated).mean():.0f}; {(found / stated).max():.1f}")
+    return cells
 
 
 def main(arguments: Namespace) -> None:
@@ -222,10 +252,13 @@ def main(arguments: Namespace) -> None:
         row(what, count, chosen)
         for what in (UNMOVED, *arguments.damage)
         for count in arguments.cameras
-        if (chosen := [o for o in outcomes if (o["what"], o["cameras"]) == (what, count)])
+        if (chosen := of_size([o for o in outcomes if o["what"] == what], count))
     ]
     print(table(HEAD, rows))
-    print(alarms(outcomes))
+    calm = [o for o in outcomes if o["what"] == UNMOVED]
+    sizes = {count: chosen for count in arguments.cameras if (chosen := of_size(calm, count))}
+    print(f"\n{table(HEAD_UNMOVED, [unmoved_row(*one) for one in sizes.items()])}\n")
+    print(alarms(calm))
     lost = sum(o["what"] == "not calibrated" for o in outcomes)
     if lost:
         print(f"{lost} networks were not accepted, and not checked")
