@@ -25,6 +25,7 @@ from check_networks import (
     situation,
     true_network,
 )
+from check_updates import HEAD_FRESH, beside_fresh, fresh_row, update_error
 from fresh_seeds import sizes_asked_for
 from networks import outcomes_of
 from options import natural, numbers
@@ -127,6 +128,12 @@ def checked(made: Any, stored: Any, films: Any, what: str, name: str | None, fil
         },
         "reasons": {key: check.cameras[key].reason for key in (*check.moved, *check.suspects)},
     }
+    after = made
+    if film is not None:
+        cameras = [film.knocked or film.camera if one.name == name else one for one in made.cameras]
+        after = replace(made, cameras=cameras)
+    if film is None or film.knocked is None:
+        outcome["fresh"] = beside_fresh(after, stored, check, films)
     if name is None or name not in check.moved:
         return outcome
     one, damage = check.cameras[name], Damage(what)
@@ -141,27 +148,8 @@ def checked(made: Any, stored: Any, films: Any, what: str, name: str | None, fil
     outcome |= {"error": abs(found - damage.size), "stated": error, "since": one.since}
     outcome["focal"] = one.place is not None and one.place.zoomed
     if one.place is not None:
-        outcome["update"] = update_error(made, stored.updated(check), name, film.knocked or film.camera)
+        outcome["update"] = update_error(after, stored.updated(check), name)
     return outcome
-
-
-def update_error(made: Any, network: Any, name: str, camera: Any) -> list[float]:
-    """Errors of what was solved for again and those stated: focal length, rotation (°), share of the rig."""
-    from epibar import synthetic
-    from epibar.synthetic.camera import Camera
-
-    after = replace(made, cameras=[camera if one.name == name else one for one in made.cameras])
-    found = {
-        key: Camera(c.matrix, c.rotation, c.translation, (1, 1), key) for key, c in network.cameras.items()
-    }
-    wrong = synthetic.network_errors(after, found)[name]
-    places = np.array([one.centre for one in found.values()])
-    rig = max(np.linalg.norm(p - q) for p in places for q in places)
-    stated = network.cameras[name].expected
-    return [
-        *(abs(wrong.focal), wrong.rotation, wrong.position),
-        *(stated["focal"], stated["rotation"], stated["position"] / rig),
-    ]
 
 
 HEAD = (
@@ -248,17 +236,22 @@ def main(arguments: Namespace) -> None:
     arguments.damage = [what for what in DAMAGE if not arguments.only or what.split()[0] in arguments.only]
     outcomes = outcomes_of(run, [(*job, arguments) for job in jobs], arguments, origin)
     print(f"commit {origin}" if origin else "seeds by hand: no table to report")
-    rows = [
-        row(what, count, chosen)
+    chosen = {
+        (what, count): some
         for what in (UNMOVED, *arguments.damage)
         for count in arguments.cameras
-        if (chosen := of_size([o for o in outcomes if o["what"] == what], count))
-    ]
-    print(table(HEAD, rows))
+        if (some := of_size([o for o in outcomes if o["what"] == what], count))
+    }
+    print(table(HEAD, [row(*kind, some) for kind, some in chosen.items()]))
     calm = [o for o in outcomes if o["what"] == UNMOVED]
-    sizes = {count: chosen for count in arguments.cameras if (chosen := of_size(calm, count))}
-    print(f"\n{table(HEAD_UNMOVED, [unmoved_row(*one) for one in sizes.items()])}\n")
-    print(alarms(calm))
+    sizes = {count: some for count in arguments.cameras if (some := of_size(calm, count))}
+    print(f"\n{table(HEAD_UNMOVED, [unmoved_row(*one) for one in sizes.items()])}")
+    print(f"\n{alarms(calm)}")
+    fresh = [fresh_row(*kind, some) for kind, some in chosen.items() if "fresh" in some[0]]
+    print(f"\n{table(HEAD_FRESH, fresh)}\n")
+    missing = sum(len(o["fresh"]["missing"]) for o in outcomes if "fresh" in o)
+    if missing:
+        print(f"{missing} cameras that were updated have no place in a fresh network: not held against it")
     lost = sum(o["what"] == "not calibrated" for o in outcomes)
     if lost:
         print(f"{lost} networks were not accepted, and not checked")
