@@ -25,7 +25,7 @@ from check_networks import (
     situation,
     true_network,
 )
-from check_updates import HEAD_FRESH, beside_fresh, fresh_row, update_error
+from check_updates import HEAD_FRESH, beside_fresh, fresh_row, searched, update_error
 from fresh_seeds import sizes_asked_for
 from networks import outcomes_of
 from options import natural, numbers
@@ -91,6 +91,8 @@ def run(count: int, seed: int, arguments: Namespace) -> list[dict[str, Any]]:
             for k, film in enumerate(made.films)
         }
         outcomes.append({**checked(made, stored, films, UNMOVED, None, None), "seed": seed})
+        if minute == 0 and arguments.searched:
+            outcomes[-1]["searched"] = searched(made, first, arguments.searched, seed)
         for what in arguments.damage:
             index, rng = drawn(seed, count, what, minute)
             film = Damage(what).done_to(replace(made.films[index], knocked_at=first), rng)
@@ -269,6 +271,12 @@ if __name__ == "__main__":
     parser.add_argument("--seeds", type=numbers, help="such as 1-5: for a trial, instead of the commit's")
     parser.add_argument(
         "--lines", type=natural, default=100, help="per camera, of no use here (default %(default)s)"
+    )
+    parser.add_argument(
+        "--searched",
+        type=natural,
+        metavar="LINES",
+        help="time a calibration that searches its pairs too, by so many lines per camera",
     )
     parser.add_argument("--workers", type=natural, default=os.cpu_count() or 1)
     parser.add_argument("--json", type=Path, metavar="FILE", help="write every outcome there too")

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from check_networks import joined
+from check_networks import CHECKED, joined, recorded
 
 
 def update_error(made: Any, network: Any, name: str) -> list[float]:
@@ -51,6 +51,19 @@ def beside_fresh(made: Any, stored: Any, check: Any, films: Any) -> dict[str, An
     }
 
 
+def searched(made: Any, first: int, lines: int, seed: int) -> dict[str, Any]:
+    """Calibrate a minute in which nothing was done, and search its pairs too: in how many seconds."""
+    import epibar
+
+    films = {
+        film.camera.name: recorded(film, first, first + CHECKED, k, lines)
+        for k, film in enumerate(made.films)
+    }
+    started = time.perf_counter()
+    network = epibar.calibrate_network(films, seed % 2**32, 0.0)
+    return {"seconds": time.perf_counter() - started, "reason": network.reason}
+
+
 def differences(updated: Any, fresh: Any, names: list[str]) -> dict[str, list[float]]:
     """By how much two networks differ in some cameras, and the stated errors of both together.
 
@@ -84,7 +97,7 @@ def stated_errors(camera: Any, rig: float) -> np.ndarray:
 HEAD_FRESH = (
     *("what was done", "cameras", "checks", "updates held against it", "equal, %", "equal, % (f R C)"),
     *("f differs by, stated, %", "R, °", "C, % of the rig"),
-    *("check, s", "fresh calibration, s", "check : fresh"),
+    *("check, s", "fresh calibration, s", "check : fresh", "pairs searched too, s", "check : that"),
 )
 
 
@@ -102,6 +115,17 @@ def fresh_row(what: str, count: int, outcomes: list[dict[str, Any]]) -> list[str
             cells.append(f"{unit * np.median(away[:, k]):.2f}, {unit * np.median(stated[:, k]):.2f}")
     else:
         cells += [""] * 5
-    check, calibration = np.array([(o["seconds"], o["fresh"]["seconds"]) for o in outcomes]).T
-    times = f"{np.median(check):.1f}", f"{np.median(calibration):.1f}"
-    return [*cells, *times, f"{np.median(check / calibration):.2f}"]
+    cells += times_cells([(o["seconds"], o["fresh"]["seconds"]) for o in outcomes])
+    return (
+        cells
+        + times_cells([(o["seconds"], o["searched"]["seconds"]) for o in outcomes if "searched" in o])[1:]
+    )
+
+
+def times_cells(seconds: list[tuple[float, float]]) -> list[str]:
+    """Medians of the times of checks and of calibrations, and of their ratios."""
+    if not seconds:
+        return [""] * 3
+    check, calibration = np.array(seconds).T
+    times = [f"{np.median(check):.1f}", f"{np.median(calibration):.1f}"]
+    return [*times, f"{np.median(check / calibration):.2f}"]
