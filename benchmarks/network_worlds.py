@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,13 @@ import epibar
 from epibar import synthetic
 from epibar.network.metres import NINE_IN_TEN
 from epibar.synthetic.figures import MEAN_HEIGHT
+from epibar.synthetic.settings import stream
 
-MEASURED = 0.01
-"""A distance between two cameras is measured to so many metres."""
+LENGTH, MEASURED = 5.0, 0.01
+"""Of the distances between two cameras the nearest to so many metres is told; its standard error, metres."""
+
+STREAM = 90
+"""Number of the random stream of a situation that the error of its measured distance is drawn from."""
 
 
 def world(situation: Any, network: Any) -> dict[str, Any] | None:
@@ -28,11 +33,24 @@ def world(situation: Any, network: Any) -> dict[str, Any] | None:
         level_error = (ground.level_error or 0.0) * wrong.unit
         outcome |= {"floor": wrong.floor, "level_error": level_error}
         outcome["people"] = scale(network, wrong.unit, person_height=MEAN_HEIGHT)
-    one, other = list(found)[:2]
-    true = {camera.name: camera.centre for camera in situation.cameras}
-    apart = float(np.linalg.norm(true[one] - true[other]))
+    one, other, apart = measured_distance(situation, list(found))
+    outcome["apart"] = apart
     outcome["distance"] = scale(network, wrong.unit, distance=(one, other, apart, MEASURED))
     return outcome
+
+
+def measured_distance(situation: Any, names: list[str]) -> tuple[str, str, float]:
+    """Two of some cameras, those nearest to :data:`LENGTH` apart, and what was measured between them, metres.
+
+    The same situation is measured with the same error each time.
+    """
+    centres = {camera.name: camera.centre for camera in situation.cameras}
+    apart = {
+        pair: float(np.linalg.norm(centres[pair[0]] - centres[pair[1]])) for pair in combinations(names, 2)
+    }
+    one, other = min(apart, key=lambda pair: abs(apart[pair] - LENGTH))
+    error = stream(situation.seed, situation.family, STREAM).normal(0.0, MEASURED)
+    return one, other, apart[one, other] + float(error)
 
 
 def scale(network: Any, unit: float, **known: Any) -> list[float] | str:
@@ -53,7 +71,7 @@ HEAD = (
     *("family", "networks with a floor", "vertical °, median, 90 %", "stated, median", "within, %"),
     *("floor cm, median, 90 %", "stated, median", "within, %"),
     *("metres from people, %, median, 90 %", "stated, median", "within, %"),
-    *("refused", "from a distance, %, median, 90 %", "stated, median", "within, %"),
+    *("refused", "told a distance of m, median", "from it, %, median, 90 %", "stated, median", "within, %"),
 )
 
 
@@ -68,6 +86,7 @@ def row(family: str, worlds: list[dict[str, Any]]) -> list[str]:
         *beside([[one["floor"], NINE_IN_TEN * one["level_error"]] for one in floors], 100),
         *beside([one for one in people if not isinstance(one, str)], 100),
         str(sum(isinstance(one, str) for one in people)),
+        f"{np.median([one['apart'] for one in worlds]):.1f}",
         *beside([one["distance"] for one in worlds if not isinstance(one["distance"], str)], 100),
     ]
 
