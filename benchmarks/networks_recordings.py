@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from options import add_names, natural
+from recordings_floor import METRES, PERSON, feet, floor
 from recordings_views import DATA, Data
 from tables import progress
 
@@ -24,6 +25,7 @@ import epibar
 from epibar import Recording
 from epibar.lens.cameras_toml import find_camera, load_cameras
 from epibar.network import ClockOffsets, join_pairs, search_pairs
+from epibar.network.metres import NINE_IN_TEN
 
 COARSE = ("nothing", "lens, focal, principal")
 KNOWLEDGE = {
@@ -38,15 +40,9 @@ KNOWLEDGE = {
 HEAD = (
     "| recording | known | accepted | focal %, median, worst | rotation °, of two cameras to each other "
     "| position, % of the rig | within what is stated (f R C) | vertical °, stated "
-    "| metres from people, %, stated | s |\n"
-    "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    "| floor cm, stated | metres from people, %, stated | s |\n"
+    "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
 )
-
-METRES = {"wildtrack": 0.01, "pets_cameras": 0.001, "four_people": 0.001}
-"""Metres that one unit of the known cameras measures, where that is known."""
-
-PERSON = 1.75
-"""Metres that people are taken to be tall."""
 
 
 @dataclass(frozen=True)
@@ -95,13 +91,16 @@ def angle(turn: Any) -> float:
     return float(np.degrees(2 * np.arcsin(min(1.0, np.linalg.norm(turn - np.eye(3)) / np.sqrt(8)))))
 
 
-def row(name: str, words: str, true: dict[str, Truth], network: Any, seconds: float) -> str:
-    """Hold a network against the truth, all cameras that stand, accepted or not."""
+def row(name: str, words: str, true: dict[str, Truth], network: Any, walked: Any, seconds: float) -> str:
+    """Hold a network against the truth, all cameras that stand, accepted or not.
+
+    ``walked`` is where people stand by the known cameras, metres, where these have a floor.
+    """
     stand = {n: c for n, c in network.cameras.items() if c.matrix is not None}
     accepted = sum(camera.accepted for camera in network.cameras.values())
     start = f"| {name} | {words} | {accepted} of {len(true)} |"
     if len(stand) < 2:
-        return f"{start} no camera stands |  |  |  |  |  | {seconds:.0f} |"
+        return f"{start} no camera stands |  |  |  |  |  |  | {seconds:.0f} |"
     ours = np.array([-c.rotation.T @ c.translation for c in stand.values()])
     theirs = np.array([true[n].centre for n in stand])
     turns = [c.rotation.T @ true[n].R for n, c in stand.items()]
@@ -133,15 +132,23 @@ def row(name: str, words: str, true: dict[str, Truth], network: Any, seconds: fl
     ]
     up = np.median([angle_between(c.rotation[:, 2], true[n].R[:, 2]) for n, c in stand.items()])
     within = " ".join(str(int(count)) for count in (errors <= stated + 1e-12).sum(axis=0))
+    in_metres = ["-", "-"]
+    if name in METRES:
+        unit = METRES[name]
+        middles = ours.mean(axis=0), unit * theirs.mean(axis=0)
+        in_metres = [
+            floor(network, walked, turn, scale * unit, middles),
+            metres(network, scale * unit),
+        ]
     cells = [
         f"{100 * np.median(errors[:, 0]):.2f}, {100 * errors[:, 0].max():.2f}",
         f"{np.median(relative):.2f}, {max(relative):.2f}",
         f"{100 * np.median(errors[:, 2]):.2f}, {100 * errors[:, 2].max():.2f}",
         f"{within} of {len(stand)}",
-        f"{up:.2f}, {1.645 * network.ground.vertical_error:.2f}"
+        f"{up:.2f}, {NINE_IN_TEN * network.ground.vertical_error:.2f}"
         if network.ground.source == "floor"
         else "no floor",
-        metres(network, scale * METRES[name]) if name in METRES else "-",
+        *in_metres,
         f"{seconds:.0f}",
     ]
     return f"{start} " + " | ".join(cells) + " |"
@@ -183,6 +190,14 @@ def main() -> None:
             continue
         true = true_cameras(folder, data.files)
         recordings = recorded(folder, data, arguments.lines)
+        walked = None
+        if name in METRES:
+            walked = feet(true, recordings, METRES[name])
+            above = 100 * np.percentile(walked[:, 2], [5, 50, 95])
+            heights = " ".join(f"{z:.1f}" for z in above)
+            progress(
+                f"{name}: {len(walked)} feet by the known cameras, 5, 50 and 95 % of heights, cm: {heights}"
+            )
         offsets = ClockOffsets((0.0,) * len(recordings), given=True)
         progress(f"{name}: pairs")
         pairs = search_pairs(recordings, list(combinations(range(len(recordings)), 2)), offsets)
@@ -190,7 +205,7 @@ def main() -> None:
             known = {n: knowledge(camera, words) for n, camera in true.items()}
             started = time.perf_counter()
             network = join_pairs(recordings, pairs, offsets, known=known)
-            print(row(name, words, true, network, time.perf_counter() - started), flush=True)
+            print(row(name, words, true, network, walked, time.perf_counter() - started), flush=True)
 
 
 if __name__ == "__main__":
