@@ -1,7 +1,11 @@
-"""All pairs of many cameras: threads, one Dask worker, two, and a run that is killed at half and goes on."""
+"""All pairs of many cameras: threads, one Dask worker, two, and a run that is killed at half and goes on.
+
+With ``--beside`` the job runs on threads alone, in turn by this checkout and by another.
+"""
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -9,16 +13,18 @@ import sys
 import time
 from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from concurrent.futures import Executor
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
-from options import add_common, add_frames, natural
+from many_cameras_beside import checkout, compared, in_turn, report
+from options import METHODS, Method, add_common, add_frames, natural
 from tables import progress, table, write_json
 
 import epibar
 from epibar import synthetic
-from epibar.calibration import METHODS
 from epibar.jobs.dask import DaskExecutor
 
 
@@ -28,6 +34,20 @@ def image_size(text: str) -> tuple[int, int]:
     if not (cross and width.isdigit() and height.isdigit()):
         raise ArgumentTypeError(f"{text!r}: expected WIDTHxHEIGHT")
     return int(width), int(height)
+
+
+@dataclass(frozen=True)
+class Job:
+    """What is calibrated, by which method."""
+
+    masks: list[Path]
+    method: Method
+    lines: int
+
+    @property
+    def pairs(self) -> int:
+        """How many there are."""
+        return len(self.masks) * (len(self.masks) - 1) // 2
 
 
 def write_masks(args: Namespace, folder: Path) -> list[Path]:
@@ -41,16 +61,15 @@ def write_masks(args: Namespace, folder: Path) -> list[Path]:
     return paths
 
 
-def timed(args: Namespace, masks: list[Path], out: Path, executor: Executor | None = None) -> float:
+def timed(job: Job, out: Path, executor: Executor | None = None) -> float:
     """Run the job; returns the seconds it took."""
+    options = {"method": job.method, "lines": job.lines, "masks": True, "every_pair": True, "report": False}
     started = time.perf_counter()
-    epibar.calibrate_all(
-        masks, out, method=args.method, lines=args.lines, masks=True, executor=executor, report=False
-    )
+    epibar.calibrate_all(job.masks, out, executor=executor, **options)
     return time.perf_counter() - started
 
 
-def timed_on_dask(args: Namespace, masks: list[Path], out: Path, workers: int) -> float:
+def timed_on_dask(job: Job, out: Path, workers: int) -> float:
     """Run the job on worker processes of one thread each; starting them is not counted."""
     from distributed import Client, LocalCluster
 
@@ -63,7 +82,7 @@ def timed_on_dask(args: Namespace, masks: list[Path], out: Path, workers: int) -
         ) as cluster,
         Client(cluster) as client,
     ):
-        return timed(args, masks, out, DaskExecutor(client))
+        return timed(job, out, DaskExecutor(client))
 
 
 def kept(out: Path) -> dict[str, int]:
@@ -72,19 +91,18 @@ def kept(out: Path) -> dict[str, int]:
     return {str(path.relative_to(out)): path.stat().st_mtime_ns for path in files}
 
 
-def start(args: Namespace, masks: list[Path], out: Path) -> subprocess.Popen[str]:
+def start(job: Job, out: Path) -> subprocess.Popen[str]:
     """Start the command line on the job."""
-    words = [*map(str, masks), "--out", str(out), "--masks", "--no-report"]
-    words += ["--lines", str(args.lines), "--method", args.method]
+    words = [*map(str, job.masks), "--out", str(out), "--masks", "--no-report", "--every-pair"]
+    words += ["--lines", str(job.lines), "--method", job.method]
     command = [sys.executable, "-m", "epibar", "calibrate", *words]
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
 
-def killed_and_resumed(args: Namespace, masks: list[Path], out: Path) -> dict[str, object]:
+def killed_and_resumed(job: Job, out: Path) -> dict[str, object]:
     """Kill a run when half of the pairs are kept, start it again, list what was done twice."""
-    half = args.cameras * (args.cameras - 1) // 4
-    process = start(args, masks, out)
-    while sum(name.startswith("pairs") for name in kept(out)) < half:
+    process = start(job, out)
+    while sum(name.startswith("pairs") for name in kept(out)) < job.pairs // 2:
         if process.poll() is not None:
             raise SystemExit(f"the run ended before it could be killed:\n{process.communicate()[1]}")
         time.sleep(0.02)
@@ -92,7 +110,7 @@ def killed_and_resumed(args: Namespace, masks: list[Path], out: Path) -> dict[st
     process.communicate()
     before = kept(out)
     started = time.perf_counter()
-    process = start(args, masks, out)
+    process = start(job, out)
     said = process.communicate()[1]
     seconds = time.perf_counter() - started
     if process.returncode:
@@ -107,6 +125,43 @@ def killed_and_resumed(args: Namespace, masks: list[Path], out: Path) -> dict[st
     }
 
 
+def all_ways(job: Job, folder: Path) -> dict[str, Any]:
+    """Run the job in every way, and print how long each took and whether the results are the same."""
+    runs = {}
+    progress(f"{job.method}: threads of one process ...")
+    runs["threads"] = timed(job, folder / "threads")
+    for workers in (1, 2):
+        progress(f"{workers} Dask worker(s) ...")
+        runs[f"{workers} Dask worker(s)"] = timed_on_dask(job, folder / f"dask{workers}", workers)
+    progress("killed at half and resumed ...")
+    resumed = killed_and_resumed(job, folder / "resumed")
+    whole = (folder / "threads" / "calibration.json").read_bytes()
+    same = {
+        name: (folder / name / "calibration.json").read_bytes() == whole
+        for name in ("dask1", "dask2", "resumed")
+    }
+    accepted = sum(pair["accepted"] for pair in json.loads(whole)["pairs"])
+
+    print(f"{accepted} of {job.pairs} pairs accepted; load {os.getloadavg()[0]:.1f}\n")
+    one = runs["1 Dask worker(s)"]
+    rows = [
+        (name, f"{seconds:.1f}", f"{seconds / job.pairs:.4f}", f"{one / seconds:.2f} x")
+        for name, seconds in runs.items()
+    ]
+    print(table(["run", "seconds", "a pair", "against one worker"], rows))
+    print(f"\nsame calibration.json as by threads, byte by byte: {same}")
+    print(f"killed at half: {resumed}\n")
+    each = {name: seconds / job.pairs for name, seconds in runs.items()}
+    return {
+        "pairs": job.pairs,
+        "seconds": runs,
+        "seconds per pair": each,
+        "same": same,
+        "resumed": resumed,
+        "accepted": accepted,
+    }
+
+
 def main() -> None:
     """Run everything and print the figures."""
     parser = ArgumentParser(description=__doc__)
@@ -118,37 +173,31 @@ def main() -> None:
     parser.add_argument(
         "--method", choices=METHODS, default="lines", help="default: %(default)s, the quicker"
     )
+    parser.add_argument(
+        "--beside", type=checkout, metavar="DIR", help="the folder python of another checkout"
+    )
+    parser.add_argument(
+        "--rounds", type=natural, default=3, help="by each checkout, with --beside (default %(default)s)"
+    )
     add_common(parser, lines=2000)
     args = parser.parse_args()
 
+    summary = {}
     with TemporaryDirectory() as temporary:
         folder = Path(temporary)
         masks = write_masks(args, folder)
-        runs = {}
-        progress("threads of one process ...")
-        runs["threads"] = timed(args, masks, folder / "threads")
-        for workers in (1, 2):
-            progress(f"{workers} Dask worker(s) ...")
-            runs[f"{workers} Dask worker(s)"] = timed_on_dask(args, masks, folder / f"dask{workers}", workers)
-        progress("killed at half and resumed ...")
-        resumed = killed_and_resumed(args, masks, folder / "resumed")
-        whole = (folder / "threads" / "calibration.json").read_bytes()
-        same = {
-            name: (folder / name / "calibration.json").read_bytes() == whole
-            for name in ("dask1", "dask2", "resumed")
-        }
-        accepted = whole.count(b'"accepted": true')
-
-    pairs = args.cameras * (args.cameras - 1) // 2
-    print(f"{args.cameras} cameras, {pairs} pairs, {accepted} accepted; load {os.getloadavg()[0]:.1f}\n")
-    one = runs["1 Dask worker(s)"]
-    rows = [(name, f"{seconds:.1f}", f"{one / seconds:.2f} x") for name, seconds in runs.items()]
-    print(table(["run", "seconds", "against one worker"], rows))
-    print(f"\nsame calibration.json as by threads, byte by byte: {same}")
-    print(f"killed at half: {resumed}")
-    outcome = {"seconds": runs, "same": same, "resumed": resumed, "accepted": accepted}
-    write_json(args.json, args, [], outcome)
-    if not all(same.values()):
+        for method in METHODS[args.method]:
+            print(f"{args.cameras} cameras, method {method}:", end=" ")
+            job = Job(masks, method, args.lines)
+            if args.beside is None:
+                summary[method] = all_ways(job, folder / method)
+            else:
+                results = in_turn(job.method, job.lines, masks, folder, args.beside, args.rounds)
+                summary[method] = compared(results)
+                print(f"{job.pairs} pairs beside {args.beside}; load {os.getloadavg()[0]:.1f}\n")
+                print(f"{report(summary[method])}\n")
+            write_json(args.json, args, [], summary)
+    if not all(all(one.get("same", {}).values()) for one in summary.values()):
         raise SystemExit("calibration.json differs")
 
 
