@@ -163,6 +163,20 @@ def test_the_share_of_a_search_never_goes_back(rounds):
     assert shares[-1] < 1.0
 
 
+def test_a_search_that_ends_early_is_not_said_to_be_nearly_done():
+    search = PairShare(1)
+    search.tell("candidates", 0.0)
+    few = search.tell("few", 1.0)
+    told = [search.tell("settle", within) for within in (0.0, 0.5)]
+    assert few < 0.3
+    assert told == pytest.approx([0.62, 0.81], abs=0.01)
+    # Where more hypotheses were drawn little is left when that begins.
+    search = PairShare(1)
+    for stage in ("candidates", "few", "refine"):
+        search.tell(stage, 0.0)
+    assert search.tell("settle", 0.0) == pytest.approx(0.89)
+
+
 def test_shares_of_joining():
     told = [joining_share(share) for share in np.linspace(0, 1, 21)]
     assert told == sorted(told)
