@@ -1,13 +1,14 @@
 """Whether what a saved file holds can be what epibar wrote: shapes, types, ranges.
 
 A recording's shapes are checked before its arrays are expanded; its values are the compiled module's to
-check.
+check. Values of JSON are asked for one by one, by what they must be.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeGuard
 
 import numpy as np
 
@@ -15,7 +16,19 @@ from .. import _core
 from ..arguments import is_number
 from ..errors import EpibarError
 
-__all__ = ["LONGEST_SIDE", "check_calibration", "check_format", "check_recording"]
+__all__ = [
+    "LONGEST_SIDE",
+    "check_calibration",
+    "check_format",
+    "check_recording",
+    "is_text",
+    "is_truth",
+    "is_whole_number",
+    "list_of",
+    "number_of",
+    "text_of",
+    "truth_of",
+]
 
 LONGEST_SIDE = 16_384
 """Pixels of an image, either way."""
@@ -50,6 +63,67 @@ def check_format(where: str, version: Any, known: int) -> None:
         older, remedy = ("an older", "make it again") if number < known else ("a newer", "update epibar")
         reads = f"{where}: format {number}, but this epibar reads format {known}"
         raise EpibarError(f"{reads}: {older} epibar wrote it; {remedy}")
+
+
+def is_truth(value: Any) -> TypeGuard[bool]:
+    """Whether a value is true or false, and not 1 or 0."""
+    return isinstance(value, bool)
+
+
+def is_text(value: Any) -> TypeGuard[str]:
+    """Whether a value is a text, if an empty one."""
+    return isinstance(value, str)
+
+
+def is_whole_number(value: Any, least: int, most: int) -> TypeGuard[int]:
+    """Whether a value is a whole number within bounds, and not a truth value."""
+    return isinstance(value, int) and not isinstance(value, bool) and least <= value <= most
+
+
+def truth_of(values: Mapping[str, Any], name: str) -> bool:
+    """Return true or false.
+
+    Raises
+    ------
+    KeyError
+        There is no such value; so do :func:`text_of`, :func:`list_of` and :func:`number_of`.
+    EpibarError
+        It is something else; so do these.
+    """
+    value = values[name]
+    if not is_truth(value):
+        raise EpibarError(f"{name} is {value!r}, expected true or false")
+    return value
+
+
+def text_of(values: Mapping[str, Any], name: str) -> str:
+    """Return a text that is not empty."""
+    value = values[name]
+    if not is_text(value) or not value:
+        raise EpibarError(f"{name} is {value!r}, expected a text")
+    return value
+
+
+def list_of(values: Mapping[str, Any], name: str) -> list[Any]:
+    """Return a list."""
+    value = values[name]
+    if not isinstance(value, list):
+        raise EpibarError(f"{name} is {value!r}, expected a list")
+    return value
+
+
+def number_of(
+    values: Mapping[str, Any], name: str, least: float = -math.inf, most: float = math.inf
+) -> float | None:
+    """Return a finite number within bounds, or None where that stands there."""
+    value = values[name]
+    if value is None:
+        return None
+    if not is_number(value):
+        raise EpibarError(f"{name} is {value!r}, expected a finite number")
+    if not least <= value <= most:
+        raise EpibarError(f"{name} is {value!r}, expected a number between {least:g} and {most:g}")
+    return float(value)
 
 
 RECORDING: dict[str, tuple[str, tuple[int | str, ...]]] = {
@@ -135,24 +209,12 @@ def _number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _finite(value: Any) -> bool:
-    return is_number(value)
-
-
 def _positive(value: Any) -> bool:
-    return _finite(value) and value > 0
+    return is_number(value) and value > 0
 
 
 def _count(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**64
-
-
-def _text(value: Any) -> bool:
-    return isinstance(value, str)
-
-
-def _truth(value: Any) -> bool:
-    return isinstance(value, bool)
+    return is_whole_number(value, 0, 2**64 - 1)
 
 
 def _or_none(holds: Callable[[Any], bool]) -> Callable[[Any], bool]:
@@ -181,30 +243,30 @@ def _rivals(value: Any) -> bool:
 
 
 def _rival(value: Any) -> bool:
-    if not isinstance(value, dict) or not _matrix(value.get("F")) or not _text(value.get("source")):
+    if not isinstance(value, dict) or not _matrix(value.get("F")) or not is_text(value.get("source")):
         return False
     return all(_number(value.get(name, 0.0)) for name in ("evidence_share", "evidence_z", "distance"))
 
 
 CALIBRATION: dict[str, Callable[[Any], bool]] = {
     "F": _or_none(_matrix),
-    "accepted": _truth,
-    "kind": _text,
-    "reason": _text,
-    "expected_error": _or_none(_finite),
-    "time_offset": _finite,
+    "accepted": is_truth,
+    "kind": is_text,
+    "reason": is_text,
+    "expected_error": _or_none(is_number),
+    "time_offset": is_number,
     "counts": _named(_count),
     "floor": _or_none(_matrix),
     "rivals": _rivals,
     "evidence": _named(_number),
-    "source": _text,
-    "method": _text,
+    "source": is_text,
+    "method": is_text,
     "seed": _count,
     "timing.frames_per_frame": _positive,
     "timing.offset_uncertainty": _or_none(_number),
     "timing.drift": _or_none(_number),
     "timing.drift_uncertainty": _or_none(_number),
-    "timing.drift_used": _truth,
+    "timing.drift_used": is_truth,
     "timing.runner_up": _or_none(_number),
     "timing.runner_up_share": _or_none(_number),
     "timing.offsets_tried": _count,

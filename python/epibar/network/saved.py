@@ -8,9 +8,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..arguments import Array, as_camera_matrix, as_numbers, as_rotation, is_number
+from ..arguments import Array, as_camera_matrix, as_numbers, as_rotation
 from ..errors import EpibarError
-from ..files.checks import LONGEST_SIDE, check_format
+from ..files.checks import LONGEST_SIDE, check_format, list_of, number_of, text_of, truth_of
 from ..files.network_json import FORMAT, SCHEMA
 from ..lens.intrinsics import Intrinsics
 from .parts import (
@@ -151,7 +151,7 @@ def network_from(kind: type[N], content: Mapping[str, Any], where: str) -> N:
 
 
 def _network(kind: type[N], content: Mapping[str, Any]) -> N:
-    cameras = [_camera(one) for one in _list(content, "cameras")]
+    cameras = [_camera(one) for one in list_of(content, "cameras")]
     names = [camera.name for camera in cameras]
     if len(names) < 2 or len(set(names)) < len(names):
         raise EpibarError(f"cameras are called {', '.join(names)}")
@@ -161,10 +161,10 @@ def _network(kind: type[N], content: Mapping[str, Any]) -> N:
         )
         for one in content["cameras"]
     }
-    pairs = [_pair(one, names) for one in _list(content, "pairs")]
-    if _truth(content) != all(camera.accepted for camera in cameras):
+    pairs = [_pair(one, names) for one in list_of(content, "pairs")]
+    if truth_of(content, "accepted") != all(camera.accepted for camera in cameras):
         raise EpibarError("whether the whole is accepted does not fit its cameras")
-    unit = _word(content, "unit")
+    unit = text_of(content, "unit")
     if unit not in (BASELINE, METRE):
         raise EpibarError(f"unit is {unit!r}")
     ground, scale = content["ground"], content["scale"]
@@ -173,11 +173,11 @@ def _network(kind: type[N], content: Mapping[str, Any]) -> N:
         cameras=dict(zip(names, cameras, strict=True)),
         pairs=NetworkPairs(pairs),
         clocks=clocks,
-        accepted=_truth(content),
-        reason=_word(content, "reason"),
+        accepted=truth_of(content, "accepted"),
+        reason=text_of(content, "reason"),
         unit=unit,
         ground=Ground(
-            _word(ground, "source"),
+            text_of(ground, "source"),
             _size(ground, "height"),
             _size(ground, "vertical_error"),
             None if figures is None else int(figures),
@@ -193,22 +193,22 @@ def _scale(scale: Mapping[str, Any]) -> Scale:
     error = _size(scale, "error")
     if error is None:
         raise EpibarError("scale has no error")
-    lengths = _list(scale, "lengths") if "lengths" in scale else []
-    return Scale(error, tuple(map(str, _list(scale, "sources"))), tuple(map(_known_length, lengths)))
+    lengths = list_of(scale, "lengths") if "lengths" in scale else []
+    return Scale(error, tuple(map(str, list_of(scale, "sources"))), tuple(map(_known_length, lengths)))
 
 
 def _known_length(one: Mapping[str, Any]) -> KnownLength:
     ratio, error = _size(one, "ratio"), _size(one, "error")
     if not ratio or not error or error < LEAST_ERROR:
         raise EpibarError("a length of the scale says nothing")
-    return KnownLength(_word(one, "what"), tuple(map(str, _list(one, "of"))), ratio, error)
+    return KnownLength(text_of(one, "what"), tuple(map(str, list_of(one, "of"))), ratio, error)
 
 
 def _camera(one: Mapping[str, Any]) -> NetworkCamera:
-    name = _word(one, "name")
+    name = text_of(one, "name")
     parts = {key: one[key] for key in ("matrix", "distortions", "rotation", "translation", "expected")}
     missing = [key for key, value in parts.items() if value is None]
-    accepted = _truth(one)
+    accepted = truth_of(one, "accepted")
     lens = one.get("lens")
     if missing and (accepted or len(missing) < len(parts)):
         raise EpibarError(f"{name} has no {', '.join(missing)}")
@@ -219,8 +219,8 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
         name=name,
         size=(int(size[0]), int(size[1])),
         accepted=accepted,
-        status=_word(one, "status"),
-        reason=_word(one, "reason"),
+        status=text_of(one, "status"),
+        reason=text_of(one, "reason"),
         matrix=None if missing else as_camera_matrix(parts["matrix"], f"{name}: matrix"),
         distortions=None if missing else _vector(f"{name}: distortions", parts["distortions"], 5),
         rotation=None if missing else as_rotation(f"{name}: rotation", parts["rotation"], ORTHOGONAL),
@@ -228,13 +228,13 @@ def _camera(one: Mapping[str, Any]) -> NetworkCamera:
         expected=None if missing else _expected(parts["expected"]),
         position_covariance=None if missing else _covariance(name, one.get("position_covariance")),
         evidence=_evidence(one),
-        undistorted="undistorted" in one and _truth(one, "undistorted"),
+        undistorted="undistorted" in one and truth_of(one, "undistorted"),
         lens=None if lens is None else _lens(name, (int(size[0]), int(size[1])), lens),
     )
 
 
 def _lens(name: str, size: tuple[int, int], lens: Mapping[str, Any]) -> Intrinsics:
-    return Intrinsics(name, size, lens["matrix"], lens["distortions"], _truth(lens, "fisheye"))
+    return Intrinsics(name, size, lens["matrix"], lens["distortions"], truth_of(lens, "fisheye"))
 
 
 def _expected(value: Mapping[str, Any]) -> dict[str, float]:
@@ -258,60 +258,27 @@ def _covariance(name: str, value: Any) -> Array | None:
 
 
 def _pair(one: Mapping[str, Any], names: Sequence[str]) -> NetworkPair:
-    a, b = _word(one, "a"), _word(one, "b")
+    a, b = text_of(one, "a"), text_of(one, "b")
     if a not in names or b not in names or a == b:
         raise EpibarError(f"there is a pair {a} - {b}, but no such cameras")
     F = None if one["F"] is None else as_numbers(f"{a} - {b}: F", one["F"], (3, 3))
-    return NetworkPair(a, b, _truth(one), _word(one, "status"), F, _evidence(one))
+    return NetworkPair(a, b, truth_of(one, "accepted"), text_of(one, "status"), F, _evidence(one))
 
 
 def _evidence(one: Mapping[str, Any]) -> dict[str, float]:
     if not isinstance(one["evidence"], Mapping):
         raise EpibarError(f"evidence is {one['evidence']!r}, expected numbers by name")
-    found = {str(key): _finite(one["evidence"], key) for key in one["evidence"]}
+    found = {str(key): number_of(one["evidence"], key) for key in one["evidence"]}
     return {key: value for key, value in found.items() if value is not None}
 
 
-def _list(content: Mapping[str, Any], key: str) -> list[Any]:
-    if not isinstance(content[key], list):
-        raise EpibarError(f"{key} is no list")
-    return list(content[key])
-
-
-def _word(content: Mapping[str, Any], key: str) -> str:
-    if not isinstance(content[key], str) or not content[key]:
-        raise EpibarError(f"{key} is {content[key]!r}, expected a text")
-    return str(content[key])
-
-
-def _truth(content: Mapping[str, Any], key: str = "accepted") -> bool:
-    if not isinstance(content[key], bool):
-        raise EpibarError(f"{key} is {content[key]!r}")
-    return bool(content[key])
-
-
-def _finite(content: Mapping[str, Any], key: str) -> float | None:
-    value = content[key]
-    if value is None:
-        return None
-    if not is_number(value):
-        raise EpibarError(f"{key} is {value!r}, expected a finite number")
-    return float(value)
-
-
 def _number(content: Mapping[str, Any], key: str) -> float | None:
-    value = _finite(content, key)
-    if value is not None and abs(value) > LARGEST:
-        raise EpibarError(f"{key} is {value!r}, which no network has")
-    return value
+    return number_of(content, key, -LARGEST, LARGEST)
 
 
 def _size(content: Mapping[str, Any], key: str) -> float | None:
     """A length or an error."""
-    value = _number(content, key)
-    if value is not None and value < 0:
-        raise EpibarError(f"{key} is {value!r}, which is below 0")
-    return value
+    return number_of(content, key, 0.0, LARGEST)
 
 
 def _vector(what: str, value: Any, count: int) -> Array:

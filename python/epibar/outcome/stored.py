@@ -10,9 +10,10 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ..arguments import Array
+from ..arguments import Array, is_number
 from ..errors import EpibarError
 from ..files.calibration_json import is_plain_name
+from ..files.checks import is_text, is_truth, is_whole_number
 
 __all__ = ["Stored", "entries"]
 
@@ -22,7 +23,7 @@ SHOWN = 60
 
 
 def _is_finite(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) < LARGEST
+    return is_number(value) and abs(value) < LARGEST
 
 
 @dataclass(frozen=True)
@@ -45,21 +46,21 @@ class Stored:
     def text(self, name: str) -> str:
         """Return a text that is there."""
         value = self.values.get(name)
-        if not isinstance(value, str):
+        if not is_text(value):
             self._wrong(name, "a text")
         return value
 
     def truth(self, name: str) -> bool:
         """Return true or false."""
         value = self.values.get(name)
-        if not isinstance(value, bool):
+        if not is_truth(value):
             self._wrong(name, "true or false")
         return value
 
     def whole(self, name: str, least: int, most: int) -> int:
         """Return a whole number within bounds."""
         value = self.values.get(name)
-        if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
+        if not is_whole_number(value, least, most):
             self._wrong(name, f"a whole number from {least} to {most}")
         return value
 
@@ -98,7 +99,7 @@ class Stored:
         value = self.values.get(name)
         if value is None:
             return None
-        if not isinstance(value, str) or not is_plain_name(value):
+        if not is_text(value) or not is_plain_name(value):
             self._wrong(name, "the name of a file in the same folder")
         found = self.path.parent / value
         if found.resolve().parent != self.path.parent.resolve():
