@@ -28,7 +28,7 @@ from network_input import made_up
 from epibar import EpibarError
 from epibar.camera_export import losses
 from epibar.camera_export.formats import ALIASES
-from epibar.camera_export.formats import FORMATS as CAMERAS
+from epibar.camera_export.formats import CAMERA_FORMATS as CAMERAS
 from epibar.cli import main
 from epibar.errors import printable
 from epibar.export import FORMATS, PAIR_FORMATS

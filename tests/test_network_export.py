@@ -12,7 +12,7 @@ from network_input import made_up
 
 import epibar
 from epibar import EpibarError, Network
-from epibar.camera_export.formats import FORMATS
+from epibar.camera_export.formats import CAMERA_FORMATS
 from epibar.cli import main
 from epibar.files.json_file import write_json
 from epibar.lens import Intrinsics, write_cameras
@@ -170,7 +170,7 @@ def test_what_cannot_be_exported(tmp_path):
     with pytest.raises(EpibarError, match="anipose, caliscope"):
         made_up().export(tmp_path / "c.toml", format="blender")
     (tmp_path / "file").write_text("")
-    for name, one in FORMATS.items():
+    for name, one in CAMERA_FORMATS.items():
         if one.extra and not importlib.util.find_spec(LIBRARIES[one.extra]):
             continue
         with pytest.raises(EpibarError, match="cannot be"):

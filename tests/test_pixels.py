@@ -10,7 +10,7 @@ from check_input import FEW, SIZE, films, network, some_masks
 
 import epibar
 from epibar import EpibarError, Recording
-from epibar.camera_export.formats import FORMATS
+from epibar.camera_export.formats import CAMERA_FORMATS
 from epibar.cli import main
 from epibar.lens import Intrinsics, write_cameras
 from epibar.network.core_parts import camera_of
@@ -101,7 +101,7 @@ def test_where_the_lens_is_not_known_it_is_said(tmp_path):
     net = straight("cam1", "cam3", known=False)
     (told,) = (text for text in network_notes(net) if "undistorted" in text)
     assert told.startswith("cam1, cam3: in undistorted pixels, not in those of the video")
-    for name in FORMATS:
+    for name in CAMERA_FORMATS:
         if name in ("anipose", "caliscope"):
             net.export(tmp_path / name, name)
             assert told in tomllib.loads((tmp_path / name).read_text())["metadata"]["notes"]

@@ -13,7 +13,7 @@ from hypothesis.extra import numpy as arrays
 from property_input import load, tried
 
 import epibar
-from epibar.camera_export.formats import FORMATS
+from epibar.camera_export.formats import CAMERA_FORMATS
 from epibar.camera_export.world import World
 from epibar.errors import printable, without_secrets
 from epibar.files.archive import read_archive, write_archive
@@ -59,7 +59,7 @@ def test_names_are_text_in_toml_yaml_and_csv(given_names, folder):
     assert [camera.name for camera in load_cameras(folder / "names.toml")] == given_names
     placed = {"rotation": np.zeros(3), "translation": np.zeros(3)}
     posed = [Intrinsics(name, (64, 48), np.eye(3), **placed) for name in given_names]
-    FORMATS["opencv"].write(posed, folder / "cameras.yml", World("metre", notes=tuple(given_names)))
+    CAMERA_FORMATS["opencv"].write(posed, folder / "cameras.yml", World("metre", notes=tuple(given_names)))
     if all(name.isprintable() for name in given_names):
         storage = cv2.FileStorage(str(folder / "cameras.yml"), cv2.FILE_STORAGE_READ)
         read = storage.getNode("cameras")

@@ -237,10 +237,10 @@ def test_every_block_of_python_is_run():
 
 
 def test_every_format_of_cameras_is_told_of():
-    from epibar.camera_export.formats import FORMATS
+    from epibar.camera_export.formats import CAMERA_FORMATS
 
     written = {blocks(program, "sh")[0].split()[4] for program in TOLD}
-    assert written == set(FORMATS)
+    assert written == set(CAMERA_FORMATS)
 
 
 def table_rows(page):
@@ -269,7 +269,7 @@ def test_the_page_on_axes_is_that_of_the_program():
 
 
 def test_the_tables_of_the_page_are_those_of_the_program():
-    from epibar.camera_export.formats import FORMATS
+    from epibar.camera_export.formats import CAMERA_FORMATS
     from epibar.export import PAIR_FORMATS
 
     rows = table_rows(PAGE)
@@ -282,7 +282,7 @@ def test_the_tables_of_the_page_are_those_of_the_program():
             one.unit.replace("network", "that of the network"),
             one.loses,
         ]
-        for one in FORMATS.values()
+        for one in CAMERA_FORMATS.values()
     ]
     assert cameras == expected_rows
     assert [row[0].strip("`") for row in rows if len(row) == 2] == list(PAIR_FORMATS)

@@ -12,7 +12,7 @@ PACKAGE = Path(epibar.__file__).parent
 ROOMS = (
     *("errors", "_core", "arguments", "geometry", "files", "sources", "lens", "camera_export", "foreground"),
     *("recording", "clocks", "health", "from_video", "motion_barcodes", "calibration", "network"),
-    *("outcome", "show", "evaluation", "plot", "report", "live", "export"),
+    *("outcome", "show", "evaluation", "plot", "report", "live", "pair_export", "export"),
     *("jobs", "synthetic", "cli", "__main__"),
 )
 """In the order of the data: each may import from those before it."""

@@ -27,7 +27,7 @@ from .losses import plain_names, renamed, tell
 from .two_views import TwoViews
 from .world import SOFTWARE, World
 
-__all__ = ["write_colmap"]
+__all__ = ["write_cameras_colmap"]
 
 HALF = 0.5
 MODELS = ((4, "OPENCV"), (8, "FULL_OPENCV"))
@@ -44,7 +44,7 @@ NO_WORD = rf"\s|{UNPRINTABLE.pattern}"
 """What is no part of one word: readers of the files as text end a name at a blank."""
 
 
-def write_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
+def write_cameras_colmap(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
     """Write a model through ``pycolmap``, in its text files, and ``README.txt`` with the metadata.
 
     Raises

@@ -2,8 +2,9 @@
 
 To add one: a module with a function that takes a sequence of :class:`~epibar.Intrinsics` with rotations and
 translations, a path and the :class:`~epibar.camera_export.world.World` they stand in, writes, and returns the
-files it wrote; and a line in :data:`FORMATS`. The command line, its help and ``epibar formats`` follow the
-table. Standard library only: the command line reads it before anything heavy is imported.
+files it wrote; and a line in :data:`CAMERA_FORMATS`. Pairs have a table of their own,
+:mod:`epibar.pair_export.formats`. The command line, its help and ``epibar formats`` follow both tables.
+Standard library only: the command line reads it before anything heavy is imported.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-__all__ = ["ALIASES", "FORMATS", "OPENCV_AXES", "Format"]
+__all__ = ["ALIASES", "CAMERA_FORMATS", "OPENCV_AXES", "Format"]
 
 
 class Format(NamedTuple):
@@ -75,7 +76,7 @@ OPENCV_AXES = "world z up; camera x right, y down, z forward"
 OPENGL_AXES = "world z up; camera x right, y up, z back"
 GLTF_AXES = "world y up; camera x right, y up, z back"
 
-FORMATS = {
+CAMERA_FORMATS = {
     one.name: one
     for one in (
         Format(
@@ -134,7 +135,7 @@ FORMATS = {
             "network",
             OPENCV_AXES,
             "nothing more",
-            "opencv:write_opencv",
+            "opencv:write_cameras_opencv",
         ),
         Format(
             "colmap",
@@ -143,7 +144,7 @@ FORMATS = {
             "network",
             OPENCV_AXES,
             "distortion coefficients after the eighth; who a walker is, and when",
-            "colmap:write_colmap",
+            "colmap:write_cameras_colmap",
             extra="colmap",
             tracks=True,
             points=True,
@@ -185,7 +186,7 @@ FORMATS = {
             "network",
             OPENCV_AXES,
             "nothing more",
-            "npz:write_npz",
+            "npz:write_cameras_npz",
         ),
     )
 }

@@ -12,10 +12,10 @@ from ..files.archive import write_archive
 from ..lens.intrinsics import Intrinsics
 from .world import World
 
-__all__ = ["write_npz"]
+__all__ = ["write_cameras_npz"]
 
 
-def write_npz(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
+def write_cameras_npz(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
     """Write arrays without pickle.
 
     ``names`` (n,), ``sizes`` (n, 2), ``matrices`` (n, 3, 3), ``distortions`` (n, k) filled up with zeros,

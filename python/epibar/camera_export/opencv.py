@@ -14,10 +14,10 @@ from ..lens.intrinsics import Intrinsics
 from ..sources.quiet_opencv import opencv
 from .world import World
 
-__all__ = ["write_metadata", "write_opencv"]
+__all__ = ["write_cameras_opencv", "write_metadata"]
 
 
-def write_opencv(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
+def write_cameras_opencv(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[Path]:
     """Write YAML that ``cv2.FileStorage`` reads: the metadata, and a node ``cameras``, a sequence of maps.
 
     A camera has ``name``, ``width``, ``height``, ``camera_matrix``, ``distortion_coefficients`` (1 × n),

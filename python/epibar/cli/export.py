@@ -6,7 +6,7 @@ from argparse import Namespace
 from typing import TYPE_CHECKING
 
 from ..camera_export.formats import ALIASES
-from ..export.formats import CAMERA_FORMATS, PAIR_FORMATS, TRACK_FORMATS
+from ..export import CAMERA_FORMATS, PAIR_FORMATS, TRACK_FORMATS
 from .exit_codes import DONE
 from .options import CommandParser, add_output_options, add_run_folder
 
@@ -109,7 +109,7 @@ def _export_pairs(args: Namespace, chosen: str, run: Run, of_cameras: bool, cons
     """Write the pairs, or the cameras as the pairs place them."""
     from pathlib import Path
 
-    from ..export.placed import write_placed
+    from ..pair_export.placed import write_placed
 
     known = any(camera.matrix is not None for camera in run.cameras)
     if known and chosen != "csv":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
-from ..export.formats import FORMATS, Format
+from ..export import FORMATS, Format
 from .exit_codes import DONE
 from .options import CommandParser
 

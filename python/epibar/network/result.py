@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..calibration import SEARCH_SECONDS
-from ..camera_export.formats import FORMATS
+from ..camera_export.formats import CAMERA_FORMATS
 from ..camera_export.world import BY_CAMERAS, ON_FLOOR, World
 from ..errors import EpibarError
 from ..files.json_file import read_json_object, write_json
@@ -324,11 +324,11 @@ class Network(NetworkParts):
             points, a lens is of no camera or another size, tracks are in another unit or lack what is to be
             written, or a file cannot be written.
         """
-        if format not in FORMATS:
-            raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
+        if format not in CAMERA_FORMATS:
+            raise EpibarError(f"format = {format!r}: it must be one of {', '.join(CAMERA_FORMATS)}")
         if tracks is not None:
             self._refuse_misplaced(tracks, format)
-        if frontier_points is not None and not FORMATS[format].points:
+        if frontier_points is not None and not CAMERA_FORMATS[format].points:
             raise EpibarError(f"format = {format!r} has no place for frontier points")
         accepted = [camera for camera in self.cameras.values() if camera.accepted]
         if not accepted:
@@ -337,7 +337,7 @@ class Network(NetworkParts):
             logger.warning("%s: left out: %s: %s", os.fspath(path), name, self.cameras[name].why_left_out)
         lenses = lenses_by_name(lenses, {name: camera.size for name, camera in self.cameras.items()})
         cameras = [camera.intrinsics(lenses.get(camera.name)) for camera in accepted]
-        chosen = FORMATS[format]
+        chosen = CAMERA_FORMATS[format]
         if chosen.unit != "network" and self.unit != METRE:
             logger.warning(
                 "%s: %s counts in %ss, and the scale of this network is not known: bring it to metres first",
@@ -352,8 +352,8 @@ class Network(NetworkParts):
 
     def _refuse_misplaced(self, tracks: WalkerTracks, format: str) -> None:  # noqa: A002
         """Refuse tracks that the format has no place for, or that are in another unit."""
-        if not FORMATS[format].tracks:
-            having = ", ".join(name for name, one in FORMATS.items() if one.tracks)
+        if not CAMERA_FORMATS[format].tracks:
+            having = ", ".join(name for name, one in CAMERA_FORMATS.items() if one.tracks)
             raise EpibarError(f"format = {format!r} has no place for walkers; these have: {having}")
         if not isinstance(tracks, WalkerTracks):
             raise EpibarError(f"tracks is a {type(tracks).__name__}, expected what Network.tracks returned")

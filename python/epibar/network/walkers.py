@@ -24,7 +24,7 @@ from .recordings import Recordings, named_recordings
 from .sightings import WalkerSightings
 from .stages import Progress
 
-__all__ = ["COLUMNS", "SEEN_BY", "WalkerTracks", "height_on_floor", "walker_tracks"]
+__all__ = ["COLUMNS", "SEEN_BY", "WalkerTracks", "height_on_floor", "walker_tracks", "write_tracks"]
 
 COLUMNS = (
     *("time", "track", "x", "y", "z", "top_x", "top_y", "top_z", "height"),
@@ -218,3 +218,24 @@ def _with_clock(network: NetworkParts, camera: NetworkCamera, films: Mapping[str
         raise EpibarError(f"{camera.name}: the network has no clock of it")
     stored = stored_camera(camera, films[camera.name])
     return {"camera": stored["camera"], "clock": (clock.offset, clock.drift or 0.0)}
+
+
+def write_tracks(tracks: WalkerTracks, path: Path) -> list[Path]:
+    """Write arrays (``.npz``, no pickle) or a table (``.csv``); see :meth:`WalkerTracks.save`.
+
+    Of m places and n cameras an archive holds ``names`` (n,), ``unit``, ``time`` (m,) in seconds of the
+    network's first camera, ``track`` (m,), ``foot`` and ``top`` (m, 3), ``height`` (m,), ``cameras`` (m, n)
+    and ``residual`` (m,) in pixels.
+
+    Returns
+    -------
+    list of Path
+        The file.
+
+    Raises
+    ------
+    EpibarError
+        The suffix is another, or the file cannot be written.
+    """
+    tracks.save(path)
+    return [path]

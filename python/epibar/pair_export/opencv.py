@@ -13,10 +13,10 @@ from ..files.opencv_text import opencv_text
 from ..outcome.run import Run
 from ..sources.quiet_opencv import opencv
 
-__all__ = ["write_opencv"]
+__all__ = ["write_pairs_opencv"]
 
 
-def write_opencv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
+def write_pairs_opencv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     """Write YAML that ``cv2.FileStorage`` reads: nodes ``cameras`` and ``pairs``, each a sequence of maps.
 
     A pair has ``a``, ``b``, ``accepted`` (0 or 1), ``kind``, ``reason``, ``time_offset``, ``points_a`` and

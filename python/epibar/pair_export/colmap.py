@@ -25,7 +25,7 @@ from ..files.atomic import write_atomically
 from ..geometry.pose import RelativePose
 from ..outcome.run import Camera, Pair, Run
 
-__all__ = ["write_colmap"]
+__all__ = ["write_pairs_colmap"]
 
 HALF = 0.5
 FOCAL_GUESS = 1.2
@@ -35,7 +35,7 @@ TO_COLMAP = np.array([[1.0, 0.0, HALF], [0.0, 1.0, HALF], [0.0, 0.0, 1.0]])
 Key = tuple[int, float, float]
 
 
-def write_colmap(run: Run, path: str | os.PathLike[str]) -> list[Path]:
+def write_pairs_colmap(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     """Write a COLMAP database through ``pycolmap``, replacing what is there.
 
     With intrinsics a camera is a PINHOLE whose focal length is a prior (the points are undistorted

@@ -12,10 +12,10 @@ from ..arguments import AnyArray
 from ..files.archive import write_archive
 from ..outcome.run import Run, no_points
 
-__all__ = ["write_npz"]
+__all__ = ["write_pairs_npz"]
 
 
-def write_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
+def write_pairs_npz(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     """Write one NumPy archive, without pickle.
 
     Keys by camera: ``cameras`` (names), ``sizes`` (n, 2), ``matrices`` (n, 3, 3). By pair: ``pairs`` (m, 2)

@@ -11,12 +11,12 @@ import numpy as np
 from ..files.csv_table import csv_text, write_csv_table
 from ..outcome.run import Pair, Run
 
-__all__ = ["write_csv"]
+__all__ = ["write_pairs_csv"]
 
 COLUMNS = ("a", "b", "verdict", "frame_a", "frame_b", "x_a", "y_a", "x_b", "y_b", "residual")
 
 
-def write_csv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
+def write_pairs_csv(run: Run, path: str | os.PathLike[str]) -> list[Path]:
     """Write the frontier points of all pairs in one table: frames, pixels, and the pair's verdict.
 
     A name that a spreadsheet would take for a formula has an apostrophe before it.

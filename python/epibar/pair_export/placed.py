@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arguments import Array, PathLike
-from ..camera_export.formats import FORMATS
+from ..camera_export.formats import CAMERA_FORMATS
 from ..camera_export.world import World
 from ..errors import EpibarError
 from ..geometry.pose import RelativePose
@@ -20,7 +20,7 @@ from ..lens.intrinsics import Intrinsics, rotation_vector
 from ..outcome.run import Pair, Run
 from .placing import place_cameras
 
-__all__ = ["write_caliscope", "write_placed", "write_toml"]
+__all__ = ["write_placed", "write_placed_caliscope", "write_placed_toml"]
 
 NUMBERED = "caliscope"
 """A camera that has no place in the world is there without one, so that the others keep their numbers."""
@@ -31,7 +31,7 @@ SEPARATORS = r"[\\/\0]"
 Placed = Mapping[str, tuple[Array, Array]]
 
 
-def write_toml(
+def write_placed_toml(
     run: Run, path: PathLike, intrinsics: PathLike | None = None, caliscope: bool = False
 ) -> list[Path]:
     """Write the cameras as :func:`write_placed` does, for aniposelib or Caliscope.
@@ -49,7 +49,7 @@ def write_toml(
     return write_placed(run, path, "caliscope" if caliscope else "anipose", intrinsics)
 
 
-def write_caliscope(run: Run, path: PathLike, intrinsics: PathLike | None = None) -> list[Path]:
+def write_placed_caliscope(run: Run, path: PathLike, intrinsics: PathLike | None = None) -> list[Path]:
     """Write the cameras as :func:`write_placed` does, for Caliscope.
 
     Caliscope numbers its cameras: a number is the place in the run, and a camera that has no place in the
@@ -101,8 +101,8 @@ def write_placed(
         No camera file, or one that does not fit; no pair has a pose; the format is unknown; a file cannot
         be written.
     """
-    if format not in FORMATS:
-        raise EpibarError(f"format = {format!r}: it must be one of {', '.join(FORMATS)}")
+    if format not in CAMERA_FORMATS:
+        raise EpibarError(f"format = {format!r}: it must be one of {', '.join(CAMERA_FORMATS)}")
     run, lenses, pixels = _with_lenses(run, intrinsics)
     poses, reasons = run.poses()
     if not poses:
@@ -187,4 +187,4 @@ def _write(
             cameras.append(replace(lens, rotation=rotation_vector(R), translation=t))
         elif chosen == NUMBERED:
             cameras.append(replace(lens, rotation=None, translation=None))
-    return FORMATS[chosen].write(cameras, path, world)
+    return CAMERA_FORMATS[chosen].write(cameras, path, world)

@@ -1,18 +1,16 @@
-"""The formats of ``epibar export``: what holds pairs of cameras, one module of this package each, and all.
+"""The programs that pairs of cameras are written for, one module of this package each.
 
-To add one for pairs: a module with a function that takes a :class:`~epibar.outcome.Run` and a path, writes,
-and returns the files it wrote; and a line in :data:`PAIR_FORMATS`. Those of :data:`TRACK_FORMATS` take
-:class:`~epibar.network.WalkerTracks` in place of the run. Cameras in one world have a table of their own,
-:mod:`epibar.camera_export.formats`. The command line, its help and ``epibar formats`` follow the tables.
+To add one: a module with a function that takes a :class:`~epibar.outcome.Run` and a path, writes, and returns
+the files it wrote; and a line in :data:`PAIR_FORMATS`. Cameras in one world have a table of their own,
+:mod:`epibar.camera_export.formats`. The command line, its help and ``epibar formats`` follow both tables.
 Standard library only: the command line reads it before anything heavy is imported.
 """
 
 from __future__ import annotations
 
-from ..camera_export.formats import FORMATS as CAMERA_FORMATS
 from ..camera_export.formats import Format
 
-__all__ = ["CAMERA_FORMATS", "FORMATS", "PAIR_FORMATS", "TRACK_FORMATS", "Format"]
+__all__ = ["PAIR_FORMATS"]
 
 AXES = "pixels, pixel centres at integers; X_b = R X_a + t, where matrices are known"
 
@@ -26,7 +24,7 @@ PAIR_FORMATS = {
             "none: t has length 1",
             AXES,
             "frames of the points",
-            "opencv:write_opencv",
+            "opencv:write_pairs_opencv",
             package=__package__,
         ),
         Format(
@@ -36,7 +34,7 @@ PAIR_FORMATS = {
             "none: t has length 1",
             AXES,
             "nothing more",
-            "npz:write_npz",
+            "npz:write_pairs_npz",
             package=__package__,
         ),
         Format(
@@ -46,7 +44,7 @@ PAIR_FORMATS = {
             "none: t has length 1",
             "pixels, centre of the first pixel at (0.5, 0.5)",
             "frames of the points; verdicts but for accepted or not",
-            "colmap:write_colmap",
+            "colmap:write_pairs_colmap",
             extra="colmap",
             package=__package__,
         ),
@@ -57,27 +55,8 @@ PAIR_FORMATS = {
             "none",
             "pixels, pixel centres at integers",
             "F and poses",
-            "csv:write_csv",
+            "csv:write_pairs_csv",
             package=__package__,
         ),
     )
 }
-
-TRACK_FORMATS = {
-    one.name: one
-    for one in (
-        Format(
-            "tracks",
-            "NumPy, spreadsheets",
-            "walkers: an .npz file, without pickle, or a .csv file",
-            "network",
-            "world z up, 0 on the floor",
-            "digits that tracks.csv does not have",
-            "tracks:write_tracks",
-            package=__package__,
-        ),
-    )
-}
-
-FORMATS = {"cameras": CAMERA_FORMATS, "pairs": PAIR_FORMATS, "tracks": TRACK_FORMATS}
-"""Every format by what it holds."""
