@@ -26,7 +26,7 @@ LOW = Setting(
     frames=(800, 800),
     rates=(7.0,),
 )
-"""As in the page that first told of low cameras: six walkers, a ring of 14–20 m."""
+"""Six walkers in a circle of cameras that stand as high as their heads, 14–20 m from the middle."""
 
 GENERAL = Setting(casts.mixed_habits, dirt=ragged)
 LOW_RIG = Rig(height=(1.2, 2.4), roll=0.25)

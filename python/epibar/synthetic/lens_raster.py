@@ -120,7 +120,7 @@ def polygon_spans(corners: Array, size: tuple[int, int]) -> Spans:
         first, second = at[::2], at[1::2]
     item, row = np.divmod(cell[::2], height)
     left, right = np.minimum(first, second), np.maximum(first, second)
-    return raster._spans(item, row, left, right, width)
+    return raster.spans_between(item, row, left, right, width)
 
 
 def _crossings(corners: Array, height: int) -> tuple[Index, Index, Array]:

@@ -64,8 +64,12 @@ def _rows(top: Array, bottom: Array, height: int) -> tuple[Index, Index]:
     return item, np.arange(len(item)) + (first - np.cumsum(count) + count)[item]
 
 
-def _spans(item: Index, row: Index, left: Array, right: Array, width: int) -> Spans:
-    """Spans of the pixel centres between left and right, without the empty ones."""
+def spans_between(item: Index, row: Index, left: Array, right: Array, width: int) -> Spans:
+    """Spans of the pixel centres between left and right, without the empty ones.
+
+    All but ``width``, that of the image in pixels, are (n,): whose span it is, its image row, and x of its
+    ends in pixels, which may lie outside of the image.
+    """
     first = np.ceil(np.clip(left, 0, width)).astype(np.int64)
     last = np.floor(np.clip(right, -1, width - 1)).astype(np.int64)
     keep = first <= last
@@ -83,7 +87,7 @@ def ellipse_spans(mean: Array, shape: Array, size: tuple[int, int]) -> Spans:
     # Half width at height up: √(det(shape) / syy · (1 − up² / syy)).
     widest = np.maximum(sxx - sxy**2 / syy, 0.0)
     half = np.sqrt(widest[item] * np.maximum(1.0 - up**2 / syy[item], 0.0))
-    return _spans(item, row, middle - half, middle + half, size[0])
+    return spans_between(item, row, middle - half, middle + half, size[0])
 
 
 def polygon_spans(corners: Array, edges: Index, size: tuple[int, int]) -> Spans:
@@ -100,7 +104,7 @@ def polygon_spans(corners: Array, edges: Index, size: tuple[int, int]) -> Spans:
         at = x[item, i] + (row - y[item, i]) * slope[item]
         left = np.where(meets, np.minimum(left, at), left)
         right = np.where(meets, np.maximum(right, at), right)
-    return _spans(item, row, left, right, size[0])
+    return spans_between(item, row, left, right, size[0])
 
 
 def ellipsoid_outlines(camera: Camera, centres: Array, axes: Array) -> tuple[Array, Array, Bits]:
