@@ -124,6 +124,31 @@ def test_every_option_is_explained(command):
         assert action.help or action.dest == "shell", f"{command} {action.dest}"
 
 
+def test_every_command_is_quiet_or_verbose_when_asked():
+    taken = {name: set() for name in (module.NAME for module in COMMANDS)}
+    for command, action in arguments():
+        if command is not None:
+            taken[command] |= set(action.option_strings)
+    for command, options in taken.items():
+        assert {"-q", "--quiet", "-v", "--verbose"} <= options, command
+
+
+def test_commands_that_only_print_are_quiet_or_verbose_too(capsys):
+    """What other programs read is printed however quiet."""
+    printed = {}
+    for words in ("formats", "formats -v", "formats -q", "formats -q --json", "completion bash -q"):
+        assert main(words.split()) == 0
+        printed[words] = capsys.readouterr()
+    assert printed["formats -q"] == ("", "")
+    assert "aniposelib" in printed["formats"].out
+    assert printed["formats -v"].out == printed["formats"].out
+    assert f"epibar {epibar.__version__}" in printed["formats -v"].err
+    assert json.loads(printed["formats -q --json"].out)
+    assert "calibrate" in printed["completion bash -q"].out
+    assert main(["completion", "bash", "-v"]) == 0
+    assert f"epibar {epibar.__version__}" in capsys.readouterr().err
+
+
 def test_short_options(masks, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["calibrate", *masks[:2], "-o", str(out), *WORDS, "-q"]) == 0

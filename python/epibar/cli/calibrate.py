@@ -45,7 +45,12 @@ def add_options(command: CommandParser) -> None:
     command.epilog = EXIT_CODES
     command.add_videos("one per camera: a video, a folder of images, or a saved recording")
     command.add_argument(
-        "-o", "--out", required=True, metavar="DIR", help="folder for the results; made if it is missing"
+        "-o",
+        "--out",
+        required=True,
+        metavar="DIR",
+        help="folder for the results, made if it is missing: one of before to go on from what it holds, "
+        "another one to keep that",
     )
     add_length_options(command)
     _add_pair_options(command)
@@ -55,27 +60,27 @@ def add_options(command: CommandParser) -> None:
         "--scheduler",
         type=scheduler_address,
         metavar="ADDRESS",
-        help="run on Dask, where one machine is too slow: tcp://host:port of its scheduler, or 'local' for a "
+        help="run on Dask: when one machine is too slow. tcp://host:port of its scheduler, or 'local' for a "
         "process per core here",
     )
     group.add_argument(
         "--fresh",
         action="store_true",
-        help="do everything again, whatever is kept in DIR; after a change of epibar's own sources",
+        help="do everything again, whatever is kept in DIR: after a change of epibar's own sources",
     )
     group.add_argument(
         "--every-pair",
         action="store_true",
         help="search every pair by itself, also of more than six cameras, where otherwise as many are as the "
-        "network needs",
+        "network needs: when each is wanted with its own F; takes longer",
     )
     group.add_argument(
         "--no-report",
         dest="report",
         action="store_false",
-        help="do not write report.html; where only programs read the results",
+        help="do not write report.html: when only programs read the results",
     )
-    add_output_options(command, json="print calibration.json on stdout, all else on stderr")
+    add_output_options(command, json="print calibration.json on stdout, all else on stderr; for programs")
 
 
 def _add_pair_options(command: CommandParser) -> None:
@@ -90,8 +95,8 @@ def _add_pair_options(command: CommandParser) -> None:
         group,
         "N|auto|search",
         "'auto' finds when each camera was started, and whether all were together; 'search' looks for "
-        "every pair by itself; N: frame i of the first of two cameras is frame i + N of the second, 0: all "
-        "are synchronised (default: auto)",
+        "every pair by itself, to compare; 0: when all are triggered together; N: when it is known of two "
+        "cameras, frame i of the first is frame i + N of the second (default: auto)",
         "; a wider search asks for more evidence",
     )
     group.add_argument(

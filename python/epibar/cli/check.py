@@ -54,22 +54,24 @@ def add_options(command: CommandParser) -> None:
     add_clock_options(
         group,
         "N|auto",
-        "'auto' finds it; 0: all are synchronised; N, of two cameras: frame i of the first is frame "
-        "i + N of the second (default: auto)",
+        "'auto' finds it; 0: when all are triggered together; N: when it is known of two cameras, frame i "
+        "of the first is frame i + N of the second (default: auto)",
     )
     command.add_argument(
         "--update",
         action="store_true",
-        help="put cameras that moved where they stand now, in the network in DIR, and add those that it does "
-        "not have; all else stays as it is",
+        help="when a camera was moved for good, or another came: put cameras that moved where they stand, "
+        "in the network in DIR, and add those that it does not have; all else stays as it is",
     )
     command.add_argument(
         "--any-way-up",
         action="store_true",
-        help="a camera that is to be added may be upside down or on its side",
+        help="when a camera that is to be added hangs upside down or on its side",
     )
     add_recording_options(command, several=True)
-    add_output_options(command, json="print the result as one JSON object on stdout, all else on stderr")
+    add_output_options(
+        command, json="print the result as one JSON object on stdout, all else on stderr; for programs"
+    )
 
 
 def run(args: Namespace) -> int:

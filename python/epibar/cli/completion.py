@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 
 from .exit_codes import DONE
-from .options import CommandParser
+from .options import CommandParser, add_output_options
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
@@ -29,11 +29,13 @@ def add_options(command: CommandParser) -> None:
     command.add_argument(
         "shell", choices=("bash", "zsh", "tcsh"), help="the one that is to complete what is typed"
     )
+    add_output_options(command)
 
 
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
     from ..errors import EpibarError
+    from .console import Console
 
     try:
         import shtab
@@ -45,7 +47,8 @@ def run(args: argparse.Namespace) -> int:
         if takes_folder(action) or takes_file(action):
             kind = shtab.DIRECTORY if takes_folder(action) else shtab.FILE
             setattr(action, "complete", kind)  # noqa: B010 - shtab looks for it
-    print(shtab.complete(args.whole, args.shell))
+    with Console(args.quiet, verbose=args.verbose):
+        print(shtab.complete(args.whole, args.shell), flush=True)
     return DONE
 
 

@@ -42,14 +42,15 @@ def add_options(command: CommandParser) -> None:
         "--out",
         default="demo",
         metavar="DIR",
-        help="folder for videos and results (default: %(default)s)",
+        help="folder for videos and results: another one to keep those of an earlier demo "
+        "(default: %(default)s)",
     )
     command.add_argument(
         "--seed",
         type=seed_number,
         default=0,
         metavar="N",
-        help="of scene and draws: another one, other cameras and walkers (default: %(default)s)",
+        help="of scene and draws: change it to see other cameras and walkers (default: %(default)s)",
     )
     command.add_argument(
         "--cameras",
@@ -57,26 +58,27 @@ def add_options(command: CommandParser) -> None:
         choices=range(FEWEST, MOST + 1),
         default=CAMERAS,
         metavar="N",
-        help=f"{FEWEST} to {MOST}; two give no network (default: %(default)s)",
+        help=f"how many, {FEWEST} to {MOST}: as many as you have; two give no network (default: %(default)s)",
     )
     clocks = command.add_mutually_exclusive_group()
     clocks.add_argument(
         "--unsynchronised",
         action="store_true",
         default=True,
-        help="cameras started by hand, at 25 or 30 frames a second (the default)",
+        help="cameras started by hand, at 25 or 30 frames a second, as phones are (the default)",
     )
     clocks.add_argument(
         "--synchronised",
         dest="unsynchronised",
         action="store_false",
-        help="cameras triggered together",
+        help="cameras triggered together: when yours are",
     )
     command.add_argument(
         "--lens",
         choices=("barrel", "none"),
         default="barrel",
-        help="whether lenses bend lines (default: %(default)s)",
+        help="whether lenses bend lines: 'none' when yours do not, and to compare pairs by themselves too "
+        "(default: %(default)s)",
     )
     add_output_options(command)
     command.epilog = calibrate.EXIT_CODES

@@ -30,8 +30,16 @@ def add_options(command: CommandParser) -> None:
         metavar="calibration.json",
         help="what 'epibar calibrate' wrote, or the folder it is in",
     )
-    command.add_argument("--cameras", required=True, metavar="FILE.toml", help="the known cameras, with pose")
-    add_output_options(command, json="print the errors for programs, and warnings on stderr")
+    command.add_argument(
+        "--cameras",
+        required=True,
+        metavar="FILE.toml",
+        help="the known cameras with their poses, by the same names: from a calibration that is to be "
+        "believed more, such as one with a board, or of a made-up scene",
+    )
+    add_output_options(
+        command, json="print the errors as JSON on stdout, and warnings on stderr; for programs"
+    )
 
 
 def run(args: Namespace) -> int:

@@ -40,23 +40,35 @@ def add_options(command: CommandParser) -> None:
     names = tuple(dict.fromkeys([*CAMERA_FORMATS, *PAIR_FORMATS, *TRACK_FORMATS, *ALIASES]))
     both = ", ".join(name for name in PAIR_FORMATS if name in CAMERA_FORMATS)
     add_run_folder(command)
-    command.add_argument("--format", required=True, choices=names, help="the program")
+    command.add_argument(
+        "--format",
+        required=True,
+        choices=names,
+        help="the program that is to read it; where several may, 'epibar formats' says what each loses",
+    )
     command.add_argument(
         "--cameras",
         action="store_true",
-        help=f"the cameras of the network, also where the format has pairs: {both}",
+        help="write the cameras of the network: when they are wanted in a format that has pairs too, which "
+        f"are written otherwise: {both}",
     )
-    command.add_argument("-o", "--out", required=True, metavar="PATH", help="the file or folder to write")
+    command.add_argument(
+        "-o",
+        "--out",
+        required=True,
+        metavar="PATH",
+        help="the file or folder to write; 'epibar formats' says which, and where the program looks for it",
+    )
     command.add_argument(
         "--all",
         action="store_true",
-        help="refused pairs too, marked with their verdict; to look into a refusal",
+        help="refused pairs too, marked with their verdict: to look into a refusal",
     )
     command.add_argument(
         "--intrinsics",
         metavar="FILE.toml",
-        help="camera matrices, where the run was made without; lenses for the files of cameras "
-        "(default: the file that the run was made with)",
+        help="camera matrices and lenses: when the run was made without, or its camera file is not there any "
+        "more (default: the file that the run was made with)",
     )
     add_output_options(command)
 

@@ -6,7 +6,7 @@ from argparse import Namespace
 
 from ..export import FORMATS, Format
 from .exit_codes import DONE
-from .options import CommandParser
+from .options import CommandParser, add_output_options
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
@@ -29,23 +29,29 @@ WIDTH = 100
 
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
-    command.add_argument("--json", action="store_true", help="print it for programs")
+    add_output_options(command, json="print it as JSON; for programs")
 
 
 def run(args: Namespace) -> int:
     """Run the command."""
+    from .console import Console
+
+    console = Console(args.quiet, json=args.json, verbose=args.verbose)
     if args.json:
         import json
 
         entries = [_entry(holds, one) for holds, table in FORMATS.items() for one in table.values()]
-        print(json.dumps(entries, indent=1))
+        console.json(json.dumps(entries, indent=1))
         return DONE
     for holds, table in FORMATS.items():
-        print(f"{TITLES[holds]}\n")
+        console.result(f"{TITLES[holds]}\n")
         for one in table.values():
-            print("\n".join(_lines(one)))
-        print()
-    print("None has a place for verdicts, expected errors and clocks: network.json and calibration.json do.")
+            for line in _lines(one):
+                console.result(line)
+        console.result()
+    console.result(
+        "None has a place for verdicts, expected errors and clocks: network.json and calibration.json do."
+    )
     return DONE
 
 

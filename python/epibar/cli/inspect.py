@@ -25,7 +25,7 @@ def add_options(command: CommandParser) -> None:
     command.epilog = EXIT_CODES
     command.add_videos("a video, a folder of images, or a saved recording")
     add_recording_options(command, several=True)
-    add_output_options(command, json="print it for programs")
+    add_output_options(command, json="print it as JSON on stdout, all else on stderr; for programs")
 
 
 def run(args: Namespace) -> int:

@@ -109,7 +109,9 @@ def add_output_options(command: argparse.ArgumentParser, json: str | None = None
     if json is not None:
         group.add_argument("--json", action="store_true", help=json)
     how_much = group.add_mutually_exclusive_group()
-    how_much.add_argument("-q", "--quiet", action="store_true", help="errors only")
+    how_much.add_argument(
+        "-q", "--quiet", action="store_true", help="errors only; for scripts and scheduled jobs"
+    )
     how_much.add_argument(
         "-v",
         "--verbose",
@@ -206,7 +208,8 @@ def add_length_options(command: argparse.ArgumentParser) -> None:
         "--person-height",
         type=length,
         metavar="M",
-        help="how tall those who walk are in the median, as they walk; good to some 3 %%",
+        help="how tall those who walk are in the median, as they walk: when nothing was measured, for it is "
+        "good to some 3 %%",
     )
     group.add_argument(
         "--distance",
@@ -214,7 +217,8 @@ def add_length_options(command: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar=("A", "B", "M"),
-        help="between two cameras, by their names: measured to 1 %% or 1 cm; may be given again for others",
+        help="between two cameras, by their names: when one can be measured, to 1 %% or 1 cm, which is best; "
+        "may be given again for others",
     )
     group.add_argument(
         "--camera-height",
@@ -222,7 +226,8 @@ def add_length_options(command: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar=("A", "M"),
-        help="of a camera above the floor: measured to 1 %% or 1 cm; may be given again for others",
+        help="of a camera above the floor: when that is easier to measure, to 1 %% or 1 cm; may be given "
+        "again for others",
     )
 
 

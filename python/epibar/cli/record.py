@@ -18,7 +18,13 @@ DESCRIPTION = "Turn one camera's video into a recording: lines with barcodes, si
 def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
     command.add_argument("video", metavar="VIDEO", help="a video or a folder of images")
-    command.add_argument("-o", "--out", required=True, metavar="FILE.npz", help="the file to write")
+    command.add_argument(
+        "-o",
+        "--out",
+        required=True,
+        metavar="FILE.npz",
+        help="the file to write, which 'calibrate' and others take in the place of the video",
+    )
     add_recording_options(command, several=False)
     add_output_options(command)
 

@@ -41,7 +41,7 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
             "an image, white where motion does not count",
             "images, white where motion does not count, one per camera in the same order",
         ),
-        when="trees, screens, a clock in the picture",
+        when="for trees, screens, a clock in the picture",
     )
     group.add_argument(
         "--masks",
@@ -66,14 +66,15 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         "--seconds",
         type=seconds,
         metavar="S",
-        help="use only so many seconds, from the first frame used on; a live stream needs this, or a LAST",
+        help="use only so many seconds, from the first frame used on: when the rest of a long video adds "
+        "nothing; a live stream needs this, or a LAST",
     )
     group.add_argument(
         "--fps",
         type=frame_rate,
         metavar="N",
-        help="frames per second of folders of images, and of masks that state none; not for videos, which do "
-        "(default: 25, with a warning)",
+        help="frames per second: when folders of images are given, or masks that state none; not for videos, "
+        "which do (default: 25, with a warning)",
     )
     group.add_argument(
         "--chapters",

@@ -26,8 +26,8 @@ def add_options(command: CommandParser) -> None:
     command.add_argument(
         "--forget",
         action="store_true",
-        help="take these lengths alone: when what was given before was wrong, which is combined with them "
-        "otherwise",
+        help="take these lengths alone: when what was given before, which is combined with them otherwise, "
+        "was wrong",
     )
     add_output_options(command)
 

@@ -27,9 +27,13 @@ def add_options(command: CommandParser) -> None:
     """Say what the command takes."""
     add_run_folder(command)
     command.add_argument(
-        "--commands", action="store_true", help="print only the commands that cut, for a POSIX shell"
+        "--commands",
+        action="store_true",
+        help="print only the commands that cut: when a POSIX shell is to run them",
     )
-    add_output_options(command, json="print the table as one JSON object on stdout, all else on stderr")
+    add_output_options(
+        command, json="print the table as one JSON object on stdout, all else on stderr; for programs"
+    )
 
 
 def run(args: Namespace) -> int:
