@@ -1,17 +1,17 @@
-"""Exact results of many pairs, held against those of another build: for changes that change nothing.
+"""Exact results of pairs and networks, held against those of another build: for changes that change nothing.
 
 Prints a line for each case. ``--save FILE`` keeps the results, ``--compare FILE`` holds them
 against kept ones and exits with 1 where one differs in a single bit. Floats are kept as
-hexadecimal, arrays as a hash of their bytes. Only public names are used, so that one file runs
-under both builds::
+hexadecimal, arrays as a hash of their bytes. Public names are used, and what ``epibar demo`` stages its scene
+with, so that one file runs under both builds::
 
     old/.venv/bin/python benchmarks/same_results.py --save old.json
     new/.venv/bin/python benchmarks/same_results.py --compare old.json
 
-The cases: the scene of ``epibar demo``, through videos; pairs of the real recordings that `recordings.py`
-measures on, where they are there; more than twenty made-up pairs, easy, hard and without an answer, by both
-methods, with given and searched offsets, with and without camera matrices, upright or not; the matches of
-barcodes.
+The cases: the videos of ``epibar demo``, pairs of them and their network with every number that it holds; a
+made-up network; pairs of the real recordings that `recordings.py` measures on, where they are there; more
+than twenty made-up pairs, easy, hard and without an answer, by both methods, with given and searched offsets,
+with and without camera matrices, upright or not; the matches of barcodes.
 """
 
 from __future__ import annotations
@@ -31,8 +31,11 @@ from typing import Any
 import numpy as np
 
 import epibar
-from epibar import Recording, synthetic
+from epibar import Network, Recording, synthetic
+from epibar.cli import demo as demo_command
 from epibar.synthetic import LOW_CAMERAS, Scene
+from epibar.synthetic.figures import MEAN_HEIGHT
+from epibar.synthetic.staging import stage
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -47,6 +50,16 @@ class Case:
 
     name: str
     recordings: Callable[[], tuple[Recording, Recording]]
+    options: dict[str, Any] = field(default_factory=dict)
+    quick: bool = False
+
+
+@dataclass(frozen=True)
+class NetworkCase:
+    """Cameras that are calibrated together: how they are recorded, and with which options."""
+
+    name: str
+    recordings: Callable[[], dict[str, Recording]]
     options: dict[str, Any] = field(default_factory=dict)
     quick: bool = False
 
@@ -99,8 +112,17 @@ def _other_rate(lines: int) -> tuple[Recording, Recording]:
     )
 
 
-def made_up() -> Iterator[Case]:
-    """Twenty-four pairs and the ways to calibrate them."""
+def _three(lines: int) -> dict[str, Recording]:
+    """Record three cameras of one crowd."""
+    scene = synthetic.people(1, cameras=3, walkers=6, frames=300)
+    return {
+        name: Recording.from_masks(scene.masks(camera), fps=scene.fps, lines=lines, seed=camera, name=name)
+        for camera, name in enumerate(("a", "b", "c"))
+    }
+
+
+def made_up() -> Iterator[Case | NetworkCase]:
+    """A network, and twenty-nine pairs and the ways to calibrate them."""
     people, cubes = synthetic.people, synthetic.cubes
 
     def case(
@@ -150,6 +172,7 @@ def made_up() -> Iterator[Case]:
     yield case("strict", lambda: _made(cubes(8, frames=200, objects=8), 4000), **strict)
     yield case("unrelated", lambda: _unrelated(4000))
     yield case("still", lambda: _still(2000), quick=True)
+    yield NetworkCase("made-up, network", lambda: _three(4000), {"time_offset": 0.0}, quick=True)
     yield case("too short", lambda: _made(cubes(1, frames=14), 2000), quick=True)
 
 
@@ -157,26 +180,33 @@ def made_up() -> Iterator[Case]:
 
 
 @cache
-def _demo(folder: Path) -> tuple[Recording, ...]:
-    """Record the videos that ``epibar demo`` renders."""
-    scene = synthetic.people(seed=0, cameras=3, walkers=6, frames=500, size=(480, 360))
-    recordings = []
-    for index in range(3):
-        video = synthetic.render_video(scene, index, folder / f"cam{index + 1}.mp4", seed=0, empty_frames=25)
-        recordings.append(epibar.record(video, seed=index, progress=False))
-    return tuple(recordings)
+def _demo(folder: Path) -> dict[str, Recording]:
+    """Record the videos that ``epibar demo`` renders where nothing else is asked for, as it does."""
+    staging = stage(
+        0,
+        cameras=demo_command.CAMERAS,
+        walkers=demo_command.WALKERS,
+        seconds=demo_command.SECONDS,
+        size=demo_command.SIZE,
+        barrel=True,
+        unsynchronised=True,
+        empty_frames=demo_command.EMPTY,
+    )
+    videos = {
+        camera.name: staging.render(index, folder / f"{camera.name}.mp4")
+        for index, camera in enumerate(staging.cameras)
+    }
+    return {name: epibar.record(video, seed=0, name=name, progress=False) for name, video in videos.items()}
 
 
-def demo(folder: Path) -> Iterator[Case]:
-    """All pairs of the demo, one of them by both methods."""
-    for a, b in ((0, 1), (0, 2), (1, 2)):
-        yield Case(
-            f"demo {a + 1}-{b + 1}",
-            lambda a=a, b=b: (_demo(folder)[a], _demo(folder)[b]),
-            {},
-            (a, b) == (0, 1),
-        )
-    yield Case("demo 1-2, lines", lambda: (_demo(folder)[0], _demo(folder)[1]), {"method": "lines"})
+def demo(folder: Path) -> Iterator[Case | NetworkCase]:
+    """Three pairs of the demo, one of them by both methods, and its network in metres."""
+    found = {"time_offset": "auto"}
+    for a, b in (("cam1", "cam2"), ("cam1", "cam3"), ("cam2", "cam3")):
+        yield Case(f"demo {a}-{b}", lambda a=a, b=b: (_demo(folder)[a], _demo(folder)[b]), found)
+    lines = {"method": "lines", **found}
+    yield Case("demo cam1-cam2, lines", lambda: (_demo(folder)["cam1"], _demo(folder)["cam2"]), lines)
+    yield NetworkCase("demo, network", lambda: _demo(folder), {"person_height": MEAN_HEIGHT})
 
 
 REAL: tuple[tuple[str, str, bool, tuple[tuple[str, str], ...]], ...] = (
@@ -256,7 +286,32 @@ def _hash_arrays(arrays: dict[str, np.ndarray]) -> str:
     return digest.hexdigest()[:16]
 
 
-def results_of(case: Case) -> dict[str, Any]:
+def results_of(case: Case | NetworkCase) -> dict[str, Any]:
+    """Record and calibrate; everything that came out, exactly, and in a word what that is."""
+    return network_results(case) if isinstance(case, NetworkCase) else pair_results(case)
+
+
+def network_results(case: NetworkCase) -> dict[str, Any]:
+    """Record and calibrate a network; every number that it holds, by camera and pair."""
+    recordings = case.recordings()
+    started = time.perf_counter()
+    net = epibar.calibrate_network(recordings, **case.options)
+    found: dict[str, Any] = {"seconds": time.perf_counter() - started}
+    found["recordings"] = [_hash_arrays(recording.to_arrays()) for recording in recordings.values()]
+    found |= _by_camera_and_pair(net)
+    accepted = len(net.cameras) - len(net.left_out)
+    return {**found, "told": f"{accepted} of {len(net.cameras)} cameras, {_hash(net.as_dict())}"}
+
+
+def _by_camera_and_pair(net: Network) -> dict[str, Any]:
+    content = net.as_dict()
+    cameras, pairs = content.pop("cameras"), content.pop("pairs")
+    found = {name: _exact(value) for name, value in content.items()}
+    found |= {f"camera {one['name']}": _exact(one) for one in cameras}
+    return found | {f"pair {one['a']} - {one['b']}": _exact(one) for one in pairs}
+
+
+def pair_results(case: Case) -> dict[str, Any]:
     """Record and calibrate a pair; everything that came out, exactly."""
     recordings = case.recordings()
     started = time.perf_counter()
@@ -272,10 +327,10 @@ def results_of(case: Case) -> dict[str, Any]:
             epibar.match_barcodes(*bits, frames, mutual, limit) for mutual, limit in ((3, 200), (10, 10**6))
         )
         found["matches"] = [_hash(list(match)) for match in best]
-    return found
+    return {**found, "told": f"{cal.kind}, {_hash(cal.F)}"}
 
 
-def cases(args: Any, folder: Path) -> Iterator[Case]:
+def cases(args: Any, folder: Path) -> Iterator[Case | NetworkCase]:
     """Those cases that were asked for."""
     for case in (*made_up(), *demo(folder), *real(args.data_dir)):
         if (case.quick or not args.quick) and (args.only is None or args.only in case.name):
@@ -308,7 +363,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         for case in cases(args, Path(folder)):
             found = results[case.name] = results_of(case)
-            line = f"{case.name}: {found['kind']}, {_hash(found['F'])}, {found['seconds']:.1f} s"
+            line = f"{case.name}: {found['told']}, {found['seconds']:.1f} s"
             if kept is not None:
                 if case.name not in kept:
                     wrong = ["no such case was kept"]
