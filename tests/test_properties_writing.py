@@ -69,7 +69,7 @@ def test_names_are_text_in_toml_yaml_and_csv(given_names, folder):
     pair = epibar.outcome.Pair(
         given_names[0], given_names[1], np.eye(3), True, "good", given_names[0], 1.0, 0.0, points
     )
-    run = Run([epibar.outcome.Camera(name, (64, 48)) for name in given_names], [pair])
+    run = Run([epibar.outcome.RunCamera(name, (64, 48)) for name in given_names], [pair])
     epibar.export.write_csv(run, folder / "names.csv")
     with open(folder / "names.csv", newline="", encoding="utf-8") as stream:
         rows = list(csv.reader(stream))

@@ -104,6 +104,16 @@ def test_types_of_arrays_are_named_in_one_place():
     assert found == ["arguments"]
 
 
+def test_a_name_of_a_class_means_one_thing():
+    """What is called the same in two rooms is taken for the other; the compiled module has its twins."""
+    found = {}
+    for name, path in modules().items():
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ClassDef) and name != "_core":
+                found.setdefault(node.name, []).append(name)
+    assert {name: homes for name, homes in found.items() if len(homes) > 1} == {}
+
+
 def test_no_function_is_hidden_by_a_module_of_its_name():
     """Importing a module puts it into its package under its name, in place of a function called the same."""
     named = {name for name in modules() if name and "." not in name}

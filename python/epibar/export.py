@@ -21,7 +21,8 @@ from .camera_export.formats import CAMERA_FORMATS, Format
 from .pair_export.formats import PAIR_FORMATS
 
 if TYPE_CHECKING:
-    from .outcome.run import Camera, Pair, Run
+    from .outcome.run import Pair, Run, RunCamera
+    from .outcome.run import RunCamera as Camera
     from .pair_export.colmap import write_pairs_colmap as write_colmap
     from .pair_export.csv import write_pairs_csv as write_csv
     from .pair_export.npz import write_pairs_npz as write_npz
@@ -40,6 +41,7 @@ __all__ = [
     "Format",
     "Pair",
     "Run",
+    "RunCamera",
     "place_cameras",
     "write_caliscope",
     "write_colmap",
@@ -71,9 +73,10 @@ FORMATS = {"cameras": CAMERA_FORMATS, "pairs": PAIR_FORMATS, "tracks": TRACK_FOR
 """Every format by what it holds."""
 
 _HOME = {
-    "Camera": "outcome:Camera",
+    "Camera": "outcome:RunCamera",
     "Pair": "outcome:Pair",
     "Run": "outcome:Run",
+    "RunCamera": "outcome:RunCamera",
     "place_cameras": "pair_export.placing:place_cameras",
     "write_caliscope": "pair_export.placed:write_placed_caliscope",
     "write_colmap": "pair_export.colmap:write_pairs_colmap",

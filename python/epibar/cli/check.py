@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..network.offsets import TimeOffset
     from ..network.result import Network
     from ..recording import Recording
-    from .check_lenses import Lenses
+    from .check_lenses import FootageLenses
     from .console import Console
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
@@ -214,7 +214,7 @@ def _videos(args: Namespace, network: Network) -> dict[str, str]:
 
 def _cameras(
     args: Namespace, network: Network, videos: Mapping[str, str], new: Sequence[str]
-) -> tuple[list[CameraInput], Lenses]:
+) -> tuple[list[CameraInput], FootageLenses]:
     """Return what is to be recorded, and its lenses; all that can be refused is refused before any work."""
     from dataclasses import replace
     from pathlib import Path
@@ -224,7 +224,7 @@ def _cameras(
     from ..jobs.given_rate import refuse_rate
     from ..jobs.inputs import camera_inputs
     from ..network.checking import cameras_to_check
-    from .check_lenses import Lenses
+    from .check_lenses import FootageLenses
 
     old = [name for name in videos if name in network.cameras]
     if len(old) < 2 and new:
@@ -239,7 +239,7 @@ def _cameras(
         videos, background=args.background, ignore=args.ignore, masks=args.masks, spelt=_option
     )
     others = [name for name in videos if name not in chosen]
-    lenses = Lenses.of(Path(args.folder), network, args.intrinsics, chosen, others)
+    lenses = FootageLenses.of(Path(args.folder), network, args.intrinsics, chosen, others)
     recorded = [
         replace(one, intrinsics=lenses.taken_out.get(one.name))
         for one in cameras
@@ -252,7 +252,7 @@ def _cameras(
 
 
 def _recorded(
-    cameras: list[CameraInput], lenses: Lenses, args: Namespace, console: Console
+    cameras: list[CameraInput], lenses: FootageLenses, args: Namespace, console: Console
 ) -> tuple[dict[str, Recording], dict[str, str]]:
     """Record each camera; also returns why which could not be."""
     from functools import partial

@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from ..outcome.run import Run
     from ..recording import Recording
 
-__all__ = ["Lenses"]
+__all__ = ["FootageLenses"]
 
 
 @dataclass(frozen=True)
-class Lenses:
+class FootageLenses:
     """What is done about the lenses of cameras that are in a network.
 
     Attributes
@@ -41,7 +41,7 @@ class Lenses:
     @classmethod
     def of(
         cls, folder: Path, network: Network, given: str | None, names: Sequence[str], new: Sequence[str]
-    ) -> Lenses:
+    ) -> FootageLenses:
         """Find the lenses of cameras of a network; ``new`` are those that it does not have.
 
         Raises

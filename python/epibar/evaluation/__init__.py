@@ -12,7 +12,7 @@ from ..geometry.cameras import volume_correspondences
 from .candidates import true_candidate_rate, true_candidates
 from .points import (
     GOOD_PAIR_PX,
-    Figures,
+    MeanErrors,
     compare,
     good_pair,
     image_correspondences,
@@ -24,7 +24,7 @@ from .tangents import matched_tangent_points
 __all__ = [
     "GOOD_PAIR_PX",
     "Evaluation",
-    "Figures",
+    "MeanErrors",
     "PairEvaluation",
     "compare",
     "evaluate",

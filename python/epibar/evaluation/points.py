@@ -70,7 +70,7 @@ def moving_volume(
 
 
 @dataclass(frozen=True)
-class Figures:
+class MeanErrors:
     """Mean symmetric epipolar distances of an F, pixels: over the image, and over the volume of motion."""
 
     image_error: float
@@ -96,7 +96,7 @@ def compare(
     volume: tuple[ArrayLike, ArrayLike] | None = None,
     n: int = 10_000,
     seed: int = 0,
-) -> Figures:
+) -> MeanErrors:
     """Errors of F against the true one.
 
     Parameters
@@ -112,6 +112,6 @@ def compare(
     a, b = image_correspondences(F_true, size_a, size_b, n, seed)
     image_error = float(symmetric_epipolar_distance(F, a, b).mean())
     if volume is None or len(np.asarray(volume[0])) == 0:
-        return Figures(image_error, float("nan"), 0)
+        return MeanErrors(image_error, float("nan"), 0)
     distance = symmetric_epipolar_distance(F, *volume)
-    return Figures(image_error, float(distance.mean()), len(distance))
+    return MeanErrors(image_error, float(distance.mean()), len(distance))

@@ -23,7 +23,7 @@ from ..geometry.cameras import (
 from ..geometry.epipolar import symmetric_epipolar_distance
 from ..lens.cameras_toml import load_cameras
 from ..lens.intrinsics import Intrinsics
-from ..outcome.run import Camera, Pair, Run
+from ..outcome.run import Pair, Run, RunCamera
 from .points import compare, image_correspondences, moving_volume
 
 __all__ = ["Evaluation", "PairEvaluation", "evaluate"]
@@ -170,7 +170,11 @@ def _world_points(pair: Pair, poses: dict[str, Pose], truth: Array | None) -> Ar
 
 
 def _evaluated(
-    pair: Pair, recorded: dict[str, Camera], poses: dict[str, Pose], truth: Array | None, volume: Array | None
+    pair: Pair,
+    recorded: dict[str, RunCamera],
+    poses: dict[str, Pose],
+    truth: Array | None,
+    volume: Array | None,
 ) -> PairEvaluation:
     verdict = pair.a, pair.b, pair.accepted, pair.kind, pair.expected_error
     if pair.F is None or truth is None:

@@ -32,8 +32,8 @@ __all__ = [
     "SYNC_FILE",
     "TRACKS_FILE",
     "CameraInput",
+    "CameraPair",
     "Job",
-    "Pair",
     "PairOptions",
     "RecordOptions",
     "camera_inputs",
@@ -172,7 +172,7 @@ class CameraInput:
         return [path for path in (self.source, self.background, self.ignore) if path is not None]
 
 
-Pair = tuple[CameraInput, CameraInput]
+CameraPair = tuple[CameraInput, CameraInput]
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ class Job:
         return len(self.cameras) > ALL_PAIRS and self.pair.method == "frontier" and not self.every_pair
 
     @property
-    def pairs(self) -> list[Pair]:
+    def pairs(self) -> list[CameraPair]:
         """Every pair, in order."""
         return list(combinations(self.cameras, 2))
 

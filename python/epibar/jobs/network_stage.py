@@ -16,7 +16,7 @@ from ..network.pair_choice import pairs_to_search
 from ..network.pair_search import offsets_of_pair
 from ..network.result import Network
 from ..recording import Recording
-from .inputs import CameraInput, Job, Pair, PairOptions
+from .inputs import CameraInput, CameraPair, Job, PairOptions
 
 __all__ = [
     "JoinRequest",
@@ -95,7 +95,7 @@ def final_clocks(
 
 def chosen_pairs(
     job: Job, recordings: Mapping[CameraInput, Recording], offsets: ClockOffsets
-) -> tuple[list[Pair], str | None]:
+) -> tuple[list[CameraPair], str | None]:
     """Pairs that are searched, and what to say where those are not all: the likeliest to see the same."""
     cameras = list(recordings)
     pairs = list(combinations(cameras, 2))

@@ -23,8 +23,8 @@ from .inputs import (
     RESULT,
     TRACKS_FILE,
     CameraInput,
+    CameraPair,
     Job,
-    Pair,
     picture_file,
     points_file,
 )
@@ -62,15 +62,15 @@ class Results:
         self._folder = folder
         self.recordings: dict[CameraInput, Recording] = {}
         self.pictures: dict[CameraInput, Pictures] = {}
-        self.calibrations: dict[Pair, Calibration] = {}
-        self.seconds: dict[Pair, float] = {}
-        self.errors: dict[CameraInput | Pair | str, dict[str, str]] = {}
+        self.calibrations: dict[CameraPair, Calibration] = {}
+        self.seconds: dict[CameraPair, float] = {}
+        self.errors: dict[CameraInput | CameraPair | str, dict[str, str]] = {}
         self.network: Network | None = None
         self.no_network: str | None = "the run was not finished"
         self.network_files: list[Path] = []
         self._job = job
         self._earlier = self.path.exists()
-        self._files: dict[Pair, dict[str, str]] = {}
+        self._files: dict[CameraPair, dict[str, str]] = {}
         self._written = time.monotonic()
         self._in_file = 0
 
@@ -92,7 +92,7 @@ class Results:
         if recording.pictures is not None:
             self.pictures[camera], recording.pictures = recording.pictures, None
 
-    def add(self, pair: Pair, stem: str, calibration: Calibration, seconds: float) -> None:
+    def add(self, pair: CameraPair, stem: str, calibration: Calibration, seconds: float) -> None:
         """Take a calibration; write its points and its picture where they are missing."""
         a, b = pair
         points, picture = self._points(stem), self._picture(stem)
@@ -110,7 +110,7 @@ class Results:
             )
         self._files[pair] = {"frontier_points": points.name, "picture": picture.name}
 
-    def failed(self, of: CameraInput | Pair | str, message: str) -> str:
+    def failed(self, of: CameraInput | CameraPair | str, message: str) -> str:
         """Note why a camera, a pair or a stage could not be done, and return it as people are told."""
         message = without_secrets(message)
         if isinstance(of, str):
@@ -162,7 +162,7 @@ class Results:
         result["pairs"] = [
             {**self._pair_entry(a, b), **self._files[a, b]} for a, b in job.pairs if (a, b) in self._files
         ]
-        tasks: list[CameraInput | Pair] = [*job.cameras, *job.pairs]
+        tasks: list[CameraInput | CameraPair] = [*job.cameras, *job.pairs]
         result["network"] = None if self.network is None else self.network.as_dict()
         result["network_reason"] = None if self.network is not None else self.no_network
         result["errors"] = [self.errors[task] for task in tasks if task in self.errors]

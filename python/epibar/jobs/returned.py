@@ -21,7 +21,7 @@ from ..network.result import Network
 from ..network.saved import as_dict, network_from
 from ..recording import Recording
 from ..sources.picture_taking import MOST
-from .inputs import CameraInput, Job, Pair, PairOptions, RecordOptions
+from .inputs import CameraInput, CameraPair, Job, PairOptions, RecordOptions
 from .stages import CLOCKS
 
 __all__ = [
@@ -39,7 +39,7 @@ MARGIN = 2
 
 
 def checked(
-    value: Any, of: CameraInput | Pair | str, job: Job, recordings: Mapping[CameraInput, Recording]
+    value: Any, of: CameraInput | CameraPair | str, job: Job, recordings: Mapping[CameraInput, Recording]
 ) -> Any:
     """Return what a task returned, if it can be what was asked for.
 

@@ -18,7 +18,7 @@ from ..network.offsets import ClockOffsets
 from ..network.result import Network
 from ..recording import Recording
 from .folder import Folder
-from .inputs import CameraInput, Job, Pair, PairOptions, pair_stems
+from .inputs import CameraInput, CameraPair, Job, PairOptions, pair_stems
 from .keys import clocks_key, fingerprint, network_key, pair_key, recording_key
 from .network_files import kept_network
 from .network_stage import (
@@ -86,7 +86,7 @@ class Runner:
         seen = getattr(executor, "fingerprint", fingerprint)
         self._keys = {camera: recording_key(camera.located(), job.record, seen) for camera in job.cameras}
         self._queue: deque[CameraInput] = deque()
-        self._kept: dict[Pair, tuple[Calibration, float]] = {}
+        self._kept: dict[CameraPair, tuple[Calibration, float]] = {}
         self._running: dict[Future[Any], Task] = {}
         self.tally = Tally(job, watch, at_once or workers_of(executor), together=reporting is not None)
         self._pairs = job.pairs
@@ -187,13 +187,13 @@ class Runner:
         asked = self._job.pair.time_offset == "auto" or self._job.chooses_pairs
         return asked and self._offsets is None
 
-    def _stem(self, pair: Pair) -> str:
+    def _stem(self, pair: CameraPair) -> str:
         return self._stems[pair[0].name, pair[1].name]
 
-    def _pair_key(self, pair: Pair) -> str | None:
+    def _pair_key(self, pair: CameraPair) -> str | None:
         return pair_key(self._keys[pair[0]], self._keys[pair[1]], self._options(pair))
 
-    def _options(self, pair: Pair) -> PairOptions:
+    def _options(self, pair: CameraPair) -> PairOptions:
         """Options of one pair, with its offset where the clocks of all cameras were found."""
         films = self._films
         if not all(camera in films for camera in pair):
@@ -331,7 +331,7 @@ class Runner:
         task.kept = found
         return found
 
-    def _go_on(self, of: CameraInput | Pair | str, found: Any) -> None:
+    def _go_on(self, of: CameraInput | CameraPair | str, found: Any) -> None:
         """Use what a task returned."""
         if isinstance(of, CameraInput):
             self._recorded(of, *found)
@@ -353,7 +353,7 @@ class Runner:
             if both and not self._waits_for_clocks:
                 self._start_pair(pair)
 
-    def _start_pair(self, pair: Pair) -> None:
+    def _start_pair(self, pair: CameraPair) -> None:
         """Take a pair that was kept, or hand it over."""
         if pair in self._kept:
             try:
@@ -365,7 +365,7 @@ class Runner:
             options = self._options(pair)
             self._submit(Task(pair, search_rounds(options)), calibrate_pair, a, b, options)
 
-    def _calibrated(self, pair: Pair, calibration: Calibration, seconds: float, kept: bool) -> None:
+    def _calibrated(self, pair: CameraPair, calibration: Calibration, seconds: float, kept: bool) -> None:
         self.results.add(pair, self._stem(pair), calibration, seconds)
         self._watch.calibrated(pair[0].name, pair[1].name, calibration, None if kept else seconds)
 
@@ -376,7 +376,7 @@ class Runner:
         except EpibarError as error:
             self._watch.warning(f"{error}; the next run has to do it again")
 
-    def _failed(self, of: CameraInput | Pair | str, message: str) -> None:
+    def _failed(self, of: CameraInput | CameraPair | str, message: str) -> None:
         self.tally.failed(of)
         if isinstance(of, str):
             self._stage_failed(of, message)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import EpibarError
-from .inputs import CameraInput, Pair
+from .inputs import CameraInput, CameraPair
 from .shares import PairShare, joining_share
 
 __all__ = ["CLOCKS", "MATCHING", "NETWORK", "RECORDING", "STAGES", "Stopped", "Task"]
@@ -31,7 +31,7 @@ class Task:
 
     Attributes
     ----------
-    of : CameraInput, Pair or str
+    of : CameraInput, CameraPair or str
     rounds : int
         How often the search of a pair is gone through, see :class:`~epibar.jobs.shares.PairShare`.
     share : float
@@ -42,7 +42,7 @@ class Task:
         What it returned, once that is kept for the next run.
     """
 
-    of: CameraInput | Pair | str
+    of: CameraInput | CameraPair | str
     rounds: int = 1
     share: float = 0.0
     frames: int = 0

@@ -14,7 +14,16 @@ from concurrent.futures import Executor
 from typing import Any
 
 from .camera_sizes import frames_and_pixels
-from .inputs import CLOCKS_FILE, NETWORK_FILE, CameraInput, Job, Pair, PairOptions, pair_file, pair_stems
+from .inputs import (
+    CLOCKS_FILE,
+    NETWORK_FILE,
+    CameraInput,
+    CameraPair,
+    Job,
+    PairOptions,
+    pair_file,
+    pair_stems,
+)
 from .pace import JobProgress, Pace, Row
 from .stages import CLOCKS, MATCHING, NETWORK, RECORDING, STAGES, Task
 from .watch import Watch
@@ -103,7 +112,7 @@ class Tally:
         self._total = dict.fromkeys(STAGES, 0)
         self.to_record = 0
         self._recorded: list[int] = []
-        self._frames: dict[CameraInput | Pair | str, deque[tuple[float, int]]] = {}
+        self._frames: dict[CameraInput | CameraPair | str, deque[tuple[float, int]]] = {}
 
     def plan(self, cameras: Collection[CameraInput]) -> None:
         """Expect that these cameras are recorded, and of what follows all that seems not to be kept."""
@@ -128,7 +137,7 @@ class Tally:
         alone, each = TO_WRITE
         self._stage(WRITING, (alone + each * count) * (1.0 if job.report else ONLY_TABLES))
 
-    def matching(self, rounds: Mapping[Pair, int]) -> None:
+    def matching(self, rounds: Mapping[CameraPair, int]) -> None:
         """Expect these pairs and no others, by the rounds of their searches."""
         self._total[MATCHING] = len(rounds)
         self._pace.expect(MATCHING, {pair: self._search(number) for pair, number in rounds.items()})
@@ -150,7 +159,7 @@ class Tally:
         seconds = found[1] if isinstance(found, tuple) and not self._together else None
         self._pace.ended(task.of, seconds)
 
-    def failed(self, of: CameraInput | Pair | str) -> None:
+    def failed(self, of: CameraInput | CameraPair | str) -> None:
         """Take a task that failed, or never began, and with a camera its pairs."""
         if self._pace.failed(of):
             self._over(of)
@@ -159,7 +168,7 @@ class Tally:
                 if of in pair:
                     self._pace.failed(pair)
 
-    def _over(self, of: CameraInput | Pair | str) -> None:
+    def _over(self, of: CameraInput | CameraPair | str) -> None:
         self._done[Task(of).stage] += 1
         self._frames.pop(of, None)
 

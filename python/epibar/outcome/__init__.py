@@ -4,6 +4,6 @@ A :class:`Run` is cameras and pairs with F, verdict and frontier points, from th
 results in memory. Evaluation and exports start from it.
 """
 
-from .run import Camera, Pair, Run
+from .run import Pair, Run, RunCamera
 
-__all__ = ["Camera", "Pair", "Run"]
+__all__ = ["Pair", "Run", "RunCamera"]

@@ -25,11 +25,11 @@ from ..recording import Recording
 from .recordings import recording_of
 from .stored import Stored, entries
 
-__all__ = ["Camera", "Pair", "Run", "no_points"]
+__all__ = ["Pair", "Run", "RunCamera", "no_points"]
 
 
 @dataclass(frozen=True, eq=False)
-class Camera:
+class RunCamera:
     """One camera of a run.
 
     Attributes
@@ -104,7 +104,7 @@ class Run:
 
     Attributes
     ----------
-    cameras : list of Camera
+    cameras : list of RunCamera
     pairs : list of Pair
     intrinsics : str or None
         The camera file that the run was given.
@@ -113,7 +113,7 @@ class Run:
         overwrites none of them.
     """
 
-    cameras: list[Camera]
+    cameras: list[RunCamera]
     pairs: list[Pair]
     intrinsics: str | None = None
     files: list[Path] = field(default_factory=list)
@@ -197,13 +197,13 @@ class Run:
             for (a, b), calibration in calibrations.items()
         ]
         cameras = [
-            Camera(name, recording.size, recording.matrix)
+            RunCamera(name, recording.size, recording.matrix)
             for name, recording in zip(names, recordings, strict=True)
         ]
         return cls(cameras, pairs)
 
     @property
-    def by_name(self) -> dict[str, Camera]:
+    def by_name(self) -> dict[str, RunCamera]:
         """Cameras by their name."""
         return {camera.name: camera for camera in self.cameras}
 
@@ -331,7 +331,7 @@ def no_points() -> FrontierPoints:
     return FrontierPoints(np.empty(0, np.int64), np.empty((0, 2)), np.empty((0, 2)), np.empty(0))
 
 
-def _check_size(camera: Camera, given: Intrinsics, where: str) -> None:
+def _check_size(camera: RunCamera, given: Intrinsics, where: str) -> None:
     if given.size != camera.size:
         raise EpibarError(
             f"{where}: {given.name} is for {given.size[0]}x{given.size[1]}, "
@@ -339,7 +339,7 @@ def _check_size(camera: Camera, given: Intrinsics, where: str) -> None:
         )
 
 
-def _check_lens(camera: Camera, given: Intrinsics, where: str) -> None:
+def _check_lens(camera: RunCamera, given: Intrinsics, where: str) -> None:
     if camera.matrix is None and given.distorted:
         raise EpibarError(
             f"{where}: {given.name} has lens distortion, but {camera.name} was calibrated without; "
@@ -351,12 +351,12 @@ def _check_lens(camera: Camera, given: Intrinsics, where: str) -> None:
         )
 
 
-def _camera(entry: Stored) -> Camera:
+def _camera(entry: Stored) -> RunCamera:
     matrix = entry.matrix("matrix")
     if matrix is not None:
         matrix = as_camera_matrix(matrix, f"{entry.path}: {entry.place}.matrix")
     size = (entry.whole("width", 2, LONGEST_SIDE), entry.whole("height", 2, LONGEST_SIDE))
-    return Camera(entry.text("name"), size, matrix, entry.whole("index", 0, 2**31))
+    return RunCamera(entry.text("name"), size, matrix, entry.whole("index", 0, 2**31))
 
 
 def _pair(entry: Stored, points: FrontierPoints) -> Pair:

@@ -23,7 +23,7 @@ from ..camera_export.losses import plain_names, renamed, tell
 from ..errors import EpibarError
 from ..files.atomic import write_atomically
 from ..geometry.pose import RelativePose
-from ..outcome.run import Camera, Pair, Run
+from ..outcome.run import Pair, Run, RunCamera
 
 __all__ = ["write_pairs_colmap"]
 
@@ -94,7 +94,7 @@ def _matches(pair: Pair, keypoints: dict[str, dict[Key, int]]) -> Unsigned:
     return np.unique(np.array(columns, np.uint32).T.reshape(-1, 2), axis=0)
 
 
-def _add_image(pycolmap: Any, database: Any, name: str, camera: Camera, corners: dict[Key, int]) -> int:
+def _add_image(pycolmap: Any, database: Any, name: str, camera: RunCamera, corners: dict[Key, int]) -> int:
     width, height = camera.size
     if camera.matrix is None:
         guess = FOCAL_GUESS * max(width, height)

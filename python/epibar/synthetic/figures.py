@@ -25,7 +25,7 @@ MEAN_HEIGHT = 1.72
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class Posture:
     """Solids at K moments: centres (K, M, 3), half-axes in columns (K, M, 3, 3), which are there (K, M)."""
 
     centres: Array
@@ -39,7 +39,7 @@ class Movers(Protocol):
     box: Bits
     owner: Index
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
 
 
@@ -114,11 +114,11 @@ class Body:
         self.put(ahead + along / 2, aside, above - down / 2, half, angle)
         return ahead + along, above - down
 
-    def pose(self, present: Bits) -> Pose:
+    def posture(self, present: Bits) -> Posture:
         """Return all of it; ``present`` is (K, N)."""
         parts = len(self.centres)
         centres, axes = np.concatenate(self.centres, axis=1), np.concatenate(self.axes, axis=1)
-        return Pose(centres, axes, np.tile(present, (1, parts)))
+        return Posture(centres, axes, np.tile(present, (1, parts)))
 
 
 def stepping(phase: Array) -> Array:
@@ -170,7 +170,7 @@ class Walkers:
         self.box = np.zeros(self.PARTS * count, bool)
         self.owner = np.tile(np.arange(count), self.PARTS)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         track, h, g = self.track, self.height, self.girth * self.height
         phase = between(self.phase, seconds)
@@ -203,7 +203,7 @@ class Walkers:
             elbow = body.bar(0.0, side * 0.125 * h, 0.81 * h + up, swing, 0.17 * h, 0.025 * g)
             fore = swing + 0.25 + 0.4 * arms
             body.bar(elbow[0], side * 0.125 * h, elbow[1], fore, 0.2 * h, 0.02 * g)
-        return body.pose(there_at(track.present, seconds))
+        return body.posture(there_at(track.present, seconds))
 
 
 class Cyclists:
@@ -221,7 +221,7 @@ class Cyclists:
         self.box = np.zeros(self.PARTS * count, bool)
         self.owner = np.tile(np.arange(count), self.PARTS)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         h, phase = self.height, between(self.phase, seconds)
         body = Body(between(self.track.position, seconds), between(self.track.heading, seconds))
@@ -244,7 +244,7 @@ class Cyclists:
             length = np.hypot(0.45 - shoulder[0], shoulder[1] - 0.97)
             body.bar(np.zeros_like(phase) + shoulder[0], side * 0.2, shoulder[1], down, length, 0.03 * h)
         body.put(0.05, 0.0, 0.29, np.array([0.1, 0.02, 0.1]))
-        return body.pose(there_at(self.track.present, seconds))
+        return body.posture(there_at(self.track.present, seconds))
 
     def _leg(self, body: Body, side: float, pedal: tuple[Array, Array], saddle: Array) -> None:
         """Thigh and shank from the hip to a pedal, the knee forward: two circles meet."""
@@ -274,7 +274,7 @@ class Cars:
         self.box = np.repeat([True, True, False, False, False, False], count)
         self.owner = np.tile(np.arange(count), self.PARTS)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         length, width = self.length, self.width
         body = Body(between(self.track.position, seconds), between(self.track.heading, seconds))
@@ -285,7 +285,7 @@ class Cars:
         for ahead in (0.3, -0.3):
             for aside in (0.45, -0.45):
                 body.put(ahead * length, aside * width, 0.32, np.array([0.32, 0.11, 0.32]))
-        return body.pose(there_at(self.track.present, seconds))
+        return body.posture(there_at(self.track.present, seconds))
 
 
 class Animals:
@@ -309,7 +309,7 @@ class Animals:
         self.box = np.zeros(self.PARTS * count, bool)
         self.owner = np.tile(np.arange(count), self.PARTS)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         h, turn = self.height, between(self.swing, seconds) * np.sin(between(self.phase, seconds))
         body = Body(between(self.track.position, seconds), between(self.track.heading, seconds))
@@ -324,7 +324,7 @@ class Animals:
         body.bar(-1.05 * half, 0.0, belly + 1.2 * thick, -0.6 + 0.5 * turn, 0.4 * h, 0.025 * h)
         for ahead, aside, sign in ((0.8, 1, 1.0), (0.8, -1, -1.0), (-0.8, 1, -1.0), (-0.8, -1, 1.0)):
             body.bar(ahead * half, aside * 0.5 * thick, belly, sign * turn, 0.55 * h, 0.055 * h)
-        return body.pose(there_at(self.track.present, seconds))
+        return body.posture(there_at(self.track.present, seconds))
 
 
 class Discs:
@@ -341,8 +341,8 @@ class Discs:
         self.box = rng.random(count) < 0.3
         self.owner = np.arange(count)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         body = Body(between(self.track.position, seconds), between(self.track.heading, seconds))
         body.put(0.0, 0.0, self.half[:, 2], self.half)
-        return body.pose(there_at(self.track.present, seconds))
+        return body.posture(there_at(self.track.present, seconds))

@@ -13,8 +13,8 @@ from ..arguments import Array, Bits, Index, Mask
 from .camera import Camera
 from .dirt import Dirt, noisy_frame
 from .lens_raster import solid_spans
+from .made_up_world import MadeUpWorld, Shapes
 from .raster import Spans, ellipse_spans
-from .world import Shapes, World
 
 Outlines = Literal["silhouettes", "boxes", "ellipses"]
 
@@ -77,7 +77,7 @@ class Film:
     Attributes
     ----------
     camera : Camera
-    world : World
+    world : MadeUpWorld
     number : int
         Which camera of the world this is, for what only one sees.
     moments : (T,) array
@@ -102,7 +102,7 @@ class Film:
     """
 
     camera: Camera
-    world: World
+    world: MadeUpWorld
     number: int
     moments: Array
     outlines: Outlines = "silhouettes"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arguments import Array
-from .figures import Pose
+from .figures import Posture
 from .motion import rotations
 
 GRAVITY = 9.81
@@ -61,7 +61,7 @@ class Thrown:
             now += lasts + rng.exponential(0.8) + 0.2
         return np.array(rows)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         count = len(self.owner)
         centres, present = np.zeros((len(seconds), count, 3)), np.zeros((len(seconds), count), bool)
@@ -73,7 +73,9 @@ class Thrown:
             centres[:, thing] = throw[:, 2:5] + since[:, None] * throw[:, 5:]
             centres[:, thing, 2] -= 0.5 * GRAVITY * since**2
         axis = np.broadcast_to(self.axis, (len(seconds), count, 3))
-        return Pose(centres, rotations(axis, self.spin * seconds[:, None]) * self.half[:, None, :], present)
+        return Posture(
+            centres, rotations(axis, self.spin * seconds[:, None]) * self.half[:, None, :], present
+        )
 
 
 class InOnePlane:
@@ -110,14 +112,14 @@ class InOnePlane:
         self.velocity = rng.uniform(0.3, 1.5, (count, 2)) * rng.choice([-1, 1], (count, 2))
         self.turn, self.spin = rng.uniform(0, 2 * np.pi, count), rng.normal(0, 0.6, count)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         # To and fro between −reach and reach is a triangle wave of period 4·reach.
         way = np.mod(self.start + seconds[:, None, None] * self.velocity, 4 * self.reach)
         flat = np.where(way < 2 * self.reach, way, 4 * self.reach - way) - self.reach
         angle = self.turn + self.spin * seconds[:, None]
         turned = self.frame @ rotations(np.broadcast_to([0.0, 0.0, 1.0], (*angle.shape, 3)), angle)
-        return Pose(
+        return Posture(
             self.middle + flat @ self.frame[:, :2].T,
             turned * self.half[:, None, :],
             np.ones(angle.shape, bool),
@@ -135,13 +137,13 @@ class Pendulum:
         self.hook = np.array([0.0, 0.0, self.string + self.radius + rng.uniform(0.1, 0.8)])
         self.box, self.owner = np.zeros(1, bool), np.zeros(1, np.int64)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         angle = self.swing * np.sin(self.first + np.sqrt(GRAVITY / self.string) * seconds)
         hangs = np.sin(angle)[:, None] * self.across - np.cos(angle)[:, None] * [0, 0, 1.0]
         centres = (self.hook + self.string * hangs)[:, None]
         axes = np.broadcast_to(self.radius * np.eye(3), (*centres.shape[:2], 3, 3))
-        return Pose(centres, axes, np.ones(centres.shape[:2], bool))
+        return Posture(centres, axes, np.ones(centres.shape[:2], bool))
 
 
 class Carousel:
@@ -155,11 +157,11 @@ class Carousel:
         self.box = np.full(count, bool(rng.integers(2)))
         self.owner = np.arange(count)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids at K seconds of the world."""
         angle = self.places + self.pace / self.radius * seconds[:, None]
         turned = rotations(np.broadcast_to([0.0, 0.0, 1.0], (*angle.shape, 3)), angle)
         centres = self.radius * turned[..., 0]
         centres[..., 2] = self.height
         # Seats look along the way they go.
-        return Pose(centres, turned * self.half[[1, 0, 2]], np.ones(angle.shape, bool))
+        return Posture(centres, turned * self.half[[1, 0, 2]], np.ones(angle.shape, bool))

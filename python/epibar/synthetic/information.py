@@ -16,7 +16,7 @@ import numpy as np
 from ..arguments import Array, Bits
 from .camera import Camera
 from .film import Film
-from .world import ALL
+from .made_up_world import ALL
 
 
 class Filmed(Protocol):
@@ -60,15 +60,15 @@ def frontier_points(situation: Filmed, a: int, b: int) -> tuple[Array, float]:
     end = min(first.moments.max(), second.moments.max())
     seconds = np.arange(start, end, max(1.0, (end - start) / MOMENTS))
     world = first.world
-    pose = world.at(seconds)
+    posture = world.at(seconds)
     centre, other = situation.cameras[a].centre, situation.cameras[b].centre
     axis = (other - centre) / np.linalg.norm(other - centre)
     across = np.linalg.svd(axis[None])[2][1:]
-    corners = pose.centres[:, :, None] + np.einsum("kmij,dj->kmdi", pose.axes, _DIRECTIONS)
+    corners = posture.centres[:, :, None] + np.einsum("kmij,dj->kmdi", posture.axes, _DIRECTIONS)
     found = []
     for mover in np.flatnonzero(world.only == ALL):
         solids = np.flatnonzero(world.owner == mover)
-        there = pose.present[:, solids].all(axis=1)
+        there = posture.present[:, solids].all(axis=1)
         if not there.any():
             continue
         points = corners[there][:, solids].reshape(int(there.sum()), -1, 3)

@@ -9,11 +9,11 @@ import numpy as np
 
 from . import casts
 from .film import Clock, Film
+from .made_up_world import MadeUpWorld
 from .motion import rotations
 from .rigs import FisheyeLenses, Lenses, Rig
 from .settings import POINTS, Rng, Setting, draw, ragged, stream, turned, whole
 from .situations import Fault, Situation
-from .world import World
 
 OFFSET = 20.0
 """Seconds between the first camera to start and the last, at most."""
@@ -90,10 +90,10 @@ def _blamed(made: Situation, index: int, film: Film, kind: str, detail: str) -> 
     return replace(made, films=films, groups=groups, faults=(Fault(kind, (index,), detail),))
 
 
-def another_world(made: Situation, rng: Rng, setting: Setting) -> World:
+def another_world(made: Situation, rng: Rng, setting: Setting) -> MadeUpWorld:
     """Draw another motion on as much room, which lasts as long."""
     length = max(float(film.moments[-1]) for film in made.films)
-    return World(setting.movers(rng, whole(rng, setting.count), length, made.area))
+    return MadeUpWorld(setting.movers(rng, whole(rng, setting.count), length, made.area))
 
 
 def stranger(seed: int, family: str) -> Situation:
@@ -153,7 +153,7 @@ def false_pair(seed: int, family: str) -> Situation:
     made, index, rng = _faulty(seed, family)
     other = int(rng.choice([number for number in range(len(made.cameras)) if number != index]))
     length = max(float(film.moments[-1]) for film in made.films)
-    besides = World(casts.walkers(rng, int(rng.integers(8, 15)), length, made.area))
+    besides = MadeUpWorld(casts.walkers(rng, int(rng.integers(8, 15)), length, made.area))
     films = list(made.films)
     camera = films[other].camera
     # The same camera, a quarter to three quarters of a turn round the middle of the room.

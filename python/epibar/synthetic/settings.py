@@ -17,10 +17,10 @@ from .camera import Camera
 from .dirt import Dirt
 from .figures import Movers
 from .film import Clock, Film, Outlines
+from .made_up_world import Furniture, MadeUpWorld
 from .motion import rotations
 from .rigs import FisheyeLenses, Lenses, Rig, draw_cameras, log_uniform
 from .situations import Situation
-from .world import Furniture, World
 
 Rng = np.random.Generator
 Area = tuple[float, float]
@@ -183,7 +183,7 @@ def draw(seed: int, family: str, setting: Setting) -> Situation:
         clocks = setting.clocks(rng, fps, frames, count)
     length = max(float(clock.moments[-1]) for clock in clocks)
     groups = setting.movers(motion, movers, length + setting.spare, area)
-    world = World(groups)
+    world = MadeUpWorld(groups)
     points = world.random_points(motion, length, POINTS)
     lens = None if setting.lenses is None else setting.lenses.maker(camera_rng)
     cameras = draw_cameras(camera_rng, setting.rig, count, area, points, lens)
@@ -198,21 +198,21 @@ def draw(seed: int, family: str, setting: Setting) -> Situation:
 
 
 def _extended(
-    rng: Rng, setting: Setting, world: World, cameras: list[Camera], length: float, area: Area
-) -> World:
+    rng: Rng, setting: Setting, world: MadeUpWorld, cameras: list[Camera], length: float, area: Area
+) -> MadeUpWorld:
     """Add what only some cameras see, what hides, and a light."""
     groups, only = list(world.movers), world.only
     if rng.random() < setting.strangers:
         more = int(rng.integers(1, 4))
         groups += setting.movers(rng, more, length, area)
-        added = World(groups).count - world.count
+        added = MadeUpWorld(groups).count - world.count
         only = np.concatenate([only, (np.arange(added) + rng.integers(len(cameras))) % len(cameras)])
     furniture, light = None, None
     if rng.random() < setting.furniture:
         furniture = occluders(rng, int(rng.integers(1, 7)), cameras, np.array([0.0, 0.0, 1.0]))
     if rng.random() < setting.shadows:
         light = drawn_light(rng)
-    return World(groups, only, furniture, light)
+    return MadeUpWorld(groups, only, furniture, light)
 
 
 def _within_budget(clocks: list[Clock], cameras: list[Camera], budget: float) -> list[Clock]:

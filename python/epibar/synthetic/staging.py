@@ -12,10 +12,10 @@ from . import tracks
 from .camera import Camera
 from .figures import Walkers
 from .film import Clock
+from .made_up_world import MadeUpWorld
 from .rigs import Lenses, Rig, draw_cameras
 from .scene import Scene, Solids
 from .video import render_video
-from .world import World
 
 __all__ = ["BARREL", "Staging", "stage"]
 
@@ -41,7 +41,7 @@ class Staging:
 
     Attributes
     ----------
-    world : World
+    world : MadeUpWorld
     cameras : list of Camera
         The truth; they are called cam1, cam2, …
     clocks : list of Clock
@@ -54,7 +54,7 @@ class Staging:
         Of the videos' noise.
     """
 
-    world: World
+    world: MadeUpWorld
     cameras: list[Camera]
     clocks: list[Clock]
     volume_points: Array
@@ -64,11 +64,11 @@ class Staging:
     def filmed(self, index: int) -> Scene:
         """Return the scene in the frames of one camera."""
         clock = self.clocks[index]
-        pose = self.world.at(clock.moments)
+        posture = self.world.at(clock.moments)
         world = self.world
         solids = Solids(
-            pose.centres,
-            pose.axes,
+            posture.centres,
+            posture.axes,
             world.box,
             world.owner,
             np.ones(len(world.box), bool),
@@ -121,7 +121,7 @@ def stage(
     clocks = _clocks(np.random.default_rng((seed, 2)), cameras, seconds, unsynchronised)
     length = max(float(clock.moments[-1]) for clock in clocks) + 1.0
     rng = np.random.default_rng((seed, 1))
-    world = World([Walkers(rng, tracks.free(rng, walkers, length, AREA))])
+    world = MadeUpWorld([Walkers(rng, tracks.free(rng, walkers, length, AREA))])
     points = world.random_points(rng, length, POINTS)
     rng = np.random.default_rng((seed, 0))
     rig = Rig(

@@ -18,13 +18,13 @@ from .dirt import Dirt
 from .figures import Discs, Movers, Walkers
 from .film import Film, Lights
 from .flights import Carousel, InOnePlane, Pendulum
+from .made_up_world import MadeUpWorld
 from .motion import rotations
 from .networks import hand_started
 from .rigs import Rig
 from .settings import Area, Rng, Setting, draw, ragged, stream, turned, whole
 from .situations import Fault, Situation
 from .tracks import Track
-from .world import World
 
 PAIR = Setting(casts.anything, cameras=(2, 2), frames=(200, 1500), dirt=ragged)
 SEARCHED = 21.0
@@ -43,11 +43,11 @@ def _parted(made: Situation, film: Film, kind: str, detail: str = "") -> Situati
     return replace(made, films=[made.films[0], film], groups=(0, 1), faults=(fault,))
 
 
-def _elsewhere(seed: int, family: str, made: Situation) -> World:
+def _elsewhere(seed: int, family: str, made: Situation) -> MadeUpWorld:
     """Draw what moves in another place, on as much room."""
     rng = stream(seed, family, 20)
     length = max(float(film.moments[-1]) for film in made.films)
-    return World(PAIR.movers(rng, whole(rng, PAIR.count), length, made.area))
+    return MadeUpWorld(PAIR.movers(rng, whole(rng, PAIR.count), length, made.area))
 
 
 def unrelated(seed: int, family: str) -> Situation:
@@ -98,7 +98,7 @@ def same_timetable(seed: int, family: str) -> Situation:
     (people,) = made.films[0].world.movers
     assert isinstance(people, Walkers)
     table = tracks.visits(people.track)
-    world = World([Walkers(rng, tracks.coming_and_going(rng, table, length, made.area))])
+    world = MadeUpWorld([Walkers(rng, tracks.coming_and_going(rng, table, length, made.area))])
     return _parted(made, replace(made.films[1], world=world), "another room, the same timetable")
 
 
@@ -136,7 +136,7 @@ def lamps(seed: int, family: str) -> Situation:
         places = rng.uniform([0.08, 0.08], [0.92, 0.92], (count, 2)) * film.camera.size
         radius = rng.uniform(0.01, 0.06, (count, 1)) * film.camera.size[0]
         on = Lights(np.hstack([places, radius]), flashes[0 if together else index], np.zeros(frames, bool))
-        films.append(replace(film, world=World([]), dirt=None, cleaned=False, lights=on))
+        films.append(replace(film, world=MadeUpWorld([]), dirt=None, cleaned=False, lights=on))
     fault = Fault("lamps", (1,), "in step" if together else "")
     return replace(made, films=films, groups=(0, 1), faults=(fault,))
 
@@ -146,7 +146,7 @@ def noise(seed: int, family: str) -> Situation:
     rng, made = stream(seed, family, 21), draw(seed, family, PAIR)
     low = rng.uniform(2, 10)
     dirt = Dirt(rng.uniform(1, 10), (low, rng.uniform(1.5, 5) * low), 0.0, 1, 0.0, missed=0.0)
-    films = [replace(film, world=World([]), dirt=dirt, cleaned=False) for film in made.films]
+    films = [replace(film, world=MadeUpWorld([]), dirt=dirt, cleaned=False) for film in made.films]
     return replace(made, films=films, groups=(0, 1), faults=(Fault("noise", (0, 1)),))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..arguments import Array, Bits, Index
-from .figures import Movers, Pose
+from .figures import Movers, Posture
 
 ALL = -1
 """Of a mover or an occluder that every camera sees."""
@@ -54,11 +54,11 @@ def shadow_map(light: Array) -> Array:
     return np.eye(3) - np.outer(light / light[2], [0.0, 0.0, 1.0])
 
 
-def _nobody(moments: int) -> Pose:
-    return Pose(np.empty((moments, 0, 3)), np.empty((moments, 0, 3, 3)), np.empty((moments, 0), bool))
+def _nobody(moments: int) -> Posture:
+    return Posture(np.empty((moments, 0, 3)), np.empty((moments, 0, 3, 3)), np.empty((moments, 0), bool))
 
 
-class World:
+class MadeUpWorld:
     """Movers, furniture and light.
 
     Parameters
@@ -87,21 +87,21 @@ class World:
         self.owner = np.concatenate([np.empty(0, np.int64), *owners])
         self.only = np.full(self.count, ALL) if only is None else np.asarray(only)
 
-    def at(self, seconds: Array) -> Pose:
+    def at(self, seconds: Array) -> Posture:
         """Return the solids of all movers at K moments."""
-        poses = [_nobody(len(seconds)), *(group.at(seconds) for group in self.movers)]
-        return Pose(
-            np.concatenate([pose.centres for pose in poses], axis=1),
-            np.concatenate([pose.axes for pose in poses], axis=1),
-            np.concatenate([pose.present for pose in poses], axis=1),
+        postures = [_nobody(len(seconds)), *(group.at(seconds) for group in self.movers)]
+        return Posture(
+            np.concatenate([posture.centres for posture in postures], axis=1),
+            np.concatenate([posture.axes for posture in postures], axis=1),
+            np.concatenate([posture.present for posture in postures], axis=1),
         )
 
     def shapes(self, seconds: Array, camera: int) -> Shapes:
         """List what one camera sees at K moments."""
-        pose = self.at(seconds)
+        posture = self.at(seconds)
         seen = np.isin(self.only[self.owner], (ALL, camera))
-        frame, solid = np.nonzero(pose.present & seen)
-        centres, axes = pose.centres[frame, solid], pose.axes[frame, solid]
+        frame, solid = np.nonzero(posture.present & seen)
+        centres, axes = posture.centres[frame, solid], posture.axes[frame, solid]
         box, owner = self.box[solid], self.owner[solid]
         moving = np.ones(len(frame), bool)
         if self.light is not None:
@@ -123,8 +123,8 @@ class World:
 
     def random_points(self, rng: np.random.Generator, length: float, count: int, moments: int = 150) -> Array:
         """Draw points in moving solids that all cameras may see, (count, 3), at moments up to ``length``."""
-        pose = self.at(np.sort(rng.uniform(0, length, moments)))
-        time, solid = np.nonzero(pose.present & (self.only[self.owner] == ALL))
+        posture = self.at(np.sort(rng.uniform(0, length, moments)))
+        time, solid = np.nonzero(posture.present & (self.only[self.owner] == ALL))
         if not len(time):
             return np.empty((0, 3))
         pick = rng.integers(len(time), size=count)
@@ -132,5 +132,7 @@ class World:
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
         within = direction * np.cbrt(rng.uniform(0, 1, (count, 1)))
         time, solid = time[pick], solid[pick]
-        points: Array = pose.centres[time, solid] + np.einsum("nij,nj->ni", pose.axes[time, solid], within)
+        points: Array = posture.centres[time, solid] + np.einsum(
+            "nij,nj->ni", posture.axes[time, solid], within
+        )
         return points
