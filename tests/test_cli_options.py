@@ -19,7 +19,7 @@ from epibar import synthetic
 from epibar.calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS
 from epibar.cli import main
 from epibar.cli.exit_codes import DONE, INTERRUPTED, MOVED, PARTLY, UNUSABLE, exit_code
-from epibar.cli.options import lengths
+from epibar.cli.length_options import lengths
 from epibar.cli.parser import COMMANDS, build_parser
 from epibar.evaluation import image_correspondences
 from epibar.recording import DEFAULT_LINES

@@ -3,7 +3,8 @@
 To add one: a module with a function that takes a sequence of :class:`~epibar.Intrinsics` with rotations and
 translations, a path and the :class:`~epibar.camera_export.world.World` they stand in, writes, and returns the
 files it wrote; and a line in :data:`CAMERA_FORMATS`. Pairs have a table of their own,
-:mod:`epibar.pair_export.formats`. The command line, its help and ``epibar formats`` follow both tables.
+:mod:`epibar.pair_export.formats`. The command line, its help and ``epibar formats`` follow
+:data:`epibar.export.FORMATS`.
 Standard library only: the command line reads it before anything heavy is imported.
 """
 

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING
 
 from .clock_options import add_clock_options
 from .exit_codes import exit_code, explanation
+from .length_options import add_length_options, lengths
 from .options import (
     CommandParser,
-    add_length_options,
     add_output_options,
-    lengths,
     positive_pixels,
     scheduler_address,
 )

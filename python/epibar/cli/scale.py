@@ -5,7 +5,8 @@ from __future__ import annotations
 from argparse import Namespace
 
 from .exit_codes import DONE
-from .options import CommandParser, add_length_options, add_output_options, add_run_folder, lengths
+from .length_options import add_length_options, lengths
+from .options import CommandParser, add_output_options, add_run_folder
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 

@@ -2,7 +2,8 @@
 
 To add one: a module with a function that takes a :class:`~epibar.outcome.Run` and a path, writes, and returns
 the files it wrote; and a line in :data:`PAIR_FORMATS`. Cameras in one world have a table of their own,
-:mod:`epibar.camera_export.formats`. The command line, its help and ``epibar formats`` follow both tables.
+:mod:`epibar.camera_export.formats`. The command line, its help and ``epibar formats`` follow
+:data:`epibar.export.FORMATS`.
 Standard library only: the command line reads it before anything heavy is imported.
 """
 

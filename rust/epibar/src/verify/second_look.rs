@@ -3,7 +3,8 @@
 //! A fifth of a short recording may show next to nothing: one walker who stands still, or nobody whom both cameras see. What is found by
 //! some frames and tested on others is then found and tested anew, with other frames kept aside ([`Fold::Second`](super::split::Fold)).
 //! Both searches start from nothing, and neither tests on a frame that it was fitted to. Where they give the same geometry the two tests are
-//! one of twice as many frames (cross-fitting); where they do not, each stands for itself, as one of two trials.
+//! one of twice as many frames (cross-fitting); where they do not, each stands for itself, as one of two trials. `calibrate_at` of
+//! [`calibrate`](mod@crate::calibrate) looks twice.
 
 use super::shift_curve::ShiftCurve;
 use super::thresholds::{FAINT_Z, MIN_Z, reaches};

@@ -5,12 +5,12 @@
 //! of one moment go on at the next. What could be two walkers is left out.
 //!
 //! * `sightings`: the candidates.
-//! * `groups`, `triangulate`: which of them are one walker; where rays meet.
-//! * `linking`: from moment to moment.
+//! * `over_cameras`, `triangulate`: which of them are one walker; where rays meet.
+//! * `over_time`: from moment to moment.
 //! * `points`: what comes out.
 
-mod groups;
-mod linking;
+mod over_cameras;
+mod over_time;
 mod points;
 mod sightings;
 mod triangulate;
@@ -19,8 +19,8 @@ pub use points::{TrackPoint, TrackSighting};
 
 use rayon::prelude::*;
 
-use groups::{Group, Scale, groups};
-use linking::Crowd;
+use over_cameras::{Group, Scale, groups};
+use over_time::Crowd;
 use sightings::{Eye, Sighting, sightings};
 
 use super::given::clocks::MOST_DRIFT;

@@ -5,7 +5,7 @@
 
 use nalgebra::Vector3;
 
-use super::groups::Group;
+use super::over_cameras::Group;
 use crate::network::observations::observed::Observed;
 
 /// A track that is not seen for so many seconds has ended.
