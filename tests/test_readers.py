@@ -250,11 +250,12 @@ def table_rows(page):
 
 
 def test_the_page_on_axes_is_that_of_the_program():
-    from epibar.camera_export.formats import FORMATS
+    from epibar.camera_export.formats import CAMERA_FORMATS
 
     units = {"network": "that of the network"}
     wanted = [
-        [f"`{one.name}`", one.program, one.axes, units.get(one.unit, one.unit)] for one in FORMATS.values()
+        [f"`{one.name}`", one.program, one.axes, units.get(one.unit, one.unit)]
+        for one in CAMERA_FORMATS.values()
     ]
     assert table_rows(ON_AXES) == wanted
     (code,) = re.findall(r"^```python\n(.*?)^```$", ON_AXES, re.MULTILINE | re.DOTALL)
