@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from .exit_codes import DONE
 from .options import CommandParser, add_output_options
+from .printer import Printer
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
@@ -35,7 +36,6 @@ def add_options(command: CommandParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run the command."""
     from ..errors import EpibarError
-    from .console import Console
 
     try:
         import shtab
@@ -47,8 +47,8 @@ def run(args: argparse.Namespace) -> int:
         if takes_folder(action) or takes_file(action):
             kind = shtab.DIRECTORY if takes_folder(action) else shtab.FILE
             setattr(action, "complete", kind)  # noqa: B010 - shtab looks for it
-    with Console(args.quiet, verbose=args.verbose):
-        print(shtab.complete(args.whole, args.shell), flush=True)
+    Printer(args.quiet, verbose=args.verbose)  # says versions where they are asked for
+    print(shtab.complete(args.whole, args.shell), flush=True)
     return DONE
 
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import logging
-import platform
-import sys
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib.metadata import PackageNotFoundError, version
 from typing import IO
 
 from ..calibration import Calibration
@@ -20,6 +17,7 @@ from ..network.check_prose import check_notes, check_table
 from ..network.checking import NetworkCheck
 from ..network.prose import network_notes, network_table
 from ..network.result import Network
+from .printer import Printer
 
 __all__ = ["Console"]
 
@@ -27,27 +25,13 @@ SMALL = 0.02
 """Share of a step before which nothing is said of the time left."""
 
 
-class Console(Watch):
-    """Progress, notes and results. Its bars are taken away when it is left as a context manager.
-
-    Parameters
-    ----------
-    quiet : bool
-        Errors only.
-    json : bool
-        Stdout is for the JSON result alone: what would be printed there goes to stderr.
-    verbose : bool
-        Also versions, and the numbers that results rest on, on stderr.
-    """
+class Console(Printer, Watch):
+    """Progress beside notes and results. Its bars are taken away when it is left as a context manager."""
 
     def __init__(self, quiet: bool = False, json: bool = False, verbose: bool = False) -> None:
-        self.quiet = quiet
-        self.verbose = verbose and not quiet
-        self._stdout_is_taken = json
         self._bars = Bars()
         self._step, self._began = "", 0.0
-        if self.verbose:
-            self.note(_versions())
+        super().__init__(quiet, json, verbose)
 
     def __enter__(self) -> Console:
         return self
@@ -72,11 +56,6 @@ class Console(Watch):
     def interactive(self) -> bool:
         """Somebody watches a terminal, or a notebook, and has not asked for silence."""
         return not self.quiet and (on_terminal() or in_notebook())
-
-    def result(self, text: str = "") -> None:
-        """Print what the user asked for, on stdout."""
-        if not self.quiet:
-            self._print(text, sys.stderr if self._stdout_is_taken else sys.stdout)
 
     def verdict(self, text: str) -> None:
         """Print what came out of a pair."""
@@ -117,23 +96,6 @@ class Console(Watch):
         if self.verbose and found:
             self.note(f"  {of_what}: " + ", ".join(f"{name} {value:.6g}" for name, value in found.items()))
 
-    def json(self, text: str) -> None:
-        """Print a JSON result, on stdout, however quiet."""
-        print(text, flush=True)
-
-    def note(self, text: str) -> None:
-        """Print what is going on, on stderr."""
-        if not self.quiet:
-            self._print(text, sys.stderr)
-
-    def warning(self, text: str) -> None:
-        """Print what may spoil the result, on stderr."""
-        self.note(f"epibar: warning: {text}")
-
-    def error(self, text: str) -> None:
-        """Print what went wrong, on stderr, always."""
-        self._print(f"epibar: error: {text}", sys.stderr)
-
     def pace(self, progress: JobProgress) -> None:
         """Show how far all is: bars where somebody watches, else a line now and then."""
         if self.interactive:
@@ -152,17 +114,6 @@ class Console(Watch):
     def _print(self, text: str, stream: IO[str]) -> None:
         """Print a line above the bars."""
         self._bars.write(printable(without_secrets(text)), stream)
-
-
-def _versions() -> str:
-    """Versions of what results depend on."""
-    found = {"python": platform.python_version(), "system": platform.platform()}
-    for package in ("epibar", "numpy", "opencv-python-headless"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return ", ".join(f"{name} {number}" for name, number in found.items())
 
 
 class _Warnings(logging.Handler):

@@ -7,6 +7,7 @@ from argparse import Namespace
 from ..export import FORMATS, Format
 from .exit_codes import DONE
 from .options import CommandParser, add_output_options
+from .printer import Printer
 
 __all__ = ["DESCRIPTION", "HELP", "NAME", "add_options", "run"]
 
@@ -34,22 +35,20 @@ def add_options(command: CommandParser) -> None:
 
 def run(args: Namespace) -> int:
     """Run the command."""
-    from .console import Console
-
-    console = Console(args.quiet, json=args.json, verbose=args.verbose)
+    printer = Printer(args.quiet, json=args.json, verbose=args.verbose)
     if args.json:
         import json
 
         entries = [_entry(holds, one) for holds, table in FORMATS.items() for one in table.values()]
-        console.json(json.dumps(entries, indent=1))
+        printer.json(json.dumps(entries, indent=1))
         return DONE
     for holds, table in FORMATS.items():
-        console.result(f"{TITLES[holds]}\n")
+        printer.result(f"{TITLES[holds]}\n")
         for one in table.values():
             for line in _lines(one):
-                console.result(line)
-        console.result()
-    console.result(
+                printer.result(line)
+        printer.result()
+    printer.result(
         "None has a place for verdicts, expected errors and clocks: network.json and calibration.json do."
     )
     return DONE
