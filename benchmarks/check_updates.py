@@ -20,11 +20,8 @@ def update_error(made: Any, network: Any, name: str) -> list[float]:
         key: Camera(c.matrix, c.rotation, c.translation, (1, 1), key) for key, c in network.cameras.items()
     }
     wrong = synthetic.network_errors(made, found)[name]
-    stated = network.cameras[name].expected
-    return [
-        *(abs(wrong.focal), wrong.rotation, wrong.position),
-        *(stated["focal"], stated["rotation"], stated["position"] / rig_of(found)),
-    ]
+    stated = stated_errors(network.cameras[name], rig_of(found))
+    return [abs(wrong.focal), wrong.rotation, wrong.position, *stated.tolist()]
 
 
 def rig_of(cameras: Any) -> float:

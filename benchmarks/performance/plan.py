@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from machine import memory_mb
@@ -32,7 +32,7 @@ PAIR = (640, 480)
 def plan_stages() -> list[Stage]:
     """Footage by size and cores; pairs by frames and by lines; networks by cameras."""
     cores = sorted({1, os.cpu_count() or 1})
-    stages = [_recorded(size, count) for size in SIZES for count in cores]
+    stages = [stage for size in SIZES for stage in _recorded(size, cores)]
     stages += [_calibrated(2, frames, 20000, cores[-1]) for frames in LENGTHS]
     stages += [_calibrated(2, 1000, lines, cores[-1]) for lines in LINES]
     return stages + [_calibrated(cameras, 800, 20000, cores[-1]) for cameras in CAMERAS]
@@ -46,15 +46,18 @@ def _measured(*words: object) -> tuple[float, float]:
     return seconds, peak
 
 
-def _recorded(size: tuple[int, int], cores: int) -> Stage:
+def _recorded(size: tuple[int, int], cores: list[int]) -> Iterator[Stage]:
+    """One video, on each number of cores."""
     frames = RECORDED.get(size, FRAMES)
     with tempfile.TemporaryDirectory() as folder:
         video = Path(folder) / "cam1.mp4"
         _measured("render", *size, frames, video, os.cpu_count() or 1)
-        seconds, peak = _measured("record", video, cores)
-    name = f"record {size[0]}x{size[1]}, {_of(cores)}"
-    notes = {f"minutes of footage at {FPS:.0f} frames a second in a minute": f"{frames / FPS / seconds:.2f}"}
-    return Stage(name, "frames", frames, seconds, notes=notes | _memory(peak))
+        for count in cores:
+            seconds, peak = _measured("record", video, count)
+            footage = f"{frames / FPS / seconds:.2f}"
+            notes = {f"minutes of footage at {FPS:.0f} frames a second in a minute": footage}
+            name = f"record {size[0]}x{size[1]}, {_of(count)}"
+            yield Stage(name, "frames", frames, seconds, notes=notes | _memory(peak))
 
 
 def _calibrated(cameras: int, frames: int, lines: int, cores: int) -> Stage:

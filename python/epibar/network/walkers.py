@@ -131,7 +131,10 @@ class WalkerTracks:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write a table (``.csv``) or the arrays (``.npz``, no pickle).
 
-        In the table a name that a spreadsheet would take for a formula has an apostrophe before it.
+        In the table a name that a spreadsheet would take for a formula has an apostrophe before it. Of m
+        places and n cameras an archive holds ``names`` (n,), ``unit``, ``time`` (m,) in seconds of the
+        network's first camera, ``track`` (m,), ``foot`` and ``top`` (m, 3), ``height`` (m,), ``cameras``
+        (m, n) and ``residual`` (m,) in pixels.
 
         Raises
         ------
@@ -221,11 +224,7 @@ def _with_clock(network: NetworkParts, camera: NetworkCamera, films: Mapping[str
 
 
 def write_tracks(tracks: WalkerTracks, path: Path) -> list[Path]:
-    """Write arrays (``.npz``, no pickle) or a table (``.csv``); see :meth:`WalkerTracks.save`.
-
-    Of m places and n cameras an archive holds ``names`` (n,), ``unit``, ``time`` (m,) in seconds of the
-    network's first camera, ``track`` (m,), ``foot`` and ``top`` (m, 3), ``height`` (m,), ``cameras`` (m, n)
-    and ``residual`` (m,) in pixels.
+    """Write what :meth:`WalkerTracks.save` writes, as a format of ``epibar export``.
 
     Returns
     -------
