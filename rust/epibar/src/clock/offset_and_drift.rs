@@ -12,7 +12,7 @@ use super::aligned::Aligned;
 use super::between::{self, Hull};
 use super::clock::Clock;
 use super::equations::{ClockEquations, ClockError, ClockVector, Equation, Span};
-use crate::frontier::{TangentMatch, Up, Views, busy_frames, compare};
+use crate::frontier::{TangentMatch, Up, Views, busy_frames, tangent_matches};
 use crate::geometry::Fundamental;
 use crate::geometry::seven_parameters::{SevenParameters, Step};
 use crate::recording::tracker::Links;
@@ -128,7 +128,7 @@ impl Fitter<'_> {
         let scale = views.pixel_scale();
         let within = |radius: f64| radius.clamp(RADII[1] * scale, RADII[0] * scale);
         let radius = within(radius);
-        let points = compare(&views, &state.fundamental, radius).matches;
+        let points = tangent_matches(&views, &state.fundamental, radius);
         let at = SevenParameters::new(&state.fundamental, views.sizes())?;
         let span = Span::new(self.a, self.b, first, last);
         let motions = self.motions(&aligned, &views, &state.fundamental, &points);

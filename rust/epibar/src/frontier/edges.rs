@@ -27,17 +27,25 @@ impl Edges {
     /// Adds a hull; its `i`-th edge leaves the `i`-th vertex.
     pub(super) fn push(&mut self, hull: &[[f64; 2]]) {
         self.start.push(self.x.len() as u32);
-        for (i, v) in hull.iter().enumerate() {
-            let w = hull[(i + 1) % hull.len()];
-            self.x.push(v[1] - w[1]);
-            self.y.push(w[0] - v[0]);
-            self.w.push(v[0] * w[1] - v[1] * w[0]);
-        }
+        let edges = || hull.iter().zip(hull.iter().skip(1).chain(hull.first()));
+        self.x.extend(edges().map(|(v, w)| v[1] - w[1]));
+        self.y.extend(edges().map(|(v, w)| w[0] - v[0]));
+        self.w.extend(edges().map(|(v, w)| v[0] * w[1] - v[1] * w[0]));
         // Beyond the last stand edges of no length, with nothing on their positive side.
         let padded = self.x.len().next_multiple_of(LANES);
         for part in [&mut self.x, &mut self.y, &mut self.w] {
             part.resize(padded, 0.0);
         }
+    }
+
+    /// Adds a hull of others, of so many edges.
+    pub(super) fn push_of(&mut self, others: &Self, hull: usize, count: usize) {
+        self.start.push(self.x.len() as u32);
+        let first = others.start[hull] as usize;
+        let padded = first..first + count.next_multiple_of(LANES);
+        self.x.extend_from_slice(&others.x[padded.clone()]);
+        self.y.extend_from_slice(&others.y[padded.clone()]);
+        self.w.extend_from_slice(&others.w[padded]);
     }
 
     /// For each edge 1 where the epipole is on its positive side.

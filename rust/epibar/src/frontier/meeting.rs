@@ -1,7 +1,7 @@
 //! Within which radius tangents meet.
 
 use super::matches::robust_deviation;
-use super::score::compare;
+use super::score::tangent_matches;
 use super::views::Views;
 use crate::geometry::Fundamental;
 
@@ -17,7 +17,7 @@ const UNKNOWN_RADIUS: f64 = 3.0;
 /// Within how many pixels tangents meet under `f`. The radius follows the masks: three times the deviation of what meets at a generous one.
 pub fn meeting_radius(views: &Views, f: &Fundamental) -> f64 {
     let scale = views.pixel_scale();
-    let generous = compare(views, f, GENEROUS_RADIUS * scale).matches;
+    let generous = tangent_matches(views, f, GENEROUS_RADIUS * scale);
     let radius = RADIUS_DEVIATIONS * robust_deviation(&generous);
     let radius = radius.clamp(LEAST_RADIUS * scale, GENEROUS_RADIUS * scale);
     if radius.is_nan() { UNKNOWN_RADIUS * scale } else { radius }

@@ -18,7 +18,7 @@ pub mod volume;
 pub use matches::{Class, ClassScore, CommonFrame, FrontierScore, TangentMatch};
 pub use meeting::meeting_radius;
 pub use preview::Scorer;
-pub use score::{Comparer, compare, frontier_score};
+pub use score::{Comparer, compare, frontier_score, tangent_matches, total_score};
 pub use symmetric::symmetric_score;
 pub use up::Up;
 pub use views::{View, Views, busy_frames};

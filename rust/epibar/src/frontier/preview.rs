@@ -1,6 +1,6 @@
 //! Scores of many hypotheses on the same frames.
 
-use super::score::frontier_score;
+use super::score::total_score;
 use super::views::Views;
 use crate::geometry::Fundamental;
 
@@ -28,11 +28,11 @@ impl<'a> Scorer<'a> {
 
     /// Score of `f`.
     pub fn score(&self, f: &Fundamental) -> f64 {
-        frontier_score(self.views, f, self.radius).total()
+        total_score(self.views, f, self.radius)
     }
 
     /// An estimate of the score from one frame in four.
     pub fn preview(&self, f: &Fundamental) -> f64 {
-        frontier_score(&self.few, f, self.radius).total() * PREVIEW_STEP as f64
+        total_score(&self.few, f, self.radius) * PREVIEW_STEP as f64
     }
 }

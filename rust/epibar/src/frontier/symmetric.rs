@@ -1,6 +1,6 @@
 //! The score of a geometry, both cameras' tangents taken in turn, at the radius that suits the masks.
 
-use super::score::Comparer;
+use super::score::{Comparer, Paired};
 use super::views::Views;
 use crate::geometry::Fundamental;
 
@@ -20,34 +20,47 @@ pub struct SymmetricScore {
 
 /// Comparisons from A to B and from B to A, one after the other, so that they share their buffers.
 fn both_ways<T>(views: &Views, f: &Fundamental, of: impl Fn(&mut Comparer) -> T) -> (T, T) {
-    let there = of(&mut Comparer::new(views, f));
-    (there, of(&mut Comparer::reversed(views, f)))
+    let mut comparer = Comparer::new(views, f);
+    let there = of(&mut comparer);
+    (there, of(&mut comparer.turned_round(views, f)))
 }
 
 /// The score at the radius that gives most: masks are clean or coarse, and the best radius is theirs.
 pub fn symmetric_score(views: &Views, f: &Fundamental) -> SymmetricScore {
-    let scale = views.pixel_scale();
-    let radii = RADII.map(|r| r * scale);
-    let (there, back) = both_ways(views, f, |comparer| {
-        let mut paired = comparer.pair(0, SIGN_RADIUS * scale);
-        radii.map(|radius| paired.weigh(radius).score().total())
+    let (there, back) = at_all_radii(views, f, |paired, radius| paired.weigh(radius).total());
+    best_radius(views, there, back).1
+}
+
+/// [`symmetric_score`] with the evidence of each frame at its radius, which sums to its total.
+pub fn symmetric_score_by_frame(views: &Views, f: &Fundamental) -> (SymmetricScore, Vec<f64>) {
+    let (there, back) = at_all_radii(views, f, |paired, radius| {
+        let weighed = paired.weigh(radius);
+        (weighed.total(), weighed.per_frame())
     });
-    let mut best = SymmetricScore { total: f64::NEG_INFINITY, radius: radii[0] };
-    for ((radius, there), back) in radii.into_iter().zip(there).zip(back) {
-        let total = 0.5 * (there + back);
-        if total > best.total {
-            best = SymmetricScore { total, radius };
+    let (k, score) = best_radius(views, there.each_ref().map(|way| way.0), back.each_ref().map(|way| way.0));
+    (score, there[k].1.iter().zip(&back[k].1).map(|(p, q)| 0.5 * (p + q)).collect())
+}
+
+/// What is asked of the tangents that are paired at each of the [`RADII`], from A to B and back.
+fn at_all_radii<T>(views: &Views, f: &Fundamental, of: impl Fn(&mut Paired, f64) -> T) -> ([T; 4], [T; 4]) {
+    let scale = views.pixel_scale();
+    both_ways(views, f, |comparer| {
+        let mut paired = comparer.pair(0, SIGN_RADIUS * scale);
+        RADII.map(|radius| of(&mut paired, radius * scale))
+    })
+}
+
+/// The radius that gives most, by its place among the [`RADII`], and the score there.
+fn best_radius(views: &Views, there: [f64; 4], back: [f64; 4]) -> (usize, SymmetricScore) {
+    let scale = views.pixel_scale();
+    let mut best = (0, SymmetricScore { total: f64::NEG_INFINITY, radius: RADII[0] * scale });
+    for (k, radius) in RADII.into_iter().enumerate() {
+        let total = 0.5 * (there[k] + back[k]);
+        if total > best.1.total {
+            best = (k, SymmetricScore { total, radius: radius * scale });
         }
     }
     best
-}
-
-/// Evidence of each frame at a radius, pixels; at that of [`symmetric_score`] it sums to its total.
-pub fn score_by_frame(views: &Views, f: &Fundamental, radius: f64) -> Vec<f64> {
-    let sign_radius = SIGN_RADIUS * views.pixel_scale();
-    let of = |comparer: &mut Comparer| comparer.pair(0, sign_radius).weigh(radius).per_frame();
-    let (there, back) = both_ways(views, f, of);
-    there.iter().zip(&back).map(|(p, q)| 0.5 * (p + q)).collect()
 }
 
 /// Shifts of the clocks that tell what the score is by chance.
@@ -65,7 +78,7 @@ fn chance_shifts(frames: usize) -> [usize; CHANCE_SHIFTS] {
 pub fn chance_level(views: &Views, f: &Fundamental, radius: f64) -> f64 {
     let shifts = chance_shifts(views.frames());
     let (there, back) = both_ways(views, f, |comparer| {
-        shifts.iter().map(|&shift| comparer.pair(shift, radius).weigh(radius).score().total()).sum::<f64>()
+        shifts.iter().map(|&shift| comparer.pair(shift, radius).weigh(radius).total()).sum::<f64>()
     });
     (0.5 * (there + back) / CHANCE_SHIFTS as f64).max(0.0)
 }

@@ -121,10 +121,11 @@ impl View {
         for &frame in frames {
             for hull in self.hull_indices(frame) {
                 let vertices = self.hull_start[hull] as usize..self.hull_start[hull + 1] as usize;
-                let unmoved = self.unmoved.get(vertices.clone()).unwrap_or_default();
-                let was = if unmoved.is_empty() { &self.vertices[vertices.clone()] } else { unmoved };
-                view.push(&self.vertices[vertices], was);
-                view.unmoved.extend(unmoved);
+                view.edges.push_of(&self.edges, hull, vertices.len());
+                view.touchable.extend_from_slice(&self.touchable[vertices.clone()]);
+                view.unmoved.extend_from_slice(self.unmoved.get(vertices.clone()).unwrap_or_default());
+                view.vertices.extend_from_slice(&self.vertices[vertices]);
+                view.hull_start.push(view.vertices.len() as u32);
             }
             view.end_frame();
         }

@@ -16,6 +16,11 @@ use crate::recording::{Barcodes, FramePair, Recording};
 /// Directions of lines that share a table of how far hulls reach. Thousands of pencils share them all.
 const DIRECTIONS: usize = 128;
 
+/// Barcodes of so many pairs of lines are compared before it is asked whether the others can still be alike enough.
+const AT_ONCE: usize = 16;
+/// What rounding may add to a mean of correlations.
+const ROUNDING: f64 = 1e-9;
+
 /// Silhouettes of two cameras at some common frames, and places where something moved.
 pub struct Pencils {
     hulls: [TabulatedHulls; 2],
@@ -46,8 +51,8 @@ impl Pencils {
     }
 
     /// Mean correlation of the barcodes of the epipolar lines through all places, in both directions; that of a line which
-    /// misses the other image, or that says nothing in either, is 0.
-    pub fn alike(&self, f: &Fundamental) -> f64 {
+    /// misses the other image, or that says nothing in either, is 0. `None` where the mean is less than `least`, which shows before all are compared.
+    pub fn alike(&self, f: &Fundamental, least: f64) -> Option<f64> {
         let epipoles = [f.epipole_a(), f.epipole_b()];
         let mut lines: [Vec<Line>; 2] = [vec![], vec![]];
         for (from, epipole) in epipoles.into_iter().enumerate() {
@@ -61,9 +66,18 @@ impl Pencils {
                 }
             }
         }
-        let [a, b] = [0, 1].map(|k| self.hulls[k].barcodes(&lines[k]));
-        let sum: f64 = (0..lines[0].len()).map(|row| correlation_of(&a, &b, row)).sum();
-        sum / (self.places[0].len() + self.places[1].len()).max(1) as f64
+        let places = (self.places[0].len() + self.places[1].len()).max(1) as f64;
+        let (mut sum, mut left) = (0.0, lines[0].len());
+        for some in lines[0].chunks(AT_ONCE).zip(lines[1].chunks(AT_ONCE)) {
+            if (sum + left as f64) / places < least - ROUNDING {
+                return None;
+            }
+            let (a, b) = (self.hulls[0].barcodes(some.0), self.hulls[1].barcodes(some.1));
+            sum = (0..some.0.len()).fold(sum, |sum, row| sum + correlation_of(&a, &b, row));
+            left -= some.0.len();
+        }
+        let alike = sum / places;
+        (alike >= least).then_some(alike)
     }
 }
 
@@ -103,22 +117,23 @@ mod tests {
         let frames: Vec<FramePair> = (0..200).map(|i| FramePair { a: i, b: i }).collect();
         let pencils = Pencils::new([&recordings[0], &recordings[1]], &frames, 60, 5);
         let size = recordings[0].size;
-        let of = |rows: &Matrix3<f64>| pencils.alike(&Fundamental::from_matrix(rows, size, size).unwrap());
+        let of = |rows: &Matrix3<f64>| {
+            let f = Fundamental::from_matrix(rows, size, size).unwrap();
+            let alike = pencils.alike(&f, f64::NEG_INFINITY).unwrap();
+            // What is asked for at least changes nothing but whether there is an answer.
+            for least in [0.0, 0.2, 0.5 * alike, alike, alike + 1e-6, 0.9, 1.1] {
+                assert_eq!(pencils.alike(&f, least), (alike >= least).then_some(alike), "{least}");
+            }
+            alike
+        };
         let right = of(&Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0));
         let a_row_off = of(&Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 12.0));
         let columns = of(&Matrix3::new(0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0));
         assert!(right > 0.97, "{right}");
         assert!(a_row_off < 0.4 && columns < 0.4, "{a_row_off} {columns}");
-        assert_eq!(
-            Pencils::new([&recordings[0], &recordings[1]], &[], 60, 5).alike(
-                &Fundamental::from_matrix(
-                    &Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0),
-                    size,
-                    size
-                )
-                .unwrap()
-            ),
-            0.0
-        );
+        let nothing = Pencils::new([&recordings[0], &recordings[1]], &[], 60, 5);
+        let rows = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let f = Fundamental::from_matrix(&rows, size, size).unwrap();
+        assert_eq!(nothing.alike(&f, f64::NEG_INFINITY), Some(0.0));
     }
 }

@@ -11,7 +11,7 @@ use super::essential::EssentialPrior;
 use super::least_squares::{Problem, Unknowns, cauchy, minimise};
 use super::polish::{loss_scale, prior_weight};
 use super::sampson::residual_rows;
-use crate::frontier::{Class, TangentMatch, Views, compare, meeting_radius};
+use crate::frontier::{Class, TangentMatch, Views, meeting_radius, tangent_matches};
 use crate::geometry::{Fundamental, SevenParameters};
 
 /// Standard deviation of what outlines are off by, pixels of a 640×480 image.
@@ -118,7 +118,7 @@ impl Problem<At, 9> for WithInsets<'_> {
 /// `f`. `None` where it is not known which end of what moves is up, so that nobody knows on which side of its tangents it is.
 pub fn insets(views: &Views, f: &Fundamental) -> Option<[f64; 2]> {
     let radius = meeting_radius(views, f);
-    let matches = compare(views, f, radius).matches;
+    let matches = tangent_matches(views, f, radius);
     Some(solve(views, f, &matches, loss_scale(radius))?.insets)
 }
 

@@ -4,7 +4,7 @@ use super::essential::{EssentialPrior, WithPrior};
 use super::least_squares::minimise;
 use super::sampson::SampsonProblem;
 use crate::frontier::matches::robust_deviation;
-use crate::frontier::{TangentMatch, Views, compare, symmetric_score};
+use crate::frontier::{TangentMatch, Views, symmetric_score, tangent_matches};
 use crate::geometry::{Fundamental, SevenParameters};
 
 /// Steps between two searches for tangents, which move the optimum by more than the last steps would.
@@ -33,7 +33,7 @@ pub fn refine(views: &Views, f: &Fundamental, radii: &[f64], repeats: usize) -> 
     let mut current = *f;
     for &radius in radii {
         for _ in 0..repeats {
-            let matches = compare(views, &current, radius).matches;
+            let matches = tangent_matches(views, &current, radius);
             if matches.len() < FEWEST {
                 return None;
             }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::polish::refine;
 use super::sampson::residual_rows;
-use crate::frontier::{Views, compare, symmetric_score};
+use crate::frontier::{Views, symmetric_score, tangent_matches};
 use crate::geometry::Fundamental;
 use crate::geometry::seven_parameters::{SevenParameters, Step};
 
@@ -25,7 +25,7 @@ const ROUNDS: usize = 6;
 /// Eigenvectors of the normal equations, scaled so that a unit step moves the residuals by a pixel each
 /// (root mean square), weakest first.
 fn weak_directions(views: &Views, f: &Fundamental, radius: f64) -> Option<(SevenParameters, Vec<Step>)> {
-    let points = compare(views, f, radius).matches;
+    let points = tangent_matches(views, f, radius);
     let at = SevenParameters::new(f, views.sizes())?;
     if points.len() < FEWEST {
         return None;

@@ -14,8 +14,8 @@ use crate::watch::{Stage, Watch, report};
 
 /// The hypotheses with most inliers, whose pencils are looked at.
 const SIFTED: usize = 2000;
-/// So many of them are compared before the watch is asked again.
-const AT_ONCE: usize = 200;
+/// So many of them are compared before the watch is asked again, and the others need not be as alike as the best so far.
+const AT_ONCE: usize = 100;
 /// Places of each camera, and frames, at which those are compared.
 const FEW: (usize, usize) = (40, 300);
 /// The best of them, each of which is fitted to its inliers; the others than the winner may be rivals.
@@ -80,20 +80,23 @@ fn best(
         Pencils::new(filmed.recordings, &frames, places, seed)
     };
     let (few, many) = (pencils(FEW), pencils(MANY));
-    let score =
-        |pencils: &Pencils, f: &Fundamental| pencils.alike(f) * model.score(f).max(1.0).powf(OF_INLIERS);
-    let mut alike: Vec<(f64, Fundamental)> = Vec::with_capacity(sifted.len());
-    for chunk in sifted.chunks(AT_ONCE) {
-        report(watch, Stage::Lines, 0.6 + 0.2 * alike.len() as f64 / sifted.len() as f64)?;
-        alike.par_extend(chunk.par_iter().map(|s| (score(&few, &s.model), s.model)));
+    let score = |pencils: &Pencils, f: &Fundamental, least: f64| {
+        let weight = model.score(f).max(1.0).powf(OF_INLIERS);
+        Some(weight * pencils.alike(f, least / weight)?)
+    };
+    let mut alike: Vec<(f64, Fundamental)> = Vec::with_capacity(FITTED + AT_ONCE);
+    for (k, chunk) in sifted.chunks(AT_ONCE).enumerate() {
+        report(watch, Stage::Lines, 0.6 + 0.2 * (k * AT_ONCE) as f64 / sifted.len() as f64)?;
+        let least = alike.get(FITTED - 1).map_or(f64::NEG_INFINITY, |worst| worst.0);
+        alike.par_extend(chunk.par_iter().filter_map(|s| Some((score(&few, &s.model, least)?, s.model))));
+        alike.sort_by(|p, q| q.0.total_cmp(&p.0));
+        alike.truncate(FITTED);
     }
-    alike.sort_by(|p, q| q.0.total_cmp(&p.0));
-    alike.truncate(FITTED);
     report(watch, Stage::Lines, 0.8)?;
     let fitted = |(_, drawn): (f64, Fundamental)| {
         let of = |fundamental: Fundamental| Solution {
             fundamental,
-            score: score(&many, &fundamental),
+            score: score(&many, &fundamental, f64::NEG_INFINITY).unwrap_or(0.0),
             chance: 0.0,
             source: Source::BestLines,
         };

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::frontier::{TangentMatch, Views, compare, frontier_score};
+use crate::frontier::{TangentMatch, Views, tangent_matches, total_score};
 use crate::geometry::Fundamental;
 use crate::geometry::seven_parameters::SevenParameters;
 use crate::random::{below, generator};
@@ -37,7 +37,7 @@ pub fn resampled(
 ) -> Vec<Fundamental> {
     let Some(start) = SevenParameters::new(f, meeting.sizes()) else { return Vec::new() };
     let radii = RADII.map(|wide| wide * meeting.pixel_scale());
-    let met = radii.map(|wide| compare(meeting, f, wide).matches);
+    let met = radii.map(|wide| tangent_matches(meeting, f, wide));
     let mut fitted: Vec<(f64, usize, Fundamental)> = (0..SAMPLES)
         .into_par_iter()
         .filter_map(|k| {
@@ -50,7 +50,7 @@ pub fn resampled(
             let sample: Vec<TangentMatch> = (0..size).map(|_| met[below(&mut random, met.len())]).collect();
             let problem = SampsonProblem::new(&sample, loss_scale(radii[which]));
             let f = minimise(&problem, start.clone(), ITERATIONS).0.fundamental()?;
-            let score = frontier_score(scoring, &f, radius).total();
+            let score = total_score(scoring, &f, radius);
             (!score.is_nan()).then_some((score, k, f))
         })
         .collect();

@@ -11,7 +11,7 @@ use super::thresholds::{
     ROUGH_DEVIATION, STANDS_IN, larger, reaches, within,
 };
 use crate::frontier::matches::robust_deviation;
-use crate::frontier::{TangentMatch, Views, compare};
+use crate::frontier::{TangentMatch, Views, tangent_matches};
 use crate::geometry::SevenParameters;
 use crate::geometry::seven_parameters::Information;
 use crate::refine::essential::EssentialPrior;
@@ -53,7 +53,7 @@ impl Stated {
         let systematic = of_others.hypot(of_outlines(matches, winner.radius, scale, stand_in));
         // What outlines are off alike is what lets a geometry turn: one error, seen twice.
         let systematic = larger(systematic, away.by_turning);
-        let fitted = compare(views, &winner.fundamental, winner.radius).matches;
+        let fitted = tangent_matches(views, &winner.fundamental, winner.radius);
         of_matches(views, winner, &fitted, beyond_chance(evidence), case.block(), systematic)
     }
 }

@@ -1,7 +1,7 @@
 //! Is what one geometry explains more than another in each frame more than chance?
 
-use crate::frontier::symmetric::score_by_frame;
-use crate::frontier::{Views, symmetric_score};
+use crate::frontier::Views;
+use crate::frontier::symmetric::symmetric_score_by_frame;
 use crate::geometry::Fundamental;
 
 /// Blocks of frames that are compared: what one frame shows the next shows nearly so.
@@ -19,8 +19,7 @@ pub struct Gain {
 impl Gain {
     /// Of `f` beside `other`, each at the radius that suits it.
     pub(super) fn of(views: &Views, f: &Fundamental, other: &Fundamental) -> Self {
-        let by_frame = |f: &Fundamental| score_by_frame(views, f, symmetric_score(views, f).radius);
-        let (own, others) = (by_frame(f), by_frame(other));
+        let [own, others] = [f, other].map(|f| symmetric_score_by_frame(views, f).1);
         let gains: Vec<f64> = own.iter().zip(&others).map(|(own, other)| own - other).collect();
         let share = own.iter().sum::<f64>() / others.iter().sum::<f64>();
         Self { share, deviate: deviate(&gains) }

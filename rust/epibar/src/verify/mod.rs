@@ -67,7 +67,7 @@ pub use verified::Verified;
 
 use crate::error::Result;
 use crate::frontier::volume::{Correspondence, disagreement, met_correspondences};
-use crate::frontier::{TangentMatch, compare, meeting_radius};
+use crate::frontier::{TangentMatch, meeting_radius, tangent_matches};
 use crate::geometry::Fundamental;
 use crate::watch::Watch;
 use decide::decide;
@@ -97,7 +97,7 @@ pub fn verify(case: &Case, fundamental: &Fundamental, watch: &mut dyn Watch) -> 
     let views = case.views;
     let scale = views.pixel_scale();
     let radius = meeting_radius(views, fundamental);
-    let matches = compare(views, fundamental, radius).matches;
+    let matches = tangent_matches(views, fundamental, radius);
     let volume = met_correspondences(views, fundamental, &matches, VOLUME, case.seed);
 
     let (curve, mut evidence) = against_chance(case, fundamental, &volume);

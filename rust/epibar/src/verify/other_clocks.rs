@@ -14,9 +14,9 @@ use super::prose;
 use super::thresholds::{CLOCK_GAIN, CLOCK_LOST, CLOCK_SHARE, reaches, within};
 use super::verdict::{Kind, Verdict};
 use crate::clock::Aligned;
-use crate::frontier::symmetric::score_by_frame;
+use crate::frontier::symmetric::symmetric_score_by_frame;
 use crate::frontier::volume::{disagreement, met_correspondences};
-use crate::frontier::{Views, busy_frames, compare, symmetric_score};
+use crate::frontier::{Views, busy_frames, symmetric_score, tangent_matches};
 use crate::geometry::{CameraMatrices, Fundamental};
 use crate::refine::refine;
 
@@ -110,15 +110,15 @@ pub fn other_clocks<'r>(
     let by_chance: Vec<f64> =
         CHANCE.into_par_iter().filter_map(|k| Some(score(&at(k * longest)?.1, &own_best))).collect();
     let chance = by_chance.iter().sum::<f64>() / by_chance.len().max(1) as f64;
-    let whole = score(&views, &own_best) - chance;
-    let share = |views: &Views, f: &Fundamental| (score(views, f) - chance) / whole;
-    let is_found = |step: &f64| at(*step).is_some_and(|(_, v)| reaches(share(&v, &own_best), STILL_FOUND));
+    let (whole, own_scores) = by_frame(&views, frames, &own_best);
+    let share = |score: f64| (score - chance) / (whole - chance);
+    let is_found =
+        |step: &f64| at(*step).is_some_and(|(_, v)| reaches(share(score(&v, &own_best)), STILL_FOUND));
     let steps = (0..=HALVINGS).map(|k| longest * 0.5_f64.powi(k));
     let Some(step) = steps.into_iter().find(is_found) else { return Vec::new() };
-    let matches = compare(&views, &own_best, radius).matches;
-    let own_scores: Vec<(u32, f64)> = frames.into_iter().zip(by_frame(&views, &own_best)).collect();
-    let gain = |frames: Vec<u32>, views: &Views, f: &Fundamental| {
-        let scores: HashMap<u32, f64> = frames.into_iter().zip(by_frame(views, f)).collect();
+    let matches = tangent_matches(&views, &own_best, radius);
+    let gain = |scores: Vec<(u32, f64)>| {
+        let scores: HashMap<u32, f64> = scores.into_iter().collect();
         let both = own_scores.iter().filter_map(|(frame, own)| Some(scores.get(frame)? - own));
         deviate(&both.collect::<Vec<_>>())
     };
@@ -131,11 +131,12 @@ pub fn other_clocks<'r>(
             let Some(f) = refine(&views, &followed, &[4.0 * radius, 2.0 * radius, radius], ROUNDS) else {
                 break;
             };
-            let share = share(&views, &f);
+            let (score, scores) = by_frame(&views, frames, &f);
+            let share = share(score);
             if !reaches(share, CLOCK_LOST) {
                 break;
             }
-            let gain = gain(frames, &views, &f);
+            let gain = gain(scores);
             others.push(OtherClock { later, share, gain, distance: disagreement(&volume, &f) });
             followed = f;
         }
@@ -144,9 +145,10 @@ pub fn other_clocks<'r>(
     [-1.0, 1.0].into_par_iter().flat_map_iter(to_one_side).collect()
 }
 
-/// Evidence of each frame, within the radius that suits all best.
-fn by_frame(views: &Views, f: &Fundamental) -> Vec<f64> {
-    score_by_frame(views, f, symmetric_score(views, f).radius)
+/// [`score`], and the evidence of each of the frames by its number in A.
+fn by_frame(views: &Views, frames: Vec<u32>, f: &Fundamental) -> (f64, Vec<(u32, f64)>) {
+    let (score, by_frame) = symmetric_score_by_frame(views, f);
+    (score.total / views.frames() as f64, frames.into_iter().zip(by_frame).collect())
 }
 
 /// Evidence of a frame.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::thresholds::{MIN_COMPARED, MOST_OF_CAMERAS, RIVAL_SHARE, RIVAL_Z, reaches, within};
 use crate::frontier::Views;
-use crate::frontier::symmetric::{SymmetricScore, score_by_frame, symmetric_score};
+use crate::frontier::symmetric::{SymmetricScore, symmetric_score, symmetric_score_by_frame};
 use crate::frontier::volume::{Correspondence, disagreement};
 use crate::geometry::Fundamental;
 use crate::hypotheses::Source;
@@ -59,8 +59,8 @@ struct Beside {
 impl<'v> Winner<'v> {
     /// `block`: frames that share their error.
     pub fn new(views: &'v Views, fundamental: &Fundamental, block: usize) -> Self {
-        let SymmetricScore { total: score, radius } = symmetric_score(views, fundamental);
-        let by_frame = score_by_frame(views, fundamental, radius);
+        let (SymmetricScore { total: score, radius }, by_frame) =
+            symmetric_score_by_frame(views, fundamental);
         Self { views, fundamental: *fundamental, radius, score, by_frame, block }
     }
 
@@ -75,8 +75,7 @@ impl<'v> Winner<'v> {
 
     /// Another geometry beside it.
     fn beside(&self, other: &Fundamental) -> Beside {
-        let theirs = symmetric_score(self.views, other);
-        let by_frame = score_by_frame(self.views, other, theirs.radius);
+        let (theirs, by_frame) = symmetric_score_by_frame(self.views, other);
         let contradiction = self
             .views
             .cameras

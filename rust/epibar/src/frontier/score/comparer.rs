@@ -9,7 +9,7 @@ use std::cell::Cell;
 use nalgebra::Vector3;
 use pulp::Arch;
 
-use super::passes::{Buffers, Chances, Meetings, Sign, Touched};
+use super::passes::{Buffers, Chances, Meetings, Reversed, Sign, Touched};
 use super::tangents::{BOTTOM, Sides, partner};
 use crate::frontier::matches::{Class, CommonFrame, FrontierScore, TangentMatch};
 use crate::frontier::views::{View, Views};
@@ -44,6 +44,14 @@ impl Comparer {
         Self::on(Arch::new(), &views.b, &views.a, &f.transposed(), views.upright)
     }
 
+    /// [`Comparer::reversed`] of what was made by [`Comparer::new`] for the same arguments.
+    pub fn turned_round(mut self, views: &Views, f: &Fundamental) -> Self {
+        let f = f.transposed();
+        self.arch.dispatch(Reversed { buffers: &mut self.buffers, b: &views.a, f: &f });
+        self.sides.same = keeps_side(&f, views.b.size);
+        self
+    }
+
     fn on(arch: Arch, a: &View, b: &View, f: &Fundamental, upright: bool) -> Self {
         let mut buffers = SPARE.take().unwrap_or_default();
         arch.dispatch(Touched { buffers: &mut buffers, a, b, f });
@@ -67,6 +75,32 @@ impl Comparer {
         self.arch.dispatch(Meetings { buffers: &mut self.buffers, sides: self.sides, shift, sign });
         Paired { comparer: self, sign }
     }
+
+    fn matches(&self, radius: f64) -> Vec<TangentMatch> {
+        let Buffers { a, b, sent, .. } = &*self.buffers;
+        let mut matches = Vec::new();
+        for frame in 0..a[0].frames() {
+            for side in 0..2 {
+                let (tangents, sent) = (&a[side], &sent[side]);
+                let targets = &b[partner(side, self.sides)];
+                for i in tangents.of(frame) {
+                    let distance = sent.squared[i].sqrt();
+                    if distance < radius {
+                        let j = sent.met[i] as usize;
+                        matches.push(TangentMatch {
+                            frame: CommonFrame(frame as u32),
+                            a: [tangents.x[i], tangents.y[i]],
+                            b: [targets.x[j], targets.y[j]],
+                            distance,
+                            surprise: sent.surprise[i],
+                            class: if tangents.class[i] & BOTTOM == 0 { Class::Top } else { Class::Bottom },
+                        });
+                    }
+                }
+            }
+        }
+        matches
+    }
 }
 
 /// Tangents of A, each with the one of B that it is nearest to, if that has none nearer.
@@ -78,9 +112,19 @@ pub struct Paired<'c> {
 impl Paired<'_> {
     /// The weight of each pair where two tangents meet within `radius` pixels.
     pub fn weigh(&mut self, radius: f64) -> Weighed<'_> {
-        let Comparer { buffers, sides, arch } = &mut *self.comparer;
-        arch.dispatch(Chances { buffers, sides: *sides, sign: self.sign, radius });
+        self.chances(radius, true);
         Weighed { comparer: self.comparer, radius }
+    }
+
+    /// The tangents that meet within `radius` pixels, by frames.
+    pub fn matches(&mut self, radius: f64) -> Vec<TangentMatch> {
+        self.chances(radius, false);
+        self.comparer.matches(radius)
+    }
+
+    fn chances(&mut self, radius: f64, objects: bool) {
+        let Comparer { buffers, sides, arch } = &mut *self.comparer;
+        arch.dispatch(Chances { buffers, sides: *sides, sign: self.sign, radius, objects });
     }
 }
 
@@ -94,6 +138,12 @@ impl Weighed<'_> {
     /// The score.
     pub fn score(&self) -> FrontierScore {
         self.sum(0..self.frames())
+    }
+
+    /// [`FrontierScore::total`] of [`Weighed::score`], without what goes into the classes.
+    pub fn total(&self) -> f64 {
+        let Buffers { a, objects, .. } = &*self.comparer.buffers;
+        (0..self.frames()).flat_map(|frame| &objects.evidence[a[0].hulls(frame)]).sum()
     }
 
     /// The score of some frames of A.
@@ -133,29 +183,7 @@ impl Weighed<'_> {
 
     /// The tangents that meet within the radius, by frames.
     pub fn matches(&self) -> Vec<TangentMatch> {
-        let Buffers { a, b, sent, .. } = &*self.comparer.buffers;
-        let mut matches = Vec::new();
-        for frame in 0..a[0].frames() {
-            for side in 0..2 {
-                let (tangents, sent) = (&a[side], &sent[side]);
-                let targets = &b[partner(side, self.comparer.sides)];
-                for i in tangents.of(frame) {
-                    let distance = sent.squared[i].sqrt();
-                    if distance < self.radius {
-                        let j = sent.met[i] as usize;
-                        matches.push(TangentMatch {
-                            frame: CommonFrame(frame as u32),
-                            a: [tangents.x[i], tangents.y[i]],
-                            b: [targets.x[j], targets.y[j]],
-                            distance,
-                            surprise: sent.surprise[i],
-                            class: if tangents.class[i] & BOTTOM == 0 { Class::Top } else { Class::Bottom },
-                        });
-                    }
-                }
-            }
-        }
-        matches
+        self.comparer.matches(self.radius)
     }
 }
 
@@ -181,6 +209,7 @@ fn keeps_side(f: &Fundamental, size_a: ImageSize) -> bool {
 mod tests {
     use super::*;
     use crate::random::generator;
+    use crate::recording::FramePair;
     use nalgebra::Matrix3;
     use rand::RngExt;
 
@@ -262,8 +291,11 @@ mod tests {
             for arch in levels() {
                 let mut comparer = Comparer::on(arch, &a, &b, &f, k % 2 == 0);
                 let mut paired = comparer.pair(k, 4.0);
+                let matches_alone = paired.matches(4.0);
                 let found = paired.weigh(4.0);
+                assert_eq!(found.total(), found.score().total());
                 let found = (found.score(), found.matches(), found.per_frame());
+                assert_eq!(matches_alone, found.1);
                 assert!((found.2.iter().sum::<f64>() - found.0.total()).abs() < 1e-6);
                 assert_eq!(found.0.matches(), found.1.len());
                 assert_eq!(*first.get_or_insert_with(|| found.clone()), found, "{arch:?}");
@@ -277,5 +309,23 @@ mod tests {
             }
         }
         assert!(matches > 500, "{matches}");
+    }
+
+    #[test]
+    fn a_comparison_turned_round_is_that_of_the_views_exchanged() {
+        let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(800, 450).unwrap()];
+        let (a, b) = (polygons(sizes[0], 30, 4), polygons(sizes[1], 30, 5));
+        let pairs = (0..30).map(|i| FramePair { a: i, b: i }).collect();
+        let views = Views::of(a, b, pairs);
+        let rows = Matrix3::new(0.0, -1e-6, 2e-4, 2e-6, 0.0, -1.2e-3, -3e-4, 1e-3, 0.03);
+        let f = Fundamental::from_matrix(&rows, sizes[0], sizes[1]).unwrap();
+        let of = |mut comparer: Comparer| {
+            let mut paired = comparer.pair(1, 4.0);
+            let found = paired.weigh(4.0);
+            (found.score(), found.matches())
+        };
+        let turned = of(Comparer::new(&views, &f).turned_round(&views, &f));
+        assert_eq!(turned, of(Comparer::reversed(&views, &f)));
+        assert!(turned.1.len() > 20 && turned != of(Comparer::new(&views, &f)), "{}", turned.1.len());
     }
 }

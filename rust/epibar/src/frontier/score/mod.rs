@@ -22,7 +22,7 @@ mod objects;
 mod passes;
 mod tangents;
 
-pub use comparer::Comparer;
+pub use comparer::{Comparer, Paired};
 pub(crate) use elementary::logarithm;
 
 use super::matches::{FrontierScore, TangentMatch};
@@ -46,9 +46,19 @@ pub fn compare(views: &Views, f: &Fundamental, radius: f64) -> Comparison {
     Comparison { score: weighed.score(), matches: weighed.matches() }
 }
 
+/// [`Comparison::matches`] of [`compare`], which takes less than the whole of it.
+pub fn tangent_matches(views: &Views, f: &Fundamental, radius: f64) -> Vec<TangentMatch> {
+    Comparer::new(views, f).pair(0, radius).matches(radius)
+}
+
 /// The score of `F` alone; two tangents meet below a Sampson distance of `radius` pixels.
 pub fn frontier_score(views: &Views, f: &Fundamental, radius: f64) -> FrontierScore {
     shifted_score(views, f, radius, 0)
+}
+
+/// [`FrontierScore::total`] of [`frontier_score`], which takes less than the whole of it.
+pub fn total_score(views: &Views, f: &Fundamental, radius: f64) -> f64 {
+    Comparer::new(views, f).pair(0, radius).weigh(radius).total()
 }
 
 /// The score of `F` with frame `t` of A beside frame `t + shift` of B, cyclically: what chance gives.

@@ -58,6 +58,22 @@ impl WithSimd for Touched<'_> {
     }
 }
 
+/// Pass: the comparison the other way.
+pub(super) struct Reversed<'p> {
+    pub(super) buffers: &'p mut Buffers,
+    pub(super) b: &'p View,
+    pub(super) f: &'p Fundamental,
+}
+
+impl WithSimd for Reversed<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        self.buffers.reverse(self.b, self.f);
+    }
+}
+
 /// Pass: whether rays go by `F` or by `−F`, by matches within the radius on a few frames.
 pub(super) struct Sign<'p> {
     pub(super) buffers: &'p mut Buffers,
@@ -92,12 +108,13 @@ impl WithSimd for Meetings<'_> {
     }
 }
 
-/// Pass: chance, surprise and excess of every tangent of A at a radius.
+/// Pass: chance, surprise and excess of every tangent of A at a radius, and the evidence of silhouettes where it is asked for.
 pub(super) struct Chances<'p> {
     pub(super) buffers: &'p mut Buffers,
     pub(super) sides: Sides,
     pub(super) sign: f64,
     pub(super) radius: f64,
+    pub(super) objects: bool,
 }
 
 impl WithSimd for Chances<'_> {
@@ -106,6 +123,10 @@ impl WithSimd for Chances<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
         self.buffers.weigh(self.sides, self.sign, self.radius);
+        if self.objects {
+            let Buffers { a, b, sent, objects, .. } = self.buffers;
+            objects.fill(a, b, sent, self.sides, self.radius);
+        }
     }
 }
 
@@ -136,6 +157,19 @@ impl Buffers {
     fn touch(&mut self, a: &View, b: &View, f: &Fundamental) {
         fill(&mut self.a, a, f.epipole_a(), &mut self.sides);
         fill(&mut self.b, b, f.epipole_b(), &mut self.sides);
+        self.send(b, f);
+    }
+
+    /// From the other view to this one, `f` being that from there: the tangents of both are as they are.
+    #[inline(always)]
+    fn reverse(&mut self, b: &View, f: &Fundamental) {
+        std::mem::swap(&mut self.a, &mut self.b);
+        self.send(b, f);
+    }
+
+    /// Where tangents of either view are seen in the pencil of B.
+    #[inline(always)]
+    fn send(&mut self, b: &View, f: &Fundamental) {
         let pencil = PencilAngles::new(f.epipole_b(), b.size);
         for side in 0..2 {
             self.targets[side].fill(&self.b[side], f, &pencil);
@@ -306,7 +340,6 @@ impl Buffers {
                 excess[i] = (m - q * 2.0 / 3.0) * surprise[i];
             }
         }
-        self.objects.fill(&self.a, &self.b, &self.sent, sides, radius);
     }
 }
 

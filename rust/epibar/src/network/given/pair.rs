@@ -5,7 +5,7 @@ use nalgebra::Matrix3;
 use crate::calibration::Calibration;
 use crate::clock::{Aligned, Clock};
 use crate::error::{Error, Result};
-use crate::frontier::{Up, compare};
+use crate::frontier::{Up, tangent_matches};
 use crate::geometry::Fundamental;
 use crate::image::ImageSize;
 use crate::network::model::residual::Meeting;
@@ -120,8 +120,7 @@ impl PairFound {
         let mut hypotheses = Vec::new();
         for (matrix, share) in &self.geometries {
             let Some(f) = Fundamental::from_matrix(matrix, a.size(), b.size()) else { continue };
-            let meetings: Vec<Meeting> = compare(&views, &f, RADIUS * scale)
-                .matches
+            let meetings: Vec<Meeting> = tangent_matches(&views, &f, RADIUS * scale)
                 .iter()
                 .map(|m| Meeting {
                     a: m.a,
