@@ -98,6 +98,8 @@ pub struct Hypotheses {
 pub struct Draws {
     /// Of each line source.
     pub lines: usize,
+    /// Of those that have the most inliers, which are fitted to them before they are scored with tangents.
+    pub line_fits: usize,
     /// Of each floor homography.
     pub floor: usize,
     /// From tracks, where no camera matrices are known.
@@ -112,6 +114,7 @@ impl Draws {
     pub fn one_of(self, many: usize) -> Self {
         Self {
             lines: self.lines / many,
+            line_fits: self.line_fits / many,
             floor: self.floor / many,
             tracks: self.tracks / many,
             top_view: self.top_view / many,
@@ -129,8 +132,6 @@ pub struct Frames<'a> {
     pub scoring: &'a Scorer<'a>,
 }
 
-/// Line models that are fitted to their inliers before they are scored with tangents.
-const LINE_FITS: usize = 60;
 /// The best hypotheses of a line source and of tracks that go on, and those of each floor.
 const KEPT: usize = 300;
 const KEPT_OF_FLOOR: usize = 100;
@@ -171,7 +172,7 @@ pub fn hypotheses(
         add(ransac(&estimator, draws.lines, KEPT, seed, stage, watch)?, source);
     }
     let lines = LineModel::new(candidates.best(), sizes);
-    let best = ransac(&lines, draws.lines, LINE_FITS, seed, Stage::LineInliers, watch)?;
+    let best = ransac(&lines, draws.lines, draws.line_fits.max(1), seed, Stage::LineInliers, watch)?;
     let fitted = best.into_par_iter().map(|start| {
         let model = lines.optimise(&start.model);
         let score = frames.scoring.score(&model);

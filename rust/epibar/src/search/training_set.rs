@@ -38,7 +38,7 @@ pub struct SearchOptions {
 impl Default for Effort {
     fn default() -> Self {
         Self {
-            draws: Draws { lines: 10_000, floor: 1500, tracks: 20_000, top_view: 40_000 },
+            draws: Draws { lines: 10_000, line_fits: 60, floor: 1500, tracks: 20_000, top_view: 40_000 },
             starts: 60,
             own_starts: 12,
         }

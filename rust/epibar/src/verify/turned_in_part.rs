@@ -6,7 +6,7 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use crate::frontier::{Views, frontier_score};
+use crate::frontier::{Views, total_score};
 use crate::geometry::Fundamental;
 use crate::refine::refine;
 
@@ -19,6 +19,9 @@ const SPACING: f64 = 1.5;
 /// Silhouettes of a camera on which shifts are compared, and frames at least and at most.
 const SILHOUETTES: usize = 800;
 const FRAMES: (usize, usize) = (24, 120);
+/// So many of the best on one in [`GLANCE_STEP`] of these frames are compared on all of them.
+const COMPARED: usize = 240;
+const GLANCE_STEP: usize = 4;
 /// How many of the best are refined.
 const REFINED: usize = 12;
 /// Rounds at each radius.
@@ -34,23 +37,27 @@ pub(super) fn moved_for(
     let part = views.chosen(frames);
     let in_a_frame = part.a.hulls().max(part.b.hulls()) / frames.len().max(1);
     let most = (SILHOUETTES / in_a_frame.max(1)).clamp(FRAMES.0, FRAMES.1);
-    let few: Vec<usize> = (0..frames.len()).step_by(frames.len().div_ceil(most).max(1)).collect();
-    let few = part.chosen(&few);
+    let every = |step: usize, views: &Views| {
+        views.chosen(&(0..views.frames()).step_by(step.max(1)).collect::<Vec<_>>())
+    };
+    let few = every(frames.len().div_ceil(most), &part);
     let coarse = (RADIUS * views.pixel_scale()).max(2.0 * radius);
-    let mut tried: Vec<(f64, Fundamental)> = shifted(views, f, SPACING * coarse)
-        .into_par_iter()
-        .map(|moved| (frontier_score(&few, &moved, coarse).total(), moved))
-        .filter(|(score, _)| score.is_finite())
-        .collect();
-    tried.sort_by(|p, q| q.0.total_cmp(&p.0));
-    tried.truncate(REFINED);
-    let refined = tried.par_iter().filter_map(|(_, moved)| {
-        let refined = refine(&part, moved, &[coarse, 2.0 * radius, radius], ROUNDS)?;
-        let score = frontier_score(&part, &refined, radius).total();
+    let glanced = best_on(&every(GLANCE_STEP, &few), shifted(views, f, SPACING * coarse), coarse, COMPARED);
+    let refined = best_on(&few, glanced, coarse, REFINED).into_par_iter().filter_map(|moved| {
+        let refined = refine(&part, &moved, &[coarse, 2.0 * radius, radius], ROUNDS)?;
+        let score = total_score(&part, &refined, radius);
         score.is_finite().then_some((score, refined))
     });
     let refined: Vec<_> = refined.collect();
     refined.into_iter().max_by(|p, q| p.0.total_cmp(&q.0)).map(|(_, moved)| moved)
+}
+
+/// So many of the geometries, those with the most evidence on some frames, the best first.
+fn best_on(views: &Views, tried: Vec<Fundamental>, radius: f64, count: usize) -> Vec<Fundamental> {
+    let scored = tried.into_par_iter().map(|f| (total_score(views, &f, radius), f));
+    let mut scored: Vec<_> = scored.filter(|(score, _)| score.is_finite()).collect();
+    scored.sort_by(|p, q| q.0.total_cmp(&p.0));
+    scored.into_iter().take(count).map(|(_, f)| f).collect()
 }
 
 /// `f` after shifts of either image to all sides, `spacing` pixels apart.
