@@ -72,14 +72,48 @@ def test_rows_in_turn_learn_as_much():
     assert differing < 1e-4 * moving
 
 
-def test_large_images_have_the_mixture():
+def test_the_mixture_is_the_default_at_every_size():
+    assert ForegroundOptions().method == "auto"
     for width, method, kind in (
-        (800, "auto", OpenCvModel),
-        (801, "auto", MixtureModel),
+        (96, "auto", MixtureModel),
+        (800, "auto", MixtureModel),
+        (1920, "auto", MixtureModel),
         (1920, "mog2", OpenCvModel),
+        (320, "mog2", OpenCvModel),
+        (320, "knn", OpenCvModel),
         (320, "mixture", MixtureModel),
     ):
         assert isinstance(new_model(ForegroundOptions(method=method), (width, 40)), kind)
+
+
+def compressed(frame):
+    return cv2.imdecode(cv2.imencode(".jpg", frame, [cv2.IMWRITE_JPEG_QUALITY, 20])[1], cv2.IMREAD_COLOR)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda frame, t: frame,
+        lambda frame, t: (frame * (1 - 0.2 * t / 300)).astype(np.uint8),
+        lambda frame, t: (frame * (0.92, 1.0, 0.96)[t % 3]).astype(np.uint8),
+        lambda frame, t: (frame * (1.0 if t < 150 else 0.2)).astype(np.uint8),
+        lambda frame, t: compressed(frame),
+    ],
+    ids=["nothing", "daylight", "flicker", "switch", "compression"],
+)
+def test_rows_in_turn_see_in_small_images_what_mog2_sees(change):
+    """What changes slowly, from frame to frame, or at once and stays, is learnt by rows in turn as well."""
+    frames = [change(frame, t) for t, frame in enumerate(film(300))]
+    ours, theirs = (Foreground(ForegroundOptions(method=method)) for method in ("auto", "mog2"))
+    differing, moving = 0, 0
+    for foreground in (ours, theirs):
+        foreground.prime(frames[:150:3])
+    for frame in frames:
+        masks = [foreground.apply(frame) for foreground in (ours, theirs)]
+        differing += np.count_nonzero(masks[0] != masks[1])
+        moving += np.count_nonzero(masks[1])
+    assert moving > 100_000
+    assert differing < 0.03 * moving
 
 
 def test_large_frames_without_priming_and_with():

@@ -26,10 +26,6 @@ MOG2_THRESHOLD = 80.0
 in the other view at 80, of real videos, and at 140 those of some are lost again."""
 
 
-WIDE = 800
-"""Pixels; what is wider has more of them than OpenCV's MOG2 gets through in time."""
-
-
 class BackgroundModel(Protocol):
     """What tells moving pixels from background, one (H, W, 3) uint8 BGR frame at a time."""
 
@@ -159,6 +155,6 @@ def new_model(options: ForegroundOptions, size: tuple[int, int]) -> BackgroundMo
     """Make the model that the options name, for frames of a width and height; it knows nothing yet."""
     if options.method == "median":
         return MedianModel(options)
-    if options.method == "mixture" or (options.method == "auto" and size[0] > WIDE):
+    if options.method in ("auto", "mixture"):
         return MixtureModel(options, size)
     return OpenCvModel(options)

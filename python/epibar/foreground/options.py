@@ -22,8 +22,8 @@ class ForegroundOptions:
     Parameters
     ----------
     method : {"auto", "mog2", "mixture", "knn", "median"}
-        Background model. "mixture" is MOG2 with rows that learn in turn, several times as fast; "auto" takes
-        it where frames are more than 800 pixels wide, and OpenCV's MOG2 elsewhere.
+        Background model. "mixture" is MOG2 with rows that learn in turn, several times as fast as OpenCV's
+        "mog2", with silhouettes as good; it is what "auto" takes.
     warm_up : int
         Frames that teach the model: the number sampled over the video when primed, or else the number of
         first frames whose masks stay empty.

@@ -1,8 +1,8 @@
 """Background subtraction, streamed: a model of the empty scene, and the cleaning of the mask it gives.
 
-Models: MOG2 (Zivkovic 2004) and KNN (Zivkovic and van der Heijden 2006) from OpenCV with their shadow test,
-MOG2's mixture in the compiled core for large images, and a selective temporal median with the HSV shadow test
-of Cucchiara et al. 2003.
+Models: MOG2's mixture (Zivkovic 2004) in the compiled core, the default; MOG2 and KNN (Zivkovic and van der
+Heijden 2006) from OpenCV with their shadow test; and a selective temporal median with the HSV shadow test of
+Cucchiara et al. 2003.
 
 A model must know the empty scene before frame 0, or the first seconds are lost. So it is *primed* with frames
 spread over the whole video, or with a background clip, in which everything far from
