@@ -86,6 +86,22 @@ def test_the_mixture_is_the_default_at_every_size():
         assert isinstance(new_model(ForegroundOptions(method=method), (width, 40)), kind)
 
 
+@pytest.mark.parametrize("period", [2, 4, 16])
+def test_rows_in_turn_see_all_phases_of_a_flicker(period):
+    """Rows that learn from every 16th frame would see one phase of a light alone, and forget the others."""
+    random = np.random.default_rng(4)
+    empty = cv2.resize(random.integers(150, 200, (8, 10, 3)).astype(np.uint8), SIZE).astype(float)
+
+    def lit(t):
+        bright = 1.0 if t % period < period // 2 else 0.87
+        return np.clip(bright * empty + random.normal(0, 3.0, empty.shape), 0, 255).astype(np.uint8)
+
+    foreground = Foreground(ForegroundOptions(shadows=False))
+    foreground.prime(lit(t) for t in range(0, 1500, 25))
+    shares = [foreground.moving(lit(t)).mean() for t in range(1500)]
+    assert np.mean(shares[-300:]) < 0.001
+
+
 def compressed(frame):
     return cv2.imdecode(cv2.imencode(".jpg", frame, [cv2.IMWRITE_JPEG_QUALITY, 20])[1], cv2.IMREAD_COLOR)
 

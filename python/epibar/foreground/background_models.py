@@ -64,7 +64,7 @@ class OpenCvModel:
 
 
 class MixtureModel:
-    """MOG2's mixture in the compiled core: where a rate is low, each row learns from every 16th frame."""
+    """MOG2's mixture in the compiled core: where a rate is low, each row learns from every 17th frame."""
 
     def __init__(self, options: ForegroundOptions, size: tuple[int, int]) -> None:
         with core_errors():

@@ -1,7 +1,7 @@
 //! A mixture of Gaussians for every pixel of a camera, as `OpenCV`'s MOG2 has, with rows that learn in turn.
 //!
 //! MOG2 learns from every pixel of every frame, and reading and writing all modes is most of its time. With a memory of
-//! thousands of frames that is more than it takes: here each row learns from every sixteenth frame at sixteen times the rate,
+//! thousands of frames that is more than it takes: here each row learns from every seventeenth frame at seventeen times the rate,
 //! and in between is only looked at. Looking is a comparison of bytes: where each channel is within reach of the heaviest mode the
 //! pixel is background, and only the others, mostly those that move, are asked of all modes. The screen changes
 //! nothing: a pixel that passes it is background by the equations of [`super::pixel`] as well.
@@ -12,8 +12,9 @@ use super::pixel::{MODES, MixtureOptions, Mode, Pixel, moves, screen, settle};
 use crate::error::{Error, Result};
 use crate::image::ImageSize;
 
-/// Frames in which each row learns once, at most.
-const MOST_TURNS: usize = 16;
+/// Frames in which each row learns once, at most. A prime number: light that flickers with a period of 2, 4 or 8 frames would show each row
+/// always the same phase of it otherwise, and the others would be forgotten.
+const MOST_TURNS: usize = 17;
 
 /// The rate at which a row learns at most, about, if it does not learn from every frame.
 const MOST_RATE: f32 = 0.01;
@@ -260,7 +261,7 @@ mod tests {
 
     #[test]
     fn rows_take_turns_where_the_rate_is_low() {
-        assert_eq!([0.0, 0.0005, 0.002, 0.009, 0.05, 1.0].map(turns), [16, 16, 5, 1, 1, 1]);
+        assert_eq!([0.0, 0.0005, 0.002, 0.009, 0.05, 1.0].map(turns), [17, 17, 5, 1, 1, 1]);
     }
 
     #[test]
