@@ -205,3 +205,85 @@ def test_the_empty_scene_is_what_its_definition_says(count):
     samples[:, :2] = random.integers(0, 256, (count, 2, 41, 3))
     samples = np.clip(samples, 0, 255).astype(np.uint8)
     np.testing.assert_array_equal(steady_background(samples), steadiest(samples))
+
+
+@pytest.mark.parametrize(("count", "margin"), [(1, 3), (4, 5), (7, 9)])
+def test_people_are_painted_over_as_opencv_does(count, margin):
+    samples = np.stack(list(film(PRIMING + count))[PRIMING:])
+    background = steady_background(np.stack(list(film(PRIMING))))
+    painted = samples.copy()
+    _core.paint_over(painted, background, 30, (5, 7, 30), margin)
+    for sample, found in zip(samples, painted, strict=True):
+        far = (cv2.absdiff(sample, background).max(axis=2) > 30).astype(np.uint8)
+        people = _core.clean_mask(far, 5, 7, 30)
+        assert people.any()
+        around = cv2.dilate(people, np.ones((margin, margin), np.uint8))
+        np.testing.assert_array_equal(found, np.where(around[..., None] > 0, background, sample))
+
+
+def test_priming_is_learning_one_sample_after_the_other():
+    samples = np.stack(list(film(30)))
+    order = [*np.random.default_rng(0).permutation(30).tolist(), 3, 4]
+    at_once, one_by_one = (MixtureModel(ForegroundOptions(), SIZE) for _ in range(2))
+    at_once.prime(samples, order)
+    for number, sample in enumerate(order):
+        one_by_one.learn(samples[sample], number)
+    moving = 0
+    for frame in film(60, seed=4):
+        expected = one_by_one.moving(frame, 0.002)
+        np.testing.assert_array_equal(at_once.moving(frame, 0.002), expected)
+        moving += np.count_nonzero(expected)
+    assert moving > 5000
+    with pytest.raises(EpibarError, match="samples must be whole frames"):
+        at_once.prime(samples[:3], order)
+
+
+def test_dark_borders_are_left_out_as_by_definition():
+    """Which pixels count is decided by all samples, also where the background alone says enough."""
+    for border, left_out in ((0, 0), (1, 0), (12, 11)):
+        samples = np.stack(list(film(10)))
+        samples[:, :, :border] = 9
+        samples[7, :, :1] = 30  # a background that is dark, and a sample that is not
+        foreground = Foreground()
+        foreground.prime(iter(samples))
+        if left_out:
+            np.testing.assert_array_equal(foreground.counted, samples.max(axis=(0, 3)) >= 24)
+            assert np.count_nonzero(~foreground.counted) == left_out * SIZE[1]
+        else:
+            assert foreground.counted is None
+
+
+@pytest.mark.parametrize("size", [(8, 8), (64, 48), (640, 360), (1928, 80)])
+def test_shrunk_green_is_opencv_s(size):
+    random = np.random.default_rng(size[0])
+    frame = random.integers(0, 256, (*size[::-1], 3)).astype(np.uint8)
+    frame[:8, :8] = 0
+    frame[:4, :8, 1] = 5  # half of them: 2.5, which is 2
+    green = cv2.extractChannel(frame, 1)
+    expected = cv2.resize(green, (size[0] // 8, size[1] // 8), interpolation=cv2.INTER_AREA)
+    np.testing.assert_array_equal(_core.shrunk_green(frame), expected)
+    assert expected[0, 0] == 2
+    with pytest.raises(ValueError, match="must be a multiple of 8 pixels each way"):
+        _core.shrunk_green(np.zeros((8, 12, 3), np.uint8))
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (5, 9), (30, 40), (61, 80)])
+@pytest.mark.parametrize("counted_share", [None, 0.0, 0.7])
+def test_light_is_compared_as_numpy_does(shape, counted_share):
+    random = np.random.default_rng(shape[0])
+    first = random.integers(0, 256, shape).astype(np.uint8)
+    before = np.clip(first + random.normal(0, 6, shape), 0, 255).astype(np.uint8)
+    now = np.clip(first + random.normal(4, 8, shape), 0, 255).astype(np.uint8)
+    counted = None if counted_share is None else (random.random(shape) < counted_share).astype(np.uint8)
+    variance, changed, jumped, compared, levels = _core.compare_light(now, before, first, 8, counted)
+    change = np.abs(now.astype(int) - before)
+    those = change if counted is None else change[counted > 0]
+    assert variance == pytest.approx(now.std() ** 2, rel=1e-12)
+    assert (changed, jumped, compared) == (change.any(), np.count_nonzero(those > 8), those.size)
+    for level, rows in zip(levels, np.array_split(now.astype(np.int16) - first, 8), strict=True):
+        values = np.sort(rows, axis=None)
+        quarter = len(values) // 4
+        assert level == (values[quarter : len(values) - quarter].mean() if len(values) else 0.0)
+    assert _core.compare_light(now, now, first, 8)[1:3] == (False, 0)
+    with pytest.raises(ValueError, match="grids of one size"):
+        _core.compare_light(now, before[1:], first, 8)

@@ -32,6 +32,7 @@ __all__ = [
     "clock_offsets",
     "clock_rate",
     "common_frames",
+    "compare_light",
     "examine",
     "frame_interval",
     "join_network",
@@ -39,11 +40,13 @@ __all__ = [
     "lens_reach",
     "match_barcodes",
     "motion_lines",
+    "paint_over",
     "pairs_to_add",
     "pairs_to_search",
     "positions",
     "score_lines",
     "score_tangents",
+    "shrunk_green",
     "steady_background",
     "walker_tracks",
 ]
@@ -68,6 +71,7 @@ TANGENTIAL: float
 class Mixture:
     def __new__(cls, width: int, height: int, threshold: float, shadows: bool) -> Mixture: ...
     def learn(self, frame: NDArray[np.uint8], rate: float) -> NDArray[np.uint8]: ...
+    def prime(self, samples: NDArray[np.uint8], order: Sequence[int]) -> None: ...
     def look(self, frame: NDArray[np.uint8], rate: float) -> NDArray[np.uint8]: ...
 
 @final
@@ -264,6 +268,21 @@ def score_tangents(
     frames: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]: ...
 def steady_background(samples: NDArray[np.uint8]) -> NDArray[np.uint8]: ...
+def paint_over(
+    samples: NDArray[np.uint8],
+    background: NDArray[np.uint8],
+    most: int,
+    cleaning: tuple[int, int, int],
+    margin: int,
+) -> None: ...
+def shrunk_green(frame: NDArray[np.uint8]) -> NDArray[np.uint8]: ...
+def compare_light(
+    now: NDArray[np.uint8],
+    before: NDArray[np.uint8],
+    first: NDArray[np.uint8],
+    jump: int,
+    counted: NDArray[np.uint8] | None = None,
+) -> tuple[float, bool, int, int, NDArray[np.float64]]: ...
 def walker_tracks(
     recordings: Sequence[Recording],
     cameras: Sequence[Mapping[str, Any]],

@@ -7,6 +7,7 @@ learn in turn. The median has the HSV shadow test of Cucchiara et al. 2003.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -72,6 +73,11 @@ class MixtureModel:
 
     def learn(self, frame: Image, number: int) -> None:
         self._model.learn(np.ascontiguousarray(frame), 1.0 / (number + 1))
+
+    def prime(self, samples: AnyArray, order: Sequence[int]) -> None:
+        """Do what :meth:`learn` does with samples, (N, H, W, 3) uint8, in an order, several times as fast."""
+        with core_errors():
+            self._model.prime(np.ascontiguousarray(samples), order)
 
     def moving(self, frame: Image, rate: float) -> Mask:
         return self._model.look(np.ascontiguousarray(frame), rate)

@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 
 from .. import _core
-from ..arguments import Image, Mask, core_errors
+from ..arguments import AnyArray, Image, Mask, core_errors
 from ..errors import EpibarError
 from ..sources.colour_frames import ColourFrames
-from .background_models import FLOOD_LEARNING_RATE, BackgroundModel, largest_difference, new_model
+from .background_models import FLOOD_LEARNING_RATE, BackgroundModel, MixtureModel, new_model
 from .empty_scene import DARK, collect, samples_in_memory, seen_to_be_dark, steady_background
 from .flooding import FLOOD_SHARE, moving_share
 from .options import ForegroundOptions
@@ -35,6 +35,10 @@ __all__ = ["Foreground"]
 
 REFERENCE_HEIGHT = 480.0
 FLOOD_PATIENCE = 3  # flooded frames in a row before the model learns anew
+FLICKER = 30
+"""Grey levels by which a sample may differ from the background where nobody is."""
+LEAST_LEARNED = 20
+"""Samples that a model learns from; fewer ones come again."""
 LEAST_DARK = 0.02
 """Share of the image that is always dark below which nothing stands beside a picture."""
 LEAST_COUNTED, LIT = 0.25, 0.8
@@ -108,20 +112,31 @@ class Foreground:
         samples = collect((self._checked(frame) for frame in frames), self.options.warm_up)
         size = self._set_size(samples[0])
         self.background = steady_background(samples)
-        self._leave_out(seen_to_be_dark(samples), self.background)
+        self._leave_out(samples, self.background)
+        self._paint(samples, self.background)
         self._model = model = new_model(self.options, size)
         # MOG2 weighs late samples a little more, so their order must not be that of time.
-        order = np.random.default_rng(0).permutation(len(samples))
-        for number in range(max(len(order), 20)):
-            sample = samples[order[number % len(order)]]
-            model.learn(self._painted(sample, self.background), number)
+        order = np.random.default_rng(0).permutation(len(samples)).tolist()
+        order = [order[number % len(order)] for number in range(max(len(order), LEAST_LEARNED))]
+        if isinstance(model, MixtureModel):
+            model.prime(samples, order)
+        else:
+            for number, sample in enumerate(order):
+                model.learn(samples[sample], number)
         self._primed = True
 
-    def _leave_out(self, dark: Mask, background: Image) -> None:
+    def _leave_out(self, samples: AnyArray, background: Image) -> None:
         """Count no pixels that are always dark, as those beside a round or a narrow picture are.
 
         Before a dark background all count: what is not always dark there is where something moves.
         """
+        import cv2
+
+        # What is always dark has a dark background, so few of those say enough, and are quickly counted.
+        of_dark = cv2.inRange(background, (0, 0, 0), (DARK - 1, DARK - 1, DARK - 1))
+        if cv2.countNonZero(of_dark) <= LEAST_DARK * of_dark.size:
+            return
+        dark = seen_to_be_dark(samples)
         counted = ~dark if self.counted is None else self.counted & ~dark
         left = np.count_nonzero(counted)
         lit = np.count_nonzero(counted & (background.max(axis=2) >= DARK))
@@ -132,16 +147,16 @@ class Foreground:
         ):
             self.counted = counted
 
-    def _painted(self, sample: Image, background: Image) -> Image:
-        """Replace people in a sample by background; flicker, which is small, stays to be learnt."""
-        import cv2
-
-        far = (largest_difference(sample, background) > 30).astype(np.uint8)
-        margin = 2 * self._odd(2.0) + 1
-        around = cv2.dilate(self._cleaned(far, ignore=False), np.ones((margin, margin), np.uint8))
-        painted = sample.copy()
-        cv2.copyTo(background, around, painted)
-        return painted
+    def _paint(self, samples: AnyArray, background: Image) -> None:
+        """Replace people in samples by background; flicker, which is small, stays to be learnt."""
+        with core_errors():
+            _core.paint_over(
+                samples,
+                np.ascontiguousarray(background),
+                FLICKER,
+                self._cleaning(background[..., 0].size),
+                2 * self._odd(2.0) + 1,
+            )
 
     def apply(self, frame: Image) -> Mask:
         """Return the mask of the next frame.
@@ -234,13 +249,11 @@ class Foreground:
             raise EpibarError(f"a frame must be a (height, width, 3) uint8 BGR image, not {found}")
         return frame
 
-    def _cleaned(self, mask: Mask, ignore: bool = True) -> Mask:
-        least = math.ceil(self.options.min_area * mask.size)
+    def _cleaned(self, mask: Mask) -> Mask:
         with core_errors():
-            return _core.clean_mask(
-                np.ascontiguousarray(mask),
-                self._odd(self.options.median_filter),
-                self._odd(self.options.closing),
-                least,
-                self._hidden if ignore else None,
-            )
+            return _core.clean_mask(np.ascontiguousarray(mask), *self._cleaning(mask.size), self._hidden)
+
+    def _cleaning(self, pixels: int) -> tuple[int, int, int]:
+        """Diameters of median filter and closing, and the least area, in an image of so many pixels."""
+        least = math.ceil(self.options.min_area * pixels)
+        return self._odd(self.options.median_filter), self._odd(self.options.closing), least

@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arguments import AnyArray, Image, Mask
+from .. import _core
+from ..arguments import AnyArray, Image, Mask, core_errors
 from ..foreground.flooding import FLOOD_SHARE, moving_share
 from ..sources.quiet_opencv import opencv
 from .camera_findings import camera_findings
@@ -22,7 +23,6 @@ __all__ = ["CameraHealth", "flicker"]
 
 BRIGHTNESS_JUMP = 8
 """Grey levels by which half of the pixels change, or more, from one frame to the next."""
-BANDS = 8
 FLICKER_WINDOW = 15
 """Frames: what changes slower than this is daylight, not flicker."""
 DARK_CONTRAST = 3.0
@@ -116,32 +116,35 @@ class CameraHealth:
 
     def _watch_light(self, index: int, frame: Image) -> bool:
         """Look at the light of a frame, and tell whether there is next to none."""
-        cv2 = opencv()
-        height, width = (max(1, size // 8) for size in frame.shape[:2])
-        green = cv2.extractChannel(frame, 1)
-        small = cv2.resize(green, (width, height), interpolation=cv2.INTER_AREA)
-        sparse = small.astype(np.int16)
-        is_dark = bool(small.std() < DARK_CONTRAST)
+        sparse = _shrunk_green(frame)
+        counted = self._counted_sparsely
+        if self._counted is not None and counted is None:
+            nearest = opencv().INTER_NEAREST
+            every = self._counted.astype(np.uint8)
+            counted = opencv().resize(every, sparse.shape[::-1], interpolation=nearest)
+            self._counted_sparsely = counted
+        is_first = self._first is None
+        first = sparse if self._first is None else self._first
+        before = sparse if self._sparse is None else self._sparse
+        with core_errors():
+            variance, changed, jumped, compared, levels = _core.compare_light(
+                sparse, before, first, BRIGHTNESS_JUMP, counted
+            )
+        is_dark = variance < DARK_CONTRAST**2
         self._dark += is_dark
-        if self._first is None or self._sparse is None:
+        if is_first:
             self._first = sparse
         else:
-            change = np.abs(sparse - self._sparse)
-            self._repeated = 0 if change.any() else self._repeated + 1
-            if self._counted is not None:
-                if self._counted_sparsely is None:
-                    counted = self._counted.astype(np.uint8)
-                    nearest = cv2.resize(counted, (width, height), interpolation=cv2.INTER_NEAREST)
-                    self._counted_sparsely = nearest > 0
-                change = change[self._counted_sparsely]
+            self._repeated = 0 if changed else self._repeated + 1
             # Counting is quicker than the median, and mostly answers it.
-            many = 2 * np.count_nonzero(change > BRIGHTNESS_JUMP) >= change.size
-            if change.size and many and np.median(change) > BRIGHTNESS_JUMP:
-                self.light_switches.append(index)
+            if compared and 2 * jumped >= compared:
+                change = opencv().absdiff(sparse, before)
+                if np.median(change if counted is None else change[counted > 0]) > BRIGHTNESS_JUMP:
+                    self.light_switches.append(index)
             self._longest_repeat = max(
                 self._longest_repeat, (self._repeated, index - self._repeated), key=lambda run: run[0]
             )
-        self._levels.append(_levels(sparse - self._first))
+        self._levels.append(levels)
         self._sparse = sparse
         return is_dark
 
@@ -211,11 +214,13 @@ def flicker(levels: AnyArray) -> float:
     return float(1.4826 * np.median(np.median(np.abs(fast), axis=0)))
 
 
-def _levels(change: AnyArray) -> AnyArray:
-    """Mean of the middle half of a change in each horizontal band, (BANDS,)."""
-    levels = np.empty(BANDS)
-    for band, rows in enumerate(np.array_split(change, BANDS)):
-        values = np.sort(rows, axis=None)
-        quarter = len(values) // 4
-        levels[band] = values[quarter : len(values) - quarter].mean() if len(values) else 0.0
-    return levels
+def _shrunk_green(frame: Image) -> Image:
+    """Mean green of each 8x8 pixels of a BGR frame, or of a little more where a side is no multiple of 8."""
+    height, width = frame.shape[:2]
+    if height % 8 == 0 and width % 8 == 0:
+        with core_errors():
+            return _core.shrunk_green(np.ascontiguousarray(frame))
+    cv2 = opencv()
+    size = max(1, width // 8), max(1, height // 8)
+    small: Image = cv2.resize(cv2.extractChannel(frame, 1), size, interpolation=cv2.INTER_AREA)
+    return small

@@ -34,6 +34,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<foreground::Mixture>()?;
     module.add_function(wrap_pyfunction!(foreground::clean_mask, module)?)?;
     module.add_function(wrap_pyfunction!(foreground::steady_background, module)?)?;
+    module.add_function(wrap_pyfunction!(foreground::paint_over, module)?)?;
+    module.add_function(wrap_pyfunction!(foreground::shrunk_green, module)?)?;
+    module.add_function(wrap_pyfunction!(foreground::compare_light, module)?)?;
     module.add_function(wrap_pyfunction!(lines::barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::match_barcodes, module)?)?;
     module.add_function(wrap_pyfunction!(lines::motion_lines, module)?)?;

@@ -7,7 +7,10 @@ pub use crate::clock::offset::FoundOffset;
 pub use crate::clock::{Clock, Clocks, common_frames, find_offset};
 #[cfg(feature = "files")]
 pub use crate::files::saved;
-pub use crate::foreground::{Cleaning, Mixture, MixtureOptions, clean, close, majority, steady_background};
+pub use crate::foreground::{
+    BANDS, Cleaning, LightChange, Mixture, MixtureOptions, Painting, SHRUNK, clean, close, compare_light,
+    majority, paint_over, shrunk_green, steady_background,
+};
 pub use crate::frontier::score::shifted_score;
 pub use crate::frontier::volume::moving_correspondences;
 pub use crate::frontier::{

@@ -4,11 +4,13 @@
 //! at the pixels of its window, and where nothing moves nothing is done. The results are those of `OpenCV`'s `medianBlur` and
 //! `morphologyEx`, bit for bit.
 
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
+use super::covering::Bits;
 use crate::error::{Error, Result};
 use crate::image::ImageSize;
-use crate::recording::components::{Components, Run, find_runs};
+use crate::recording::components::{Components, find_runs};
 
 /// Widest window of the majority: its pixels are counted in 16 bits.
 const WIDEST: usize = 255;
@@ -82,20 +84,42 @@ pub fn majority(mask: &[u8], size: ImageSize, side: usize) -> Vec<u8> {
     let half = side / 2;
     let rows: Vec<&[u8]> = mask.chunks_exact(size.width).collect();
     let empty: Vec<bool> = rows.par_iter().with_min_len(TASK_ROWS).map(|row| is_empty(row)).collect();
-    let inside = |y: usize, above: usize| y.saturating_sub(above).min(size.height - 1);
     let mut found = vec![0; size.pixels()];
-    found.par_chunks_mut(TASK_ROWS * size.width).enumerate().for_each(|(task, part)| {
-        let mut columns = WindowColumns::new(size.width, half);
-        let first = task * TASK_ROWS;
-        for y in 0..side {
-            let y = inside(first + y, half);
+    let arch = Arch::new();
+    found.par_chunks_mut(TASK_ROWS * size.width).enumerate().for_each(|(task, found)| {
+        arch.dispatch(Majority { rows: &rows, empty: &empty, half, first: task * TASK_ROWS, found });
+    });
+    found
+}
+
+/// Pass: the majority of some rows.
+struct Majority<'p> {
+    /// All rows of the mask, and whether nothing moves there.
+    rows: &'p [&'p [u8]],
+    empty: &'p [bool],
+    half: usize,
+    /// The first of those that are wanted.
+    first: usize,
+    found: &'p mut [u8],
+}
+
+impl WithSimd for Majority<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { rows, empty, half, first, found } = self;
+        let (width, last) = (rows[first].len(), rows.len() - 1);
+        let mut columns = WindowColumns::new(width, half);
+        for y in 0..=2 * half {
+            let y = (first + y).saturating_sub(half).min(last);
             if !empty[y] {
                 columns.add(rows[y]);
             }
         }
-        for (y, row) in (first..).zip(part.chunks_exact_mut(size.width)) {
+        for (y, row) in (first..).zip(found.chunks_exact_mut(width)) {
             if y > first {
-                let (gone, come) = (inside(y, half + 1), (y + half).min(size.height - 1));
+                let (gone, come) = (y.saturating_sub(half + 1).min(last), (y + half).min(last));
                 if gone != come {
                     if !empty[gone] {
                         columns.take(rows[gone]);
@@ -107,8 +131,7 @@ pub fn majority(mask: &[u8], size: ImageSize, side: usize) -> Vec<u8> {
             }
             columns.majority(row);
         }
-    });
-    found
+    }
 }
 
 fn is_empty(row: &[u8]) -> bool {
@@ -132,6 +155,7 @@ impl WindowColumns {
         Self { half, counts: vec![0; width], padded, sums: vec![0; width], ones: 0 }
     }
 
+    #[inline(always)]
     fn add(&mut self, row: &[u8]) {
         for (count, &one) in self.counts.iter_mut().zip(row) {
             *count += u16::from(one);
@@ -139,6 +163,7 @@ impl WindowColumns {
         self.ones += row.iter().map(|&one| usize::from(one)).sum::<usize>();
     }
 
+    #[inline(always)]
     fn take(&mut self, row: &[u8]) {
         for (count, &one) in self.counts.iter_mut().zip(row) {
             *count -= u16::from(one);
@@ -147,6 +172,7 @@ impl WindowColumns {
     }
 
     /// Write where the square around a pixel has more ones than zeros into a row of zeros.
+    #[inline(always)]
     fn majority(&mut self, row: &mut [u8]) {
         if self.ones == 0 {
             return;
@@ -221,78 +247,6 @@ fn half_widths(radius: usize) -> Vec<usize> {
     let r = radius as f64;
     let row = |dy: f64| (r * ((r * r - dy * dy) * (1.0 / (r * r))).sqrt()).round_ties_even() as usize;
     (0..=2 * radius).map(|k| row(k as f64 - r)).collect()
-}
-
-/// A mask of one bit a pixel; each row begins with a word.
-struct Bits {
-    size: ImageSize,
-    row_words: usize,
-    words: Vec<u64>,
-}
-
-impl Bits {
-    fn new(size: ImageSize) -> Self {
-        let row_words = size.width.div_ceil(64);
-        Self { size, row_words, words: vec![0; row_words * size.height] }
-    }
-
-    /// Sets what a disc covers whose middle is anywhere on the runs.
-    fn cover(&mut self, runs: &[Run], disc: &[usize]) {
-        let radius = disc.len() / 2;
-        for run in runs {
-            let y = usize::from(run.y);
-            for (k, &reach) in disc.iter().enumerate() {
-                if (radius..self.size.height + radius).contains(&(y + k)) {
-                    let first = usize::from(run.x_first).saturating_sub(reach);
-                    let last = (usize::from(run.x_last) + reach).min(self.size.width - 1);
-                    self.set(y + k - radius, first, last);
-                }
-            }
-        }
-    }
-
-    /// Sets the columns of a row from `first` to `last`.
-    fn set(&mut self, y: usize, first: usize, last: usize) {
-        let row = &mut self.words[y * self.row_words..(y + 1) * self.row_words];
-        let (low, high) = (u64::MAX << (first % 64), u64::MAX >> (63 - last % 64));
-        if first / 64 == last / 64 {
-            row[first / 64] |= low & high;
-        } else {
-            row[first / 64] |= low;
-            row[first / 64 + 1..last / 64].fill(u64::MAX);
-            row[last / 64] |= high;
-        }
-    }
-
-    /// Runs of what is not set, in raster order.
-    fn gaps(&self) -> Vec<Run> {
-        let mut gaps = Vec::new();
-        for (y, row) in self.words.chunks_exact(self.row_words).enumerate() {
-            let mut x = 0;
-            loop {
-                let first = next(row, x, u64::MAX);
-                if first >= self.size.width {
-                    break;
-                }
-                x = next(row, first, 0).min(self.size.width);
-                gaps.push(Run { y: y as u16, x_first: first as u16, x_last: (x - 1) as u16 });
-            }
-        }
-        gaps
-    }
-}
-
-/// The next column from `x` on whose bit is 1 after those of `flip` are turned; beyond the last word if there is none.
-fn next(row: &[u64], x: usize, flip: u64) -> usize {
-    let mut from = u64::MAX << (x % 64);
-    for (k, word) in row.iter().enumerate().skip(x / 64) {
-        let word = (word ^ flip) & from;
-        if word != 0 {
-            return 64 * k + word.trailing_zeros() as usize;
-        }
-        from = u64::MAX;
-    }
-    64 * row.len()
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@
 //! after the *shorth*) tells which samples are background, and their mean is its colour. Pixels side by side are sorted
 //! together: a sorting network (Batcher's, Knuth 5.3.4) compares whole vectors.
 
+use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -15,6 +16,8 @@ const STEADY_SHARES: [f64; 4] = [0.25, 0.375, 0.5, 0.625];
 
 /// Pixels that are sorted together.
 const LANES: usize = 32;
+/// Groups of so many pixels that are read from one sample before the next one: of sixty samples in turn caches lose track.
+const STRIP: usize = 16;
 /// Samples whose sums 16 bits hold.
 const SUMMED: usize = 257;
 
@@ -36,48 +39,99 @@ pub fn steady_background(samples: &[u8], size: ImageSize) -> Result<Vec<u8>> {
         STEADY_SHARES.map(|share| ((count as f64 * share).round_ties_even() as usize).max(2).min(count));
     let network = sorting_network(count);
     let mut background = vec![0; bytes];
+    let arch = Arch::new();
     background.par_chunks_mut(3 * size.width).enumerate().for_each(|(y, row)| {
-        let mut colours = vec![[[0; LANES]; 3]; count];
-        let mut greys = vec![[0; LANES]; count];
-        let mut ordered = greys.clone();
-        for (g, found) in row.chunks_mut(3 * LANES).enumerate() {
-            let start = 3 * (y * size.width + g * LANES);
-            for (n, (colours, greys)) in colours.iter_mut().zip(&mut greys).enumerate() {
-                let part = &samples[n * bytes + start..][..found.len()];
-                for (lane, colour) in part.as_chunks::<3>().0.iter().enumerate() {
-                    for (plane, value) in colours.iter_mut().zip(colour) {
-                        plane[lane] = *value;
-                    }
-                }
-                *greys = grey(colours);
-            }
-            ordered.copy_from_slice(&greys);
-            for &(low, high) in &network {
-                let (a, b) = (ordered[low], ordered[high]);
-                for (lane, (a, b)) in a.into_iter().zip(b).enumerate() {
-                    ordered[low][lane] = a.min(b);
-                    ordered[high][lane] = a.max(b);
-                }
-            }
-            let (low, width) = steady_range(&ordered, windows);
-            let (sums, inside) = sums_within(&colours, &greys, &low, &width);
-            for (lane, colour) in found.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-                let mean = |sum: u32| f64::from(sum) / f64::from(inside[lane]);
-                *colour = sums.map(|sums| mean(sums[lane]).round_ties_even() as u8);
-            }
-        }
+        let start = 3 * y * size.width;
+        let samples = samples.chunks_exact(bytes).map(|sample| &sample[start..start + row.len()]).collect();
+        arch.dispatch(SteadyRow { samples, windows, network: &network, row });
     });
     Ok(background)
 }
 
-/// Grey levels of pixels side by side, of their blue, green and red.
-fn grey([blue, green, red]: &[[u8; LANES]; 3]) -> [u8; LANES] {
-    std::array::from_fn(|lane| {
-        ((u16::from(blue[lane]) + 2 * u16::from(green[lane]) + u16::from(red[lane])) >> 2) as u8
-    })
+/// Pass: a row of the background from the same row of all samples.
+struct SteadyRow<'p> {
+    samples: Vec<&'p [u8]>,
+    windows: [usize; 4],
+    network: &'p [(usize, usize)],
+    row: &'p mut [u8],
+}
+
+impl WithSimd for SteadyRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) {
+        let Self { samples, windows, network, row } = self;
+        let count = samples.len();
+        let mut all_colours = vec![[[0; LANES]; 3]; count * STRIP];
+        let mut all_greys = vec![[0; LANES]; count * STRIP];
+        let mut ordered = vec![[0; LANES]; count];
+        for (strip, found) in row.chunks_mut(3 * LANES * STRIP).enumerate() {
+            let start = 3 * LANES * STRIP * strip;
+            for (n, sample) in samples.iter().enumerate() {
+                let groups = sample[start..start + found.len()].chunks(3 * LANES);
+                let places = all_colours.iter_mut().zip(&mut all_greys).skip(n).step_by(count);
+                for (group, (colours, greys)) in groups.zip(places) {
+                    take_apart(group.as_chunks::<3>().0, colours, greys);
+                }
+            }
+            let groups = all_colours.chunks(count).zip(all_greys.chunks(count));
+            for (found, (colours, greys)) in found.chunks_mut(3 * LANES).zip(groups) {
+                ordered.copy_from_slice(greys);
+                steady_group(found, colours, greys, &mut ordered, network, windows);
+            }
+        }
+    }
+}
+
+/// The background of pixels side by side, of the colours and grey levels of all samples; `ordered` is the grey levels.
+#[inline(always)]
+fn steady_group(
+    found: &mut [u8],
+    colours: &[[[u8; LANES]; 3]],
+    greys: &[[u8; LANES]],
+    ordered: &mut [[u8; LANES]],
+    network: &[(usize, usize)],
+    windows: [usize; 4],
+) {
+    for &(low, high) in network {
+        let (a, b) = (ordered[low], ordered[high]);
+        for lane in 0..LANES {
+            ordered[low][lane] = a[lane].min(b[lane]);
+            ordered[high][lane] = a[lane].max(b[lane]);
+        }
+    }
+    let (low, width) = steady_range(ordered, windows);
+    let (sums, inside) = sums_within(colours, greys, &low, &width);
+    for (lane, colour) in found.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+        for (value, sums) in colour.iter_mut().zip(&sums) {
+            let mean = f64::from(sums[lane]) / f64::from(inside[lane]);
+            *value = mean.round_ties_even() as u8;
+        }
+    }
+}
+
+/// Blue, green and red of pixels side by side, and their grey levels.
+#[inline(always)]
+fn take_apart(pixels: &[[u8; 3]], colours: &mut [[u8; LANES]; 3], greys: &mut [u8; LANES]) {
+    let mut padded = [[0; 3]; LANES];
+    let pixels: &[[u8; 3]; LANES] = pixels.first_chunk().unwrap_or_else(|| {
+        padded[..pixels.len()].copy_from_slice(pixels);
+        &padded
+    });
+    let (mut blue, mut green, mut red) = ([0; LANES], [0; LANES], [0; LANES]);
+    for (lane, pixel) in pixels.iter().enumerate() {
+        (blue[lane], green[lane], red[lane]) = (pixel[0], pixel[1], pixel[2]);
+    }
+    for lane in 0..LANES {
+        let twice_green = 2 * u16::from(green[lane]);
+        greys[lane] = ((u16::from(blue[lane]) + twice_green + u16::from(red[lane])) >> 2) as u8;
+    }
+    *colours = [blue, green, red];
 }
 
 /// Sums of the colours of the samples whose grey level is at most `width` above `low`, and their number.
+#[inline(always)]
 fn sums_within(
     colours: &[[[u8; LANES]; 3]],
     greys: &[[u8; LANES]],
@@ -93,9 +147,11 @@ fn sums_within(
     for (colours, greys) in colours.chunks(SUMMED).zip(greys.chunks(SUMMED)) {
         let (mut part, mut counted) = ([[0u16; LANES]; 3], [0u16; LANES]);
         for (colours, greys) in colours.iter().zip(greys) {
-            let steady: [u8; LANES] = std::array::from_fn(|lane| {
-                if greys[lane].wrapping_sub(low[lane]) <= width[lane] { u8::MAX } else { 0 }
-            });
+            let mut steady = [0; LANES];
+            for lane in 0..LANES {
+                let inside = greys[lane].wrapping_sub(low[lane]) <= width[lane];
+                steady[lane] = if inside { u8::MAX } else { 0 };
+            }
             for (part, plane) in part.iter_mut().zip(colours) {
                 for lane in 0..LANES {
                     part[lane] += u16::from(plane[lane] & steady[lane]);
@@ -114,6 +170,7 @@ fn sums_within(
 }
 
 /// Lowest grey level that counts as background, and how far above it the highest is, of sorted samples.
+#[inline(always)]
 fn steady_range(ordered: &[[u8; LANES]], windows: [usize; 4]) -> ([u8; LANES], [u8; LANES]) {
     let (mut low, mut chosen, mut narrowest) = ([0; LANES], [0; LANES], [0; LANES]);
     for (number, window) in windows.into_iter().enumerate() {

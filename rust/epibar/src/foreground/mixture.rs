@@ -6,9 +6,12 @@
 //! pixel is background, and only the others, mostly those that move, are asked of all modes. The screen changes
 //! nothing: a pixel that passes it is background by the equations of [`super::pixel`] as well.
 
+use pulp::Arch;
 use rayon::prelude::*;
 
-use super::pixel::{MODES, MixtureOptions, Mode, Pixel, moves, screen, settle};
+use super::lanes::{Gaussians, LANES, Numbers, Planes, Rate};
+use super::pixel::{MODES, MixtureOptions};
+use super::row::{Channels, Learning, Looking, ModelRow, Priming};
 use crate::error::{Error, Result};
 use crate::image::ImageSize;
 
@@ -22,32 +25,21 @@ const MOST_RATE: f32 = 0.01;
 /// Rows of one task at least.
 const TASK_ROWS: usize = 16;
 
-/// Pixels that are screened together, and their bytes.
-const GROUP: usize = 64;
-const GROUP_BYTES: usize = 3 * GROUP;
-
 /// A background model that knows nothing at first.
 #[derive(Debug, Clone)]
 pub struct Mixture {
+    arch: Arch,
     size: ImageSize,
     options: MixtureOptions,
-    /// The `m`-th modes of all pixels. Most pixels use one or two, and memory is taken where a mode is written for the first time,
-    /// so one plane is one allocation of zeros.
-    planes: [Vec<Mode>; MODES],
-    used: Vec<u8>,
+    /// The `m`-th modes of all pixels, row by row, each of whole blocks. Most pixels use one or two, and memory is taken where a mode is
+    /// written for the first time, so those of one number are one allocation of zeros.
+    weights: [Vec<Numbers>; MODES],
+    gaussians: [Vec<Gaussians>; MODES],
+    used: Vec<[u8; LANES]>,
     level: Vec<u8>,
     too_far: Vec<u8>,
     /// Frames that were looked at.
     seen: usize,
-}
-
-/// One row of a model.
-struct ModelRow<'m> {
-    planes: [&'m mut [Mode]; MODES],
-    used: &'m mut [u8],
-    /// Of each channel of each pixel: the rounded mean of the heaviest mode, and the least difference that is too large.
-    level: &'m mut [u8],
-    too_far: &'m mut [u8],
 }
 
 impl Mixture {
@@ -63,12 +55,14 @@ impl Mixture {
                 expected: "must be positive and finite",
             });
         }
-        let pixels = size.pixels();
+        let (pixels, blocks) = (size.pixels(), size.width.div_ceil(LANES) * size.height);
         Ok(Self {
+            arch: Arch::new(),
             size,
             options,
-            planes: std::array::from_fn(|_| vec![[0.0; 5]; pixels]),
-            used: vec![0; pixels],
+            weights: std::array::from_fn(|_| vec![[0.0; LANES]; blocks]),
+            gaussians: std::array::from_fn(|_| vec![[[0.0; LANES]; 4]; blocks]),
+            used: vec![[0; LANES]; blocks],
             level: vec![0; 3 * pixels],
             too_far: vec![0; 3 * pixels],
             seen: 0,
@@ -99,6 +93,34 @@ impl Mixture {
         self.apply(frame, |y| (y % turns == turn).then_some(rate * turns as f32), rate)
     }
 
+    /// Learns the empty scene from samples of it, whole frames one after the other: those that `order` names, in this order, each of which
+    /// weighs as much as each of those before. The same as [`Mixture::learn`] of each at rates of 1, 1/2, 1/3 and so on, but row by row,
+    /// so that modes stay in the cache.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for samples that are no whole frames, or where `order` names another one.
+    pub fn prime(&mut self, samples: &[u8], order: &[usize]) -> Result<()> {
+        let (width, options, arch) = (self.size.width, self.options, self.arch);
+        let frames: Vec<&[u8]> = samples.chunks_exact(3 * self.size.pixels()).collect();
+        let needed = order.iter().max().map_or(0, |last| last + 1);
+        if !samples.len().is_multiple_of(3 * self.size.pixels()) || frames.len() < needed {
+            return Err(Error::Length {
+                what: "samples must be whole frames of three bytes for each pixel of the model, as many as are named",
+                left: samples.len(),
+                right: 3 * self.size.pixels() * needed,
+            });
+        }
+        let rows = self.rows().into_par_iter().enumerate().with_min_len(TASK_ROWS);
+        rows.for_each_init(
+            || Channels::new(width),
+            |channels, (y, row)| {
+                let colours = order.iter().map(|&n| &frames[n][3 * y * width..3 * (y + 1) * width]);
+                arch.dispatch(Priming { row, colours, channels, options });
+            },
+        );
+        Ok(())
+    }
+
     fn apply(
         &mut self,
         frame: &[u8],
@@ -119,24 +141,32 @@ impl Mixture {
                 expected: "must be between 0 and 1",
             });
         }
-        let (width, options) = (self.size.width, self.options);
+        let (width, options, arch) = (self.size.width, self.options, self.arch);
         let mut mask = vec![0; self.size.pixels()];
         let rows = self.rows().into_par_iter().zip(frame.par_chunks_exact(3 * width));
         let rows = rows.zip(mask.par_chunks_exact_mut(width)).enumerate().with_min_len(TASK_ROWS);
-        rows.for_each(|(y, ((mut row, colours), mask))| match rate_of(y) {
-            Some(rate) => row.learn(colours, mask, rate, options),
-            None => row.look(colours, mask, options),
-        });
+        rows.for_each_init(
+            || Channels::new(width),
+            |channels, (y, ((row, colours), mask))| match rate_of(y) {
+                Some(rate) => {
+                    arch.dispatch(Learning { row, colours, mask, channels, rate: Rate::new(rate), options });
+                }
+                None => arch.dispatch(Looking { row, colours, mask, options }),
+            },
+        );
         Ok(mask)
     }
 
     fn rows(&mut self) -> Vec<ModelRow<'_>> {
-        let width = self.size.width;
-        let mut planes = self.planes.each_mut().map(|plane| plane.chunks_exact_mut(width));
+        let (width, blocks) = (self.size.width, self.size.width.div_ceil(LANES));
+        let mut weights = self.weights.each_mut().map(|plane| plane.chunks_exact_mut(blocks));
+        let mut gaussians = self.gaussians.each_mut().map(|plane| plane.chunks_exact_mut(blocks));
         let screens = self.level.chunks_exact_mut(3 * width).zip(self.too_far.chunks_exact_mut(3 * width));
-        let rows = self.used.chunks_exact_mut(width).zip(screens);
+        let rows = self.used.chunks_exact_mut(blocks).zip(screens);
         rows.map(|(used, (level, too_far))| {
-            let planes = planes.each_mut().map(|plane| plane.next().unwrap_or_default());
+            let weights = weights.each_mut().map(|plane| plane.next().unwrap_or_default());
+            let gaussians = gaussians.each_mut().map(|plane| plane.next().unwrap_or_default());
+            let planes = Planes { weights, gaussians };
             ModelRow { planes, used, level, too_far }
         })
         .collect()
@@ -148,68 +178,29 @@ fn turns(rate: f32) -> usize {
     ((MOST_RATE / rate).round() as usize).clamp(1, MOST_TURNS)
 }
 
-impl ModelRow<'_> {
-    fn learn(&mut self, colours: &[u8], mask: &mut [u8], rate: f32, options: MixtureOptions) {
-        let pixels = colours.as_chunks::<3>().0.iter().zip(mask);
-        let screens = self.level.as_chunks_mut::<3>().0.iter_mut().zip(self.too_far.as_chunks_mut::<3>().0);
-        for (x, (((colour, moving), used), (level, too_far))) in
-            pixels.zip(&mut *self.used).zip(screens).enumerate()
-        {
-            let colour = colour.map(f32::from);
-            if *used != 1 || !settle(&mut self.planes[0][x], colour, rate, options) {
-                let mut pixel = Pixel { planes: &mut self.planes, used, x };
-                *moving = u8::from(pixel.learn(colour, rate, options));
-            }
-            let (means, least) = screen(&self.planes[0][x], options);
-            *level = means;
-            *too_far = [least; 3];
-        }
-    }
-
-    fn look(&self, colours: &[u8], mask: &mut [u8], options: MixtureOptions) {
-        let (groups, rest) = colours.as_chunks::<GROUP_BYTES>();
-        let (levels, rest_levels) = self.level.as_chunks::<GROUP_BYTES>();
-        let (bounds, rest_bounds) = self.too_far.as_chunks::<GROUP_BYTES>();
-        let mut far = [0; GROUP_BYTES];
-        for (g, ((group, level), too_far)) in groups.iter().zip(levels).zip(bounds).enumerate() {
-            if screened(&mut far, group, level, too_far) {
-                self.ask(g * GROUP, &far, group, mask, options);
-            }
-        }
-        if screened(&mut far, rest, rest_levels, rest_bounds) {
-            self.ask(groups.len() * GROUP, &far[..rest.len()], rest, mask, options);
-        }
-    }
-
-    /// Asks all modes about the pixels from `first` on of which a channel is far.
-    fn ask(&self, first: usize, far: &[u8], colours: &[u8], mask: &mut [u8], options: MixtureOptions) {
-        let pixels = far.as_chunks::<3>().0.iter().zip(colours.as_chunks::<3>().0);
-        for (x, (far, colour)) in (first..).zip(pixels) {
-            if *far != [0; 3] {
-                mask[x] = u8::from(moves(&self.planes, self.used[x], x, colour.map(f32::from), options));
-            }
-        }
-    }
-}
-
-/// Which channels are too far from their levels, and whether any is. Of a whole group the compiler makes a few vectors.
-#[inline(always)]
-fn screened(far: &mut [u8; GROUP_BYTES], colours: &[u8], level: &[u8], too_far: &[u8]) -> bool {
-    let mut any = 0;
-    for (far, ((colour, level), least)) in far.iter_mut().zip(colours.iter().zip(level).zip(too_far)) {
-        *far = u8::from(colour.abs_diff(*level) >= *least);
-        any |= *far;
-    }
-    any != 0
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::pixel::{Pixel, learn_plainly};
     use super::*;
     use crate::random::generator;
     use rand::RngExt;
 
     const SIZE: (usize, usize) = (70, 24);
+
+    fn levels() -> Vec<Arch> {
+        let mut levels = vec![Arch::Scalar];
+        #[cfg(target_arch = "x86_64")]
+        {
+            levels.extend(pulp::x86::V3::try_new().map(Arch::V3));
+            levels.extend(pulp::x86::V4::try_new().map(Arch::V4));
+        }
+        levels
+    }
+
+    fn made(options: MixtureOptions, arch: Arch) -> Mixture {
+        let size = ImageSize::new(SIZE.0, SIZE.1).unwrap();
+        Mixture { arch, ..Mixture::new(size, options).unwrap() }
+    }
 
     fn frames(count: usize) -> Vec<Vec<u8>> {
         let mut random = generator(3, 0);
@@ -228,34 +219,82 @@ mod tests {
             .collect()
     }
 
+    /// All modes of a model, pixel by pixel; of what no pixel uses nothing is asked.
+    fn pixels(model: &mut Mixture) -> Vec<Pixel> {
+        let rows = model.rows();
+        let of_row = |row: &ModelRow<'_>| {
+            let used = row.used.as_flattened()[..SIZE.0].iter().enumerate();
+            used.map(|(x, &used)| row.planes.load(used, x)).collect::<Vec<_>>()
+        };
+        rows.iter().flat_map(of_row).collect()
+    }
+
+    fn colours(frame: &[u8]) -> impl Iterator<Item = [f32; 3]> {
+        frame.as_chunks::<3>().0.iter().map(|colour| colour.map(f32::from))
+    }
+
+    /// Pixels learn side by side what each learns by itself, bit for bit, whatever the CPU has; and are asked as each is by itself.
     #[test]
-    fn the_screen_changes_nothing() {
-        let size = ImageSize::new(SIZE.0, SIZE.1).unwrap();
-        for (threshold, shadows) in [(80.0, true), (16.0, false), (0.01, false), (1e6, true)] {
-            let mut model = Mixture::new(size, MixtureOptions { threshold, shadows }).unwrap();
-            let mut moving = 0;
+    fn every_level_finds_what_the_definition_says() {
+        for (threshold, shadows) in [(80.0, true), (16.0, false), (5.0, true), (0.01, false), (1e6, true)] {
+            let options = MixtureOptions { threshold, shadows };
+            let mut models: Vec<Mixture> = levels().into_iter().map(|arch| made(options, arch)).collect();
+            let mut plain = vec![Pixel::default(); SIZE.0 * SIZE.1];
+            let (mut moving, mut several) = (0, 0);
             for (t, frame) in frames(60).iter().enumerate() {
-                let rate = if t < 10 { 1.0 / (t + 1) as f32 } else { 0.002 };
-                if t < 10 {
-                    model.learn(frame, rate).unwrap();
-                    continue;
-                }
-                let before = model.clone();
-                let mask = model.look(frame, rate).unwrap();
-                for (i, colour) in frame.as_chunks::<3>().0.iter().enumerate() {
-                    let (x, y) = (i % SIZE.0, i / SIZE.0);
-                    // Rows whose turn it is learn, and are not screened.
-                    let asked =
-                        moves(&before.planes, before.used[i], i, colour.map(f32::from), model.options);
-                    let learns = y % 5 == (t - 10) % 5;
-                    assert!(
-                        learns || mask[i] == u8::from(asked),
-                        "threshold {threshold}, frame {t}, {x} {y}"
+                let learns = t < 30 || t % 3 == 0;
+                let rate = if t < 20 { 1.0 / (t + 1) as f32 } else { 0.02 };
+                let expected: Vec<u8> = plain
+                    .iter_mut()
+                    .zip(colours(frame))
+                    .map(|(pixel, colour)| {
+                        u8::from(if learns {
+                            learn_plainly(pixel, colour, rate, options)
+                        } else {
+                            pixel.moves(colour, options)
+                        })
+                    })
+                    .collect();
+                moving += expected.iter().map(|&v| usize::from(v)).sum::<usize>();
+                several += plain.iter().filter(|pixel| pixel.used > 2).count();
+                for model in &mut models {
+                    let rate_of = |_| learns.then_some(rate);
+                    assert_eq!(
+                        model.apply(frame, rate_of, rate).unwrap(),
+                        expected,
+                        "{options:?}, frame {t}"
                     );
+                    for (found, plain) in pixels(model).iter().zip(&plain) {
+                        let bits = |p: &Pixel| {
+                            p.modes[..p.used].iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>()
+                        };
+                        assert_eq!(bits(found), bits(plain), "{options:?}, frame {t}, {:?}", model.arch);
+                    }
                 }
-                moving += mask.iter().map(|&v| usize::from(v)).sum::<usize>();
             }
             assert!(threshold > 1000.0 || moving > 1000, "{moving}");
+            assert!(several > 1000, "{several}");
+        }
+    }
+
+    #[test]
+    fn priming_is_learning_frame_by_frame() {
+        let (samples, order) = (frames(5).concat(), [3, 0, 4, 2, 1, 3, 0]);
+        let frame_bytes = 3 * SIZE.0 * SIZE.1;
+        for arch in levels() {
+            let options = MixtureOptions { threshold: 80.0, shadows: true };
+            let (mut primed, mut plain) = (made(options, arch), made(options, arch));
+            primed.prime(&samples, &order).unwrap();
+            for (k, n) in order.into_iter().enumerate() {
+                plain.learn(&samples[n * frame_bytes..][..frame_bytes], 1.0 / (k + 1) as f32).unwrap();
+            }
+            assert_eq!(primed.used, plain.used);
+            assert_eq!((&primed.level, &primed.too_far), (&plain.level, &plain.too_far));
+            assert_eq!((&primed.weights, &primed.gaussians), (&plain.weights, &plain.gaussians));
+        }
+        let mut model = made(MixtureOptions { threshold: 80.0, shadows: true }, Arch::new());
+        for (samples, order) in [(&samples[1..], &order[1..]), (&samples[..frame_bytes], &[0, 1])] {
+            assert!(matches!(model.prime(samples, order), Err(Error::Length { .. })));
         }
     }
 

@@ -4,31 +4,27 @@
 //! Modes are sorted by weight, heaviest first. A colour is background where it is near one of the heaviest modes that
 //! together weigh [`BACKGROUND_WEIGHT`].
 
-use std::ops::Deref;
-
 /// Modes of a pixel at most.
 pub const MODES: usize = 5;
 
 /// Modes count as background until together they weigh so much: a new thing becomes background when it has shown
 /// for 40 % of the memory.
-const BACKGROUND_WEIGHT: f32 = 0.6;
+pub(super) const BACKGROUND_WEIGHT: f32 = 0.6;
 
 /// Squared distance, in variances, within which a mode takes a colour in; farther ones begin a mode.
-const FIT: f32 = 9.0;
+pub(super) const FIT: f32 = 9.0;
 
 const INITIAL_VARIANCE: f32 = 15.0;
-const LEAST_VARIANCE: f32 = 4.0;
-const MOST_VARIANCE: f32 = 75.0;
+pub(super) const LEAST_VARIANCE: f32 = 4.0;
+pub(super) const MOST_VARIANCE: f32 = 75.0;
 
 /// Share of a sample that each mode must earn with every frame to stay (`c_T` of the paper).
-const PRIOR: f32 = 0.05;
+pub(super) const PRIOR: f32 = 0.05;
 
 /// Least brightness of a shadow, as a share of the background's.
-const DARKEST_SHADOW: f32 = 0.4;
+pub(super) const DARKEST_SHADOW: f32 = 0.4;
 
 /// One Gaussian with the same variance for all channels: weight, variance, mean blue, green and red.
-///
-/// An array, since large arrays of arrays of zeros take no memory before they are written to.
 pub type Mode = [f32; 5];
 
 /// How a [`Mixture`](super::Mixture) decides.
@@ -40,27 +36,27 @@ pub struct MixtureOptions {
     pub shadows: bool,
 }
 
-/// The modes of one pixel, somewhere in a row's planes: plane `m` holds the `m`-th mode of all pixels.
-pub(super) struct Pixel<'a, 'm> {
-    pub planes: &'a mut [&'m mut [Mode]; MODES],
-    pub used: &'a mut u8,
-    pub x: usize,
+/// The modes of one pixel.
+#[derive(Debug, Default, Clone, Copy)]
+pub(super) struct Pixel {
+    pub modes: [Mode; MODES],
+    pub used: usize,
 }
 
-impl Pixel<'_, '_> {
+impl Pixel {
     /// Whether a colour moves; and learn from it at a rate between 0 and 1.
     pub fn learn(&mut self, colour: [f32; 3], rate: f32, options: MixtureOptions) -> bool {
         let prune = -rate * PRIOR;
         let mut background = false;
         let mut fits = false;
-        let mut used = usize::from(*self.used);
+        let mut used = self.used;
         let mut total = 0.0;
         let mut m = 0;
         while m < used {
-            let mut weight = (1.0 - rate) * self.mode(m)[0] + prune;
+            let mut weight = (1.0 - rate) * self.modes[m][0] + prune;
             let mut place = m;
             if !fits {
-                let mode = self.mode_mut(m);
+                let mode = &mut self.modes[m];
                 let [_, variance, ..] = *mode;
                 let (apart, distance2) = difference(mode, colour);
                 background |= total < BACKGROUND_WEIGHT && distance2 < options.threshold * variance;
@@ -79,20 +75,20 @@ impl Pixel<'_, '_> {
                 weight = 0.0;
                 used -= 1;
             }
-            self.mode_mut(place)[0] = weight;
+            self.modes[place][0] = weight;
             total += weight;
             m += 1;
         }
         if total.abs() > f32::EPSILON {
-            for m in 0..used {
-                self.mode_mut(m)[0] *= 1.0 / total;
+            for mode in &mut self.modes[..used] {
+                mode[0] *= 1.0 / total;
             }
         }
         if !fits && rate > 0.0 {
             used = self.begin(used, colour, rate);
         }
-        *self.used = used as u8;
-        !(background || options.shadows && is_shadow(|m| *self.mode(m), used, colour, options))
+        self.used = used;
+        !(background || options.shadows && is_shadow(|m| self.modes[m], used, colour, options))
     }
 
     /// Add a mode, in place of the lightest where there are too many, and return how many there are now.
@@ -101,11 +97,11 @@ impl Pixel<'_, '_> {
         let last = used - 1;
         let weight = if used == 1 { 1.0 } else { rate };
         if used > 1 {
-            for m in 0..last {
-                self.mode_mut(m)[0] *= 1.0 - rate;
+            for mode in &mut self.modes[..last] {
+                mode[0] *= 1.0 - rate;
             }
         }
-        *self.mode_mut(last) = [weight, INITIAL_VARIANCE, colour[0], colour[1], colour[2]];
+        self.modes[last] = [weight, INITIAL_VARIANCE, colour[0], colour[1], colour[2]];
         self.sorted_in(last, rate);
         used
     }
@@ -113,72 +109,58 @@ impl Pixel<'_, '_> {
     /// Move a mode before those that are not heavier than `weight`, and return its place.
     fn sorted_in(&mut self, m: usize, weight: f32) -> usize {
         let mut place = m;
-        while place > 0 && weight >= self.mode(place - 1)[0] {
-            let before = *self.mode(place - 1);
-            *self.mode_mut(place - 1) = std::mem::replace(self.mode_mut(place), before);
+        while place > 0 && weight >= self.modes[place - 1][0] {
+            self.modes.swap(place - 1, place);
             place -= 1;
         }
         place
     }
 
-    fn mode(&self, m: usize) -> &Mode {
-        &self.planes[m][self.x]
-    }
-
-    fn mode_mut(&mut self, m: usize) -> &mut Mode {
-        &mut self.planes[m][self.x]
+    /// Whether a colour moves, by the modes as they are: [`Pixel::learn`] at a rate of 0, which `lanes` does with many pixels at once.
+    #[cfg(test)]
+    pub fn moves(&self, colour: [f32; 3], options: MixtureOptions) -> bool {
+        let modes = &self.modes[..self.used];
+        let mut total = 0.0;
+        for mode in modes {
+            if total >= BACKGROUND_WEIGHT {
+                break;
+            }
+            let (_, distance2) = difference(mode, colour);
+            if distance2 < options.threshold * mode[1] {
+                return false;
+            }
+            // Behind the mode that a colour fits no other is asked.
+            if distance2 < FIT * mode[1] {
+                break;
+            }
+            total += mode[0];
+        }
+        // Weights add up to less than 1 where a new mode took the place of another; learning mends that before it asks for shadows.
+        let whole = 1.0 / modes.iter().map(|mode| mode[0]).fold(0.0, |sum, weight| sum + weight);
+        let mode = |m: usize| {
+            let [weight, rest @ ..] = modes[m];
+            [weight * whole, rest[0], rest[1], rest[2], rest[3]]
+        };
+        !(options.shadows && is_shadow(mode, self.used, colour, options))
     }
 }
 
-/// [`Pixel::learn`] of a pixel with one mode, which weighs 1, and a colour that fits it: what nearly all are. Returns
-/// whether it is such a one, which does not move, and does nothing otherwise.
-#[inline(always)]
-pub(super) fn settle(mode: &mut Mode, colour: [f32; 3], rate: f32, options: MixtureOptions) -> bool {
+/// What `lanes` does with many pixels at once: whether a colour moves; and learn from it. A pixel with one mode, which weighs 1 and which the
+/// colour fits, keeps its weight.
+#[cfg(test)]
+pub(super) fn learn_plainly(pixel: &mut Pixel, colour: [f32; 3], rate: f32, options: MixtureOptions) -> bool {
+    let mode = &mut pixel.modes[0];
     let variance = mode[1];
     let (apart, distance2) = difference(mode, colour);
-    if distance2 >= FIT.min(options.threshold) * variance {
-        return false;
+    if pixel.used != 1 || distance2 >= FIT.min(options.threshold) * variance {
+        return pixel.learn(colour, rate, options);
     }
     let step = rate / (1.0 - rate * PRIOR);
     for (mean, apart) in mode[2..].iter_mut().zip(apart) {
         *mean -= step * apart;
     }
     mode[1] = (variance + step * (distance2 - variance)).clamp(LEAST_VARIANCE, MOST_VARIANCE);
-    true
-}
-
-/// Whether a colour moves, by the modes as they are: [`Pixel::learn`] at a rate of 0.
-pub(super) fn moves(
-    planes: &[impl Deref<Target = [Mode]>; MODES],
-    used: u8,
-    x: usize,
-    colour: [f32; 3],
-    options: MixtureOptions,
-) -> bool {
-    let used = usize::from(used);
-    let mut total = 0.0;
-    for plane in &planes[..used] {
-        if total >= BACKGROUND_WEIGHT {
-            break;
-        }
-        let mode = &plane[x];
-        let (_, distance2) = difference(mode, colour);
-        if distance2 < options.threshold * mode[1] {
-            return false;
-        }
-        // Behind the mode that a colour fits no other is asked.
-        if distance2 < FIT * mode[1] {
-            break;
-        }
-        total += mode[0];
-    }
-    // Weights add up to less than 1 where a new mode took the place of another; learning mends that before it asks for shadows.
-    let whole = 1.0 / planes[..used].iter().map(|plane| plane[x][0]).fold(0.0, |sum, weight| sum + weight);
-    let mode = |m: usize| {
-        let [weight, rest @ ..] = planes[m][x];
-        [weight * whole, rest[0], rest[1], rest[2], rest[3]]
-    };
-    !(options.shadows && is_shadow(mode, used, colour, options))
+    false
 }
 
 /// Mean minus colour of each channel, and the sum of their squares.
@@ -214,21 +196,10 @@ fn is_shadow(mode: impl Fn(usize) -> Mode, used: usize, colour: [f32; 3], option
     false
 }
 
-/// Near which levels all channels of a colour must lie for it to be background by the heaviest mode alone: its mean, and
-/// the least difference that may be too large, 0 where every one may.
-#[inline(always)]
-pub(super) fn screen(mode: &Mode, options: MixtureOptions) -> ([u8; 3], u8) {
-    // All three channels may be off by as much, and the mean by half a level of rounding; rounded down, for distances
-    // must be below the threshold.
-    let reach = (options.threshold * mode[1] / 3.0).sqrt() - 0.5;
-    let least = level(reach.clamp(0.5, 255.0) - 0.5);
-    ([level(mode[2]), level(mode[3]), level(mode[4])], least)
-}
-
 /// The whole number nearest to a value from 0 to 255. Beside 2²³ a single has no fraction, so its lowest bits are that
 /// number; a cast, which checks its range, takes several times as long.
 #[inline(always)]
-fn level(value: f32) -> u8 {
+pub(super) fn level(value: f32) -> u8 {
     (value + 8_388_608.0).to_bits() as u8
 }
 
@@ -241,21 +212,6 @@ mod tests {
         for tenths in 0..=2550u16 {
             let value = f32::from(tenths) / 10.0;
             assert_eq!(level(value), value.round_ties_even() as u8, "{value}");
-        }
-    }
-
-    #[test]
-    fn what_passes_the_screen_is_background() {
-        for threshold in [0.01, 5.0, 80.0, 1e6] {
-            for variance in [4.0, 7.3, 75.0] {
-                let options = MixtureOptions { threshold, shadows: false };
-                let mode = [1.0, variance, 99.5, 128.49, 20.0];
-                let (means, least) = screen(&mode, options);
-                if least > 0 {
-                    let farthest = means.map(|mean| f32::from(mean) - f32::from(least - 1));
-                    assert!(difference(&mode, farthest).1 < threshold * variance, "{threshold}, {variance}");
-                }
-            }
         }
     }
 }
