@@ -2,7 +2,8 @@
 
 The tests are built with counters in the crates of the workspace alone, so that dependencies run at full
 speed, and each test program is run. What they wrote is read by `cov` of llvm_profparser, which needs no
-LLVM of the compiler's version.
+LLVM of the compiler's version. The folder of another checkout, as a second argument, measures that one with
+this same program.
 """
 
 from __future__ import annotations
@@ -16,45 +17,44 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
-CRATE = ROOT / "rust" / "epibar"
-TARGET = ROOT / "target" / "coverage"
+HERE = Path(__file__).parents[1]
 LINE = re.compile(r" *\d+\| *(\d+)\|")
 """A line of code that `cov show` prints, and how often it was reached."""
 
 TESTS = re.compile(r"#\[cfg\(test\)\]\s*(?:pub(?:\([^)]*\))?\s+)?mod ")
 
 
-def programs() -> list[Path]:
-    """Build the test programs with counters, and return them."""
+def programs(root: Path) -> list[Path]:
+    """Build the test programs of a checkout with counters, and return them."""
     command = ["cargo", "test", "--package", "epibar", "--lib", "--tests", "--no-run", "--locked"]
     environment = os.environ | {
-        "RUSTC_WORKSPACE_WRAPPER": str(ROOT / "benchmarks" / "instrumented_rustc.sh"),
-        "CARGO_TARGET_DIR": str(TARGET),
+        "RUSTC_WORKSPACE_WRAPPER": str(HERE / "benchmarks" / "instrumented_rustc.sh"),
+        "CARGO_TARGET_DIR": str(root / "target" / "coverage"),
     }
     environment.pop("PYO3_BUILD_EXTENSION_MODULE", None)
     done = subprocess.run(
-        [*command, "--message-format=json"], cwd=ROOT, env=environment, stdout=subprocess.PIPE, check=True
+        [*command, "--message-format=json"], cwd=root, env=environment, stdout=subprocess.PIPE, check=True
     )
     messages = map(json.loads, done.stdout.splitlines())
     return [Path(one["executable"]) for one in messages if one.get("executable") and one["profile"]["test"]]
 
 
-def run(program: Path) -> Path:
-    """Run one test program; the file with its counts."""
-    counts = TARGET / f"{program.name}.profraw"
+def run(program: Path, root: Path) -> Path:
+    """Run one test program of a checkout; the file with its counts."""
+    counts = root / "target" / "coverage" / f"{program.name}.profraw"
     counts.unlink(missing_ok=True)
     # Threads wait for each other at the counters, so there is one.
     one_thread = {"LLVM_PROFILE_FILE": str(counts), "RAYON_NUM_THREADS": "1"}
     print(f"{program.name} ...", file=sys.stderr, flush=True)
-    subprocess.run(
-        [program, "--test-threads=1", "--quiet"], cwd=CRATE, env=os.environ | one_thread, check=True
-    )
+    command = [program, "--test-threads=1", "--quiet"]
+    subprocess.run(command, cwd=root / "rust" / "epibar", env=os.environ | one_thread, check=True)
     return counts
 
 
-def lines_of(cov: str, counts: list[Path], objects: list[Path]) -> Iterator[tuple[Path, int, bool]]:
-    """File, number and whether it was reached, of every line of the crate that holds code and is no test."""
+def lines_of(
+    cov: str, counts: list[Path], objects: list[Path], source: Path
+) -> Iterator[tuple[Path, int, bool]]:
+    """File, number and whether it was reached, of every line of the source that holds code and is no test."""
     command = [cov, "show"]
     for flag, paths in (("--instr-profile", counts), ("--object", objects)):
         command += [word for path in paths for word in (flag, str(path))]
@@ -63,21 +63,22 @@ def lines_of(cov: str, counts: list[Path], objects: list[Path]) -> Iterator[tupl
     for line in shown.splitlines():
         if line.startswith("/"):
             path = Path(line.rstrip(":"))
-            if path.is_relative_to(CRATE / "src"):
+            if path.is_relative_to(source):
                 text = path.read_text()
                 tests = TESTS.search(text)
                 tests_from = text[: tests.start()].count("\n") + 1 if tests else sys.maxsize
-        elif (found := LINE.match(line)) and path.is_relative_to(CRATE / "src"):
+        elif (found := LINE.match(line)) and path.is_relative_to(source):
             number = int(line.split("|")[0])
             if number < tests_from:
-                yield path.relative_to(CRATE / "src"), number, int(found[1]) > 0
+                yield path.relative_to(source), number, int(found[1]) > 0
 
 
-def main(cov: str) -> None:
-    objects = programs()
-    counts = [run(program) for program in objects]
+def main(cov: str, checkout: str = str(HERE)) -> None:
+    root = Path(checkout).resolve()
+    objects = programs(root)
+    counts = [run(program, root) for program in objects]
     reached: dict[tuple[Path, int], bool] = {}
-    for path, number, hit in lines_of(cov, counts, objects):
+    for path, number, hit in lines_of(cov, counts, objects, root / "rust" / "epibar" / "src"):
         reached[path, number] = reached.get((path, number), False) or hit
     lines, hits = Counter[str](), Counter[str]()
     for (path, _), hit in reached.items():
@@ -92,4 +93,4 @@ def main(cov: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])
