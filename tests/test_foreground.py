@@ -198,11 +198,22 @@ def test_ready_masks_are_cleaned_alike():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"method": "magic"}, "'magic': choose one of auto, mog2, mixture, knn, median"),
-        ({"warm_up": 0}, "warm_up is 0"),
-        ({"min_area": 1.5}, "min_area is 1.5"),
-        ({"closing": -1}, "closing -1"),
-        ({"threshold": float("nan")}, "threshold is nan"),
+        (
+            {"method": "magic"},
+            "foreground method = 'magic': it must be one of auto, mog2, mixture, knn, median",
+        ),
+        ({"method": 3}, "foreground method = 3: it must be one of auto, mog2, mixture, knn, median"),
+        ({"warm_up": 0}, "warm_up = 0: it must be at least 1"),
+        ({"warm_up": 2.5}, "warm_up = 2.5: expected a whole number"),
+        ({"memory": None}, "memory = None: expected a whole number"),
+        ({"min_area": 1.5}, "min_area = 1.5: it must be a share of the image, from 0 to below 1"),
+        ({"min_area": "x"}, "min_area = 'x': it must be a share of the image"),
+        ({"closing": -1}, r"closing = -1: it must be 0 \(off\) or more, and below 100"),
+        ({"median_filter": 100}, r"median_filter = 100: it must be 0 \(off\) or more, and below 100"),
+        (
+            {"threshold": float("nan")},
+            "threshold = nan: it must be positive, or 0 for the method's default",
+        ),
         ({"ignore": np.zeros(5, bool)}, r"ignore mask has shape \(5,\)"),
     ],
 )

@@ -122,6 +122,13 @@ def test_frontier_points(recordings, calibration, colour):
     np.testing.assert_array_equal(right.collections[0].get_array(), value)
 
 
+def test_what_is_drawn_is_one_of_some_words(recordings, calibration):
+    with pytest.raises(epibar.EpibarError, match="kind = 'both': it must be one of epipolar, matched"):
+        plot.barcode_strips(calibration, *recordings, kind="both")
+    with pytest.raises(epibar.EpibarError, match="colour = None: it must be one of frame, residual"):
+        plot.frontier_points(calibration, *recordings, colour=None)
+
+
 def test_heat_map_is_the_share_of_frames(recordings):
     recording = recordings[0]
     ax = drawn(plot.heat_map(recording))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -37,6 +37,8 @@ __all__ = [
     "as_text",
     "as_whole_number",
     "camera_names",
+    "check_between",
+    "check_choice",
     "check_pairs",
     "core_errors",
     "is_number",
@@ -170,6 +172,18 @@ def as_positive(name: str, value: Any, unit: str) -> float:
     if not (is_number(value) and value > 0):
         raise EpibarError(f"{name} = {value!r}: it must be a positive number of {unit}")
     return float(value)
+
+
+def check_between(name: str, value: Any, least: float, below: float, expected: str) -> None:
+    """Check that a number lies within [least, below); ``expected`` says so, for the error."""
+    if not (is_number(value) and least <= value < below):
+        raise EpibarError(f"{name} = {value!r}: it must be {expected}")
+
+
+def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
+    """Check that a value is one of some words."""
+    if not isinstance(value, str) or value not in choices:
+        raise EpibarError(f"{name} = {value!r}: it must be one of {', '.join(choices)}")
 
 
 def camera_names(names: Iterable[str]) -> list[str]:

@@ -20,6 +20,7 @@ from .arguments import (
     as_camera_matrix,
     as_positive,
     as_whole_number,
+    check_choice,
     core_errors,
     is_number,
 )
@@ -287,8 +288,7 @@ def calibrate(
     """
     as_recording("rec_a", rec_a)
     as_recording("rec_b", rec_b)
-    if method not in METHODS:
-        raise EpibarError(f"method = {method!r}: it must be one of {', '.join(METHODS)}")
+    check_choice("method", method, METHODS)
     seed = as_whole_number("seed", seed, 0, MAX_SEED)
     limit = as_positive("max_expected_error", max_expected_error, "pixels")
     reach = as_positive("search_seconds", search_seconds, "seconds")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arguments import Mask
+from ..arguments import Mask, as_whole_number, check_between, check_choice
 from ..errors import EpibarError
 
 __all__ = ["METHODS", "ForegroundOptions"]
@@ -56,21 +56,12 @@ class ForegroundOptions:
     background: str | os.PathLike[str] | None = None
 
     def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise EpibarError(f"foreground method {self.method!r}: choose one of {', '.join(METHODS)}")
-        if self.warm_up < 1 or self.memory < 1:
-            raise EpibarError(
-                f"warm_up is {self.warm_up}, memory is {self.memory}: both must be at least 1 frame"
-            )
-        if not 0 <= self.min_area < 1:
-            raise EpibarError(f"min_area is {self.min_area}: it is a share of the image, from 0 to below 1")
-        if not all(0 <= value < 100 for value in (self.median_filter, self.closing)):
-            raise EpibarError(
-                f"median_filter {self.median_filter}, closing {self.closing}: 0 (off) to 100 pixels"
-            )
-        if not 0 <= self.threshold < float("inf"):
-            raise EpibarError(
-                f"threshold is {self.threshold}: it must be positive, or 0 for the method's default"
-            )
+        check_choice("foreground method", self.method, METHODS)
+        as_whole_number("warm_up", self.warm_up, 1)
+        as_whole_number("memory", self.memory, 1)
+        check_between("min_area", self.min_area, 0, 1, "a share of the image, from 0 to below 1")
+        for name in ("median_filter", "closing"):
+            check_between(name, getattr(self, name), 0, 100, "0 (off) or more, and below 100 pixels")
+        check_between("threshold", self.threshold, 0, float("inf"), "positive, or 0 for the method's default")
         if self.ignore is not None and np.ndim(self.ignore) != 2:
             raise EpibarError(f"ignore mask has shape {np.shape(self.ignore)}, expected (height, width)")

@@ -10,7 +10,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import Any, Literal
 
-from ..arguments import MAX_SEED, as_positive, as_whole_number
+from ..arguments import MAX_SEED, as_positive, as_whole_number, check_choice
 from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
 from ..errors import EpibarError, address_without_secrets, is_address, printable
 from ..foreground.options import METHODS as FOREGROUNDS
@@ -101,8 +101,7 @@ class RecordOptions:
     def __post_init__(self) -> None:
         if self.fps is not None:
             as_positive("fps", self.fps, "frames per second")
-        if self.foreground not in FOREGROUNDS:
-            raise EpibarError(f"foreground = {self.foreground!r}: it must be one of {', '.join(FOREGROUNDS)}")
+        check_choice("foreground", self.foreground, FOREGROUNDS)
         as_whole_number("lines", self.lines, 1, MAX_LINES)
         as_whole_number("seed", self.seed, 0, MAX_SEED)
 
@@ -121,8 +120,7 @@ class PairOptions:
     max_expected_error: float = MAX_EXPECTED_ERROR
 
     def __post_init__(self) -> None:
-        if self.method not in METHODS:
-            raise EpibarError(f"method = {self.method!r}: it must be one of {', '.join(METHODS)}")
+        check_choice("method", self.method, METHODS)
         as_positive("max_expected_error", self.max_expected_error, "pixels")
 
 

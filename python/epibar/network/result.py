@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ..arguments import check_choice
 from ..calibration import SEARCH_SECONDS
 from ..camera_export.formats import CAMERA_FORMATS
 from ..camera_export.world import BY_CAMERAS, ON_FLOOR, World
@@ -324,8 +325,7 @@ class Network(NetworkParts):
             points, a lens is of no camera or another size, tracks are in another unit or lack what is to be
             written, or a file cannot be written.
         """
-        if format not in CAMERA_FORMATS:
-            raise EpibarError(f"format = {format!r}: it must be one of {', '.join(CAMERA_FORMATS)}")
+        check_choice("format", format, CAMERA_FORMATS)
         if tracks is not None:
             self._refuse_misplaced(tracks, format)
         if frontier_points is not None and not CAMERA_FORMATS[format].points:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..arguments import Array, PathLike
+from ..arguments import Array, PathLike, check_choice
 from ..camera_export.formats import CAMERA_FORMATS
 from ..camera_export.world import World
 from ..errors import EpibarError
@@ -101,8 +101,7 @@ def write_placed(
         No camera file, or one that does not fit; no pair has a pose; the format is unknown; a file cannot
         be written.
     """
-    if format not in CAMERA_FORMATS:
-        raise EpibarError(f"format = {format!r}: it must be one of {', '.join(CAMERA_FORMATS)}")
+    check_choice("format", format, CAMERA_FORMATS)
     run, lenses, pixels = _with_lenses(run, intrinsics)
     poses, reasons = run.poses()
     if not poses:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal, Protocol
 
 import numpy as np
 
-from ..arguments import Array
+from ..arguments import Array, check_choice
 from ..calibration import Calibration
 from ..clocks import common_frames
 from ..errors import EpibarError
@@ -74,8 +74,7 @@ def barcode_strips(
     EpibarError
         There are no such lines, or matplotlib is missing.
     """
-    if kind not in ("epipolar", "matched"):
-        raise EpibarError(f"kind = {kind!r}: it must be 'epipolar' or 'matched'")
+    check_choice("kind", kind, ("epipolar", "matched"))
     common = common_frames(rec_a, rec_b, calibration)
     common = common[busiest_window(points_per_frame(common, rec_a, rec_b, calibration), WINDOW)]
     found = [

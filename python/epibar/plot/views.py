@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from .. import _core
-from ..arguments import as_whole_number
+from ..arguments import as_whole_number, check_choice
 from ..calibration import Calibration
 from ..clocks import nearest_frame, positions_in_b
 from ..errors import EpibarError
@@ -131,8 +131,7 @@ def frontier_points(
         An image is of another size, an argument is wrong, or matplotlib is missing.
     """
     points = calibration.frontier_points
-    if colour not in ("frame", "residual"):
-        raise EpibarError(f"colour = {colour!r}: it must be 'frame' or 'residual'")
+    check_choice("colour", colour, ("frame", "residual"))
     axes = two_axes(ax, (rec_a, rec_b))
     value = points.frame if colour == "frame" else points.residual
     limits = (value.min(), value.max()) if len(points) else (0, 1)
