@@ -75,7 +75,7 @@ impl ExamineOptions {
 pub struct TangentCounts {
     /// Tangents of A.
     pub tangents: usize,
-    /// Those that meet a tangent of B.
+    /// Tangents of A that meet one of B.
     pub matches: usize,
     /// How many would by chance.
     pub expected: f64,

@@ -12,7 +12,8 @@
 //! A [`Recorder`] takes the masks of one camera, frame by frame; its [`Recording`] holds lines with their motion
 //! barcodes, silhouettes and a heat map, and no image. [`calibrate()`] takes two recordings, and its [`Calibration`] has
 //! the matrix, a [`Verdict`] whether it can be relied on, and the numbers behind it: look at [`Calibration::accepted`]
-//! before the matrix, as a refused one is there too. [`examine()`] asks what speaks for a matrix that you already have. The
+//! before the matrix, as a refused one is there too. [`examine()`] asks what speaks for a matrix that you already have.
+//! Of three cameras and more, [`network`] finds focal lengths, lenses, poses and clocks from the same recordings. The
 //! feature `files` adds `save` and `load` to recordings and calibrations, in the files of the Python package.
 //!
 //! Conventions: a mask is row-major and non-zero where something moves; points are `(x, y)` in pixels with pixel centres at

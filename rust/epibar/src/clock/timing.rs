@@ -72,7 +72,7 @@ pub struct Timing {
     pub offset_error: f64,
     /// By how much B's clock runs faster than A's, ppm; NaN where the recordings do not show it.
     pub drift: f64,
-    /// Its standard error, ppm.
+    /// Standard error of the drift, ppm.
     pub drift_error: f64,
     /// The drift is large enough to be taken into account, and is.
     pub drift_used: bool,

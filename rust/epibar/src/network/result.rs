@@ -205,11 +205,11 @@ pub struct NetworkPair {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum CheckStatus {
-    /// It stands and looks as stored.
+    /// The camera stands and looks as stored.
     Unmoved,
-    /// It does not.
+    /// The camera stands or looks otherwise.
     Moved,
-    /// It or another one does not, and which is not known.
+    /// This camera or another one stands or looks otherwise, and which is not known.
     Suspect,
     /// Too little moved before it and the others to say.
     Unsure,

@@ -47,7 +47,7 @@ pub struct RecordingParts {
 }
 
 impl RecordingParts {
-    /// Those of a recording without lines in which nothing moves: its size, pixels, and the time of each frame, seconds.
+    /// The arrays of a recording without lines in which nothing moves: its size, pixels, and the time of each frame, seconds.
     ///
     /// `heat` is empty; it takes a number for each pixel.
     pub fn new(size: [usize; 2], times: Vec<f64>) -> Self {

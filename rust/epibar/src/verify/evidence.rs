@@ -21,11 +21,11 @@ pub struct Evidence {
     pub on_all_frames: bool,
     /// Share of both cameras' tangents that meet one of the other camera, on frames kept aside.
     pub explained: f64,
-    /// That share of tops alone.
+    /// Share of the tops that meet.
     pub explained_tops: f64,
-    /// That share of bottoms alone.
+    /// Share of the bottoms that meet.
     pub explained_bottoms: f64,
-    /// That share with the clocks shifted, in the mean.
+    /// Share of the tangents that meet with the clocks shifted, in the mean.
     pub explained_by_chance: f64,
     /// Mean symmetric epipolar distance, over the volume where things moved, of the matrix that was tested on frames kept
     /// aside from the one that is returned, pixels; NaN where nothing was tested.

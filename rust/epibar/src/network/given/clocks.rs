@@ -33,7 +33,7 @@ pub struct Offsets {
     pub seconds: Vec<f64>,
     /// All cameras started together, as far as barcodes tell.
     pub together: bool,
-    /// They were given, and are not solved for.
+    /// The offsets were given, and are not solved for.
     pub given: bool,
 }
 

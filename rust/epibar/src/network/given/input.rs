@@ -42,9 +42,9 @@ pub enum Aspect {
     /// Pixels are square.
     #[default]
     Square,
-    /// It is this.
+    /// `f_y / f_x` is this number.
     Known(f64),
-    /// It is solved for, and within a percent or so of 1.
+    /// `f_y / f_x` is solved for, and within a percent or so of 1.
     Unknown,
 }
 
