@@ -8,14 +8,13 @@ pub use crate::clock::{Clock, Clocks, common_frames, find_offset};
 #[cfg(feature = "files")]
 pub use crate::files::saved;
 pub use crate::foreground::{
-    BANDS, Cleaning, LightChange, Mixture, MixtureOptions, Painting, SHRUNK, clean, close, compare_light,
-    majority, paint_over, shrunk_green, steady_background,
+    BANDS, Cleaning, LightChange, Mixture, MixtureOptions, Painting, SHRUNK, clean, compare_light,
+    paint_over, shrunk_green, steady_background,
 };
 pub use crate::frontier::score::shifted_score;
 pub use crate::frontier::volume::moving_correspondences;
 pub use crate::frontier::{
-    Class, CommonFrame, FrontierScore, Scorer, TangentMatch, View, Views, busy_frames, compare,
-    frontier_score,
+    Class, CommonFrame, FrontierScore, Scorer, TangentMatch, Views, busy_frames, compare, frontier_score,
 };
 pub use crate::geometry::lens::Lens;
 pub use crate::geometry::seven_parameters::Step;
@@ -47,7 +46,7 @@ pub use crate::recording::convex_hull::convex_hull;
 pub use crate::recording::recorder::MAX_LINES;
 pub use crate::recording::sampling::border_segments;
 pub use crate::recording::traversal;
-pub use crate::refine::{insets, loss_scale, refine};
+pub use crate::refine::{insets, refine};
 pub use crate::search::resampled;
 pub use crate::verify::error_map::{COLUMNS as MAP_COLUMNS, ROWS as MAP_ROWS};
 pub use crate::verify::planarity::plane_residual;

@@ -14,7 +14,7 @@ mod painting;
 mod pixel;
 mod row;
 
-pub use cleaning::{Cleaning, clean, close, majority};
+pub use cleaning::{Cleaning, clean};
 pub use empty_scene::steady_background;
 pub use light::{BANDS, LightChange, SHRUNK, compare_light, shrunk_green};
 pub use mixture::Mixture;

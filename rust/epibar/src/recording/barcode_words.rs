@@ -5,7 +5,7 @@
 //! streamed block by block, so memory is 32 bytes per pixel whatever its length.
 
 use super::transposition::{BitPlanes, TILE};
-use super::traversal::{Walk, for_each_pixel};
+use super::traversal::Walk;
 use crate::image::{ImageSize, Segment};
 use rayon::prelude::*;
 
@@ -116,20 +116,7 @@ impl PixelBlock {
         }
     }
 
-    /// The frames in which any pixel of the segment moves.
-    #[inline]
-    pub fn union_along(&self, segment: &Segment) -> [u64; BLOCK_WORDS] {
-        let mut union = [0; BLOCK_WORDS];
-        let pixels = self.pixels();
-        for_each_pixel(segment, self.size, |index| {
-            for (sum, word) in union.iter_mut().zip(pixels[index]) {
-                *sum |= word;
-            }
-        });
-        union
-    }
-
-    /// [`union_along`](Self::union_along) for many segments, in parallel.
+    /// For each segment the frames in which any of its pixels moves.
     ///
     /// Pixels one above the other are far apart in memory, so the lines are followed together through one band of
     /// rows after the other: those that go down from the top, then those that go up from the bottom.
@@ -176,6 +163,7 @@ impl PixelBlock {
 
 #[cfg(test)]
 mod tests {
+    use super::super::traversal::for_each_pixel;
     use super::*;
 
     #[test]
@@ -206,6 +194,17 @@ mod tests {
         assert_eq!(heat.iter().sum::<u32>(), 28);
     }
 
+    /// The frames in which any pixel of a segment moves, pixel by pixel.
+    fn union_along(block: &PixelBlock, segment: &Segment) -> [u64; BLOCK_WORDS] {
+        let mut union = [0; BLOCK_WORDS];
+        for_each_pixel(segment, block.size, |index| {
+            for (sum, word) in union.iter_mut().zip(block.pixels()[index]) {
+                *sum |= word;
+            }
+        });
+        union
+    }
+
     #[test]
     fn unions_band_by_band_are_those_along_each_line() {
         let size = ImageSize::new(300, 180).unwrap();
@@ -227,7 +226,7 @@ mod tests {
         let unions = block.unions(&segments);
         assert!(unions.iter().filter(|union| **union != [0; BLOCK_WORDS]).count() > 600);
         for (segment, union) in segments.iter().zip(unions) {
-            assert_eq!(block.union_along(segment), union, "{segment:?}");
+            assert_eq!(union_along(&block, segment), union, "{segment:?}");
         }
     }
 
