@@ -11,9 +11,6 @@ pub const SHRUNK: usize = 8;
 /// Horizontal bands of the image whose light is told apart.
 pub const BANDS: usize = 8;
 
-/// Columns whose sums are kept at a time, and their bytes.
-const TILE: usize = 64 * SHRUNK;
-
 /// Mean green of each 8×8 pixels of a BGR frame, rounded, ties to even, row by row.
 ///
 /// # Errors
@@ -50,24 +47,20 @@ impl WithSimd for Shrink<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _simd: S) {
-        let mut sums = [0u16; 3 * TILE];
+        const PIXELS: u16 = (SHRUNK * SHRUNK) as u16;
+        let mut sums = vec![0u16; 3 * self.width];
         let strips = self.frame.chunks_exact(3 * self.width * SHRUNK);
         for (strip, shrunk) in strips.zip(self.shrunk.chunks_exact_mut(self.width / SHRUNK)) {
-            for (tile, shrunk) in shrunk.chunks_mut(TILE / SHRUNK).enumerate() {
-                let bytes = 3 * SHRUNK * shrunk.len();
-                let sums = &mut sums[..bytes];
-                sums.fill(0);
-                for row in strip.chunks_exact(3 * self.width) {
-                    for (sum, value) in sums.iter_mut().zip(&row[3 * TILE * tile..][..bytes]) {
-                        *sum += u16::from(*value);
-                    }
+            sums.fill(0);
+            for row in strip.chunks_exact(3 * self.width) {
+                for (sum, value) in sums.iter_mut().zip(row) {
+                    *sum += u16::from(*value);
                 }
-                for (mean, sums) in shrunk.iter_mut().zip(sums.as_chunks::<{ 3 * SHRUNK }>().0) {
-                    let sum: u16 = sums.iter().skip(1).step_by(3).sum();
-                    let half = (SHRUNK * SHRUNK / 2) as u16;
-                    // The last bit of what is rounded down tells which way a tie goes.
-                    *mean = ((sum + half - 1 + ((sum / (2 * half)) & 1)) / (2 * half)) as u8;
-                }
+            }
+            for (mean, sums) in shrunk.iter_mut().zip(sums.as_chunks::<{ 3 * SHRUNK }>().0) {
+                let sum: u16 = sums.iter().skip(1).step_by(3).sum();
+                // The last bit of what is rounded down tells which way a tie goes.
+                *mean = ((sum + PIXELS / 2 - 1 + ((sum / PIXELS) & 1)) / PIXELS) as u8;
             }
         }
     }
