@@ -18,7 +18,7 @@ from ..files.atomic import write_text
 from ..files.folders import make_folder
 from ..lens.intrinsics import Intrinsics
 from ..sources.quiet_opencv import opencv
-from .losses import fewer_coefficients, plain_names, renamed, tell, told
+from .losses import fewer_coefficients, loss_in_pixels, plain_names, renamed, tell
 from .opencv import write_metadata
 from .world import World
 
@@ -44,7 +44,7 @@ def write_easymocap(cameras: Sequence[Intrinsics], path: Path, world: World) -> 
     for camera in cameras:
         distortions, off[camera.name] = fewer_coefficients(camera, 5, "EasyMocap")
         lenses.append(distortions)
-    losses += told("EasyMocap has five distortion coefficients, fitted to the lens", off)
+    losses += loss_in_pixels("EasyMocap has five distortion coefficients, fitted to the lens", off)
     intri, extri = (_started(cv2, names, world.with_notes(losses)) for _ in range(2))
     for name, camera, distortions in zip(names, cameras, lenses, strict=True):
         pose = camera.posed()

@@ -29,7 +29,7 @@ from ..errors import printable
 from ..files.atomic import write_atomically
 from ..geometry.cameras import opengl_pose
 from ..lens.intrinsics import Intrinsics
-from .losses import off_as_pinhole, tell, told
+from .losses import loss_in_pixels, off_as_pinhole, tell
 from .shapes import frustum, frustum_depth, ground_grid
 from .ways import AFTER, Way
 from .world import World
@@ -57,7 +57,7 @@ def write_gltf(cameras: Sequence[Intrinsics], path: Path, world: World) -> list[
         The file cannot be written.
     """
     off = {camera.name: off_as_pinhole(camera, _centred(camera)) for camera in cameras}
-    losses = told("a camera of glTF has no lens, and looks through the middle of its image", off)
+    losses = loss_in_pixels("a camera of glTF has no lens, and looks through the middle of its image", off)
     scene = _Scene(cameras, world.with_notes(losses))
     content = scene.binary() if path.suffix.lower() == ".glb" else scene.text()
     write_atomically(path, lambda stream: stream.write(content))

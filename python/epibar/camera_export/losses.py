@@ -14,7 +14,7 @@ from ..arguments import Array
 from ..errors import EpibarError
 from ..lens.intrinsics import Intrinsics
 
-__all__ = ["fewer_coefficients", "off_as_pinhole", "plain_names", "renamed", "tell", "told"]
+__all__ = ["fewer_coefficients", "loss_in_pixels", "off_as_pinhole", "plain_names", "renamed", "tell"]
 
 logger = logging.getLogger("epibar")
 
@@ -97,7 +97,7 @@ def off_as_pinhole(camera: Intrinsics, matrix: Array) -> float:
     return float(np.hypot(*(_pinhole(matrix, rays) - pixels).T).max())
 
 
-def told(what: str, off: Mapping[str, float]) -> list[str]:
+def loss_in_pixels(what: str, off: Mapping[str, float]) -> list[str]:
     """Say what is lost, and how far it is off in which camera; nothing where none is."""
     lost = [f"{_two_digits(pixels)} px in {name}" for name, pixels in off.items() if pixels > 0]
     return [f"lost: {what}; off inside the image by up to {', '.join(lost)}"] if lost else []

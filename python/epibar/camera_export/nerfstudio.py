@@ -21,7 +21,7 @@ from ..errors import EpibarError, printable
 from ..files.atomic import write_text
 from ..geometry.cameras import opengl_pose
 from ..lens.intrinsics import Intrinsics
-from .losses import fewer_coefficients, plain_names, tell, told
+from .losses import fewer_coefficients, loss_in_pixels, plain_names, tell
 from .world import World
 
 __all__ = ["write_nerfstudio"]
@@ -49,7 +49,7 @@ def write_nerfstudio(cameras: Sequence[Intrinsics], path: Path, world: World) ->
     for camera in cameras:
         lens, off[camera.name] = _lens(camera)
         lenses.append(lens)
-    losses = told("nerfstudio has five distortion coefficients, fitted to the lens", off)
+    losses = loss_in_pixels("nerfstudio has five distortion coefficients, fitted to the lens", off)
     shared = all(lens == lenses[0] for lens in lenses)
     frames = [
         {

@@ -18,7 +18,7 @@ import numpy as np
 from ..errors import EpibarError, printable
 from ..files.atomic import write_atomically
 from ..lens.intrinsics import Intrinsics
-from .losses import off_as_pinhole, tell, told
+from .losses import loss_in_pixels, off_as_pinhole, tell
 from .shapes import frustum_depth, ground_grid, positions
 from .ways import AFTER, Way
 from .world import World
@@ -45,7 +45,7 @@ def write_rerun(cameras: Sequence[Intrinsics], path: Path, world: World) -> list
             "rerun-sdk is missing, which writes files of Rerun: pip install 'epibar[live]'"
         ) from error
     off = {camera.name: off_as_pinhole(camera, camera.matrix) for camera in cameras}
-    losses = told("a camera of Rerun has no lens", off)
+    losses = loss_in_pixels("a camera of Rerun has no lens", off)
     stream = rerun.RecordingStream(APPLICATION)
     memory = stream.memory_recording()
     _log(rerun, stream, cameras, world.with_notes(losses))

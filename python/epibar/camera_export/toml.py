@@ -19,7 +19,7 @@ from pathlib import Path
 
 from ..lens.cameras_toml import write_cameras
 from ..lens.intrinsics import Intrinsics
-from .losses import fewer_coefficients, tell, told
+from .losses import fewer_coefficients, loss_in_pixels, tell
 from .world import World
 
 __all__ = ["write_anipose", "write_caliscope", "write_freemocap", "write_pose2sim"]
@@ -63,7 +63,7 @@ def write_pose2sim(cameras: Sequence[Intrinsics], path: Path, world: World) -> l
     for camera in cameras:
         distortions, off[camera.name] = fewer_coefficients(camera, 4, "Pose2Sim")
         known.append(replace(camera, distortions=distortions))
-    losses = told("Pose2Sim has four distortion coefficients, fitted to the lens", off)
+    losses = loss_in_pixels("Pose2Sim has four distortion coefficients, fitted to the lens", off)
     write_cameras(path, known, world.with_notes(losses).metadata())
     tell(path, losses)
     return [path]
