@@ -38,11 +38,12 @@ def masks(tmp_path_factory):
     [
         "c1 c2 --background b1 b2 --out D",
         "c1 c2 --out D --background b1 b2",
-        "--background b1 b2 c1 c2 --out D",
-        "--out D --background b1 b2 c1 c2",
         "--background b1 b2 --out D c1 c2",
         "--background b1 --background b2 c1 c2 --out D",
+        "--background b1 c1 --background b2 c2 --out D",
+        "--background=b1 --background=b2 c1 c2 --out D",
         "--background b1 b2 -o D -- c1 c2",
+        "--out D --background b1 b2 -- c1 c2",
         "c1 -o D c2 --background b1 b2",
         "c1 --background b1 b2 -o D c2",
     ],
@@ -65,21 +66,67 @@ def test_defaults_are_those_of_the_package():
     assert build_parser().parse_args(["check", "D", "c1"]).search_seconds == SEARCH_SECONDS
 
 
-def test_where_videos_begin_is_said_if_it_was_guessed(capsys):
-    build_parser().parse_args(["calibrate", "--background", "b1", "c1", "c2", "c3", "-o", "D"])
-    assert capsys.readouterr().err == "--background: b1, c1; videos: c2, c3\n"
-    for words in ("--background b1 c1 c2 c3 -o D -q", "--background b1 b2 -o D c1 c2"):
-        build_parser().parse_args(["calibrate", *words.split()])
-        assert capsys.readouterr().err == ""
+@pytest.mark.parametrize(
+    ("words", "took"),
+    [
+        ("--background b1 b2 c1 c2", "--background took b1, b2, c1, c2, and"),
+        ("--background b1 c1 c2 c3", "--background took b1, c1, c2, c3, and"),
+        ("--background b1 b2 c1 c2 c3 c4", "--background took b1, b2, c1, c2, c3, c4, and"),
+        ("--background b1 b2 c1", "--background took b1, b2, c1, and"),
+        ("--ignore m1 c1 c2 c3", "--ignore took m1, c1, c2, c3, and"),
+        ("--background b1 --background b2 c1 c2 c3 c4", "--background took b1, b2, c1, c2, c3, c4, and"),
+        ("--ignore m1 m2 c1 c2 --background b1", "--ignore took m1, m2, c1, c2, and"),
+        (
+            "--background b1 b2 b3 --ignore m1 m2 m3 c1 c2 c3",
+            "--background took b1, b2, b3; --ignore took m1, m2, m3, c1, c2, c3, and",
+        ),
+        (
+            "--background b1 b2 b3 c1 c2 c3 --ignore m1 m2 m3",
+            "--background took b1, b2, b3, c1, c2, c3; --ignore took m1, m2, m3, and",
+        ),
+        (
+            "--ignore m1 --ignore m2 m3 --background b1 b2 b3 c1 c2 c3",
+            "--background took b1, b2, b3, c1, c2, c3; --ignore took m1, m2, m3, and",
+        ),
+        (
+            "--ignore m1 m2 m3 --background b1 b2 c1 c2 c3 c4",
+            "--background took b1, b2, c1, c2, c3, c4; --ignore took m1, m2, m3, and",
+        ),
+    ],
+)
+@pytest.mark.parametrize("others", ["-o D", "-q -o D"])
+def test_which_values_are_videos_is_never_guessed(words, took, others, capsys):
+    """No camera becomes the empty scene of another one."""
+    for written in (f"{words} {others}", f"{others} {words}"):
+        assert main(["calibrate", *written.split()]) == 2
+        printed = capsys.readouterr().err
+        assert f"argument VIDEO: none is left: {took} which of them are videos cannot be told" in printed
+        assert re.search(
+            r"first, as in 'epibar calibrate a\.mp4 b\.mp4 (--\w+) \.\.\.', or end the values of \1 with --$",
+            printed,
+        )
+
+
+@pytest.mark.parametrize(("command", "as_in"), [("inspect", "inspect"), ("check D", "check DIR")])
+def test_the_way_out_is_that_of_the_command(command, as_in, capsys):
+    assert main([*command.split(), "--background", "b1", "c1", "c2", "c3"]) == 2
+    assert f"as in 'epibar {as_in} a.mp4 b.mp4 --background ...'" in capsys.readouterr().err
+
+
+def test_one_value_and_one_video_can_be_read_in_one_way():
+    given = build_parser().parse_args(["inspect", "--background", "b1", "c1"])
+    assert (given.videos, given.background) == (["c1"], ["b1"])
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        "--background b1 b2 b3 --ignore m1 m2 m3 c1 c2 c3",
-        "--background b1 b2 b3 c1 c2 c3 --ignore m1 m2 m3",
+        "--background b1 b2 b3 --ignore m1 m2 m3 -- c1 c2 c3",
+        "--background b1 b2 b3 --ignore m1 m2 m3 -q c1 c2 c3",
+        "--ignore m1 --ignore m2 m3 --background b1 b2 b3 -q c1 c2 c3",
         "c1 c2 c3 --background b1 b2 b3 --ignore m1 m2 m3",
-        "--ignore m1 --ignore m2 m3 --background b1 b2 b3 c1 c2 c3",
+        "c1 c2 c3 --ignore m1 --ignore m2 m3 --background b1 b2 b3",
+        "--background b1 --background b2 --background b3 --ignore m1 --ignore m2 --ignore m3 c1 c2 c3",
     ],
 )
 def test_videos_are_left_alone_by_two_options(words):

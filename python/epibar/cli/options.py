@@ -35,9 +35,11 @@ NAME = "\0"
 
 
 class CommandParser(argparse.ArgumentParser):
-    """A parser whose options that take one value for each camera leave the videos behind them alone.
+    """A parser of videos and of options with one value for each, which are not told apart by a guess.
 
-    ``--background a.mp4 b.mp4 cam1.mp4 cam2.mp4`` takes two of the four, for there is one for each camera.
+    Such an option takes all that stands behind it. Where no video is left, all the same
+    ``--background e1 --background e2 a b`` can be read in one way alone. Which of ``--background e1 a b c``
+    are videos cannot be told, and is refused.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
@@ -45,7 +47,7 @@ class CommandParser(argparse.ArgumentParser):
         # argparse of before Python 3.14 takes -1e3 for an option.
         self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)
         self._takes_videos = False
-        self._each: list[str] = []
+        self._each: dict[str, str] = {}
 
     def add_videos(self, purpose: str) -> None:
         """Add the argument ``VIDEO ...``."""
@@ -54,11 +56,11 @@ class CommandParser(argparse.ArgumentParser):
 
     def add_for_each_video(self, group: argparse._ArgumentGroup, option: str, **options: Any) -> None:
         """Add an option that takes one value for each video, at once or one by one."""
-        action = group.add_argument(option, nargs="+", action="extend", **options)
-        self._each.append(action.dest)
+        action = group.add_argument(option, nargs="+", action="append", **options)
+        self._each[action.dest] = option
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse, and give back the videos that an option took."""
+        """Parse, and give back the videos that an option took where it is certain which these are."""
         words = sys.argv[1:] if args is None else args
         found, rest = super().parse_known_args(self._with_names(words), namespace)
         if self._takes_videos:
@@ -86,19 +88,30 @@ class CommandParser(argparse.ArgumentParser):
         super().error(printable(without_secrets(message)))
 
     def _give_back(self, found: argparse.Namespace) -> None:
-        """Where all videos went to an option, leave it as many values as there are cameras, and say which."""
-        taken = {name: getattr(found, name) for name in self._each if getattr(found, name)}
-        count, over = divmod(sum(map(len, taken.values())), 1 + len(taken))
-        if found.videos or not count or over:
+        """Make one list of what each such option took; videos that it took are given back, or refused.
+
+        The first value behind each naming of an option is its own, and no option has more values than there
+        are videos. So where as many others are left as each option was named times, those are the videos.
+        """
+        named = {name: groups for name in self._each if (groups := getattr(found, name))}
+        behind = {name: [value for group in groups for value in group[1:]] for name, groups in named.items()}
+        for name, groups in named.items():
+            setattr(found, name, [value for group in groups for value in group])
+        left = [name for name, values in behind.items() if values]
+        if found.videos or not left:
             return
-        greedy = [name for name, values in taken.items() if len(values) > count]
-        if len(greedy) == 1 and all(len(values) >= count for values in taken.values()):
-            values = taken[greedy[0]]
-            setattr(found, greedy[0], values[:count])
-            found.videos = values[count:]
-            if not getattr(found, "quiet", False):
-                said = f"--{greedy[0]}: {', '.join(values[:count])}; videos: {', '.join(values[count:])}"
-                print(printable(without_secrets(said)), file=sys.stderr)
+        if len(left) == 1 and all(len(groups) == len(behind[left[0]]) for groups in named.values()):
+            found.videos = behind[left[0]]
+            setattr(found, left[0], [group[0] for group in named[left[0]]])
+            return
+        took = "; ".join(f"{self._each[name]} took {', '.join(getattr(found, name))}" for name in left)
+        option = self._each[left[-1]]
+        others = [str(one.metavar) for one in self._get_positional_actions() if one.dest != VIDEOS]
+        videos_first = " ".join([self.prog, *others, "a.mp4 b.mp4", option, "..."])
+        self.error(
+            f"argument VIDEO: none is left: {took}, and which of them are videos cannot be told. "
+            f"Put the videos first, as in '{videos_first}', or end the values of {option} with --"
+        )
 
 
 def add_output_options(command: argparse.ArgumentParser, json: str | None = None) -> None:
