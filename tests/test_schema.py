@@ -1,6 +1,8 @@
 """calibration.json is what its JSON Schema says: every field that is written is described, and documented."""
 
+import contextlib
 import copy
+import io
 import json
 import re
 from pathlib import Path
@@ -12,6 +14,7 @@ from jobs_input import FAST, write_masks
 
 import epibar
 from epibar import synthetic
+from epibar.cli import main
 from epibar.files.calibration_json import FORMAT, SCHEMA, schema
 
 PAGE = Path(__file__).parents[1] / "docs" / "calibration_json.md"
@@ -143,3 +146,20 @@ def test_rows_of_the_page_are_those_of_the_schema():
             names = row[1].split(".")
             part = schema() if len(names) == 1 else schema()["$defs"][names[0]]
             assert names[-1] in part["properties"], line
+
+
+def test_what_a_seed_is_of_is_said_alike_everywhere():
+    """Whether motion is too flat is asked by the same draws for every seed: no refusal hangs on one."""
+    said = [part["properties"]["seed"]["description"] for part in (schema(), schema()["$defs"]["pair"])]
+    said += [line for line in PAGE.read_text().splitlines() if re.match(r"\| `(pair\.)?seed` ", line)]
+    for function in (epibar.calibrate, epibar.calibrate_network, epibar.Network.extended):
+        said.append(function.__doc__.partition("seed : int")[2].partition(" : ")[0])
+    helps = io.StringIO()
+    with contextlib.redirect_stdout(helps):
+        main(["calibrate", "--help"])
+    said.append(helps.getvalue().partition("--seed N ")[2].partition(" --")[0])
+    assert len(said) == 8
+    for text in said:
+        words = " ".join(text.split())
+        assert "of the search" in words.lower(), words
+        assert "how flat motion is judged does not" in words, words

@@ -95,7 +95,8 @@ def add_recording_options(command: CommandParser, several: bool) -> None:
         type=seed_number,
         default=0,
         metavar="N",
-        help="of every random draw: change it to see what depends on it (default: %(default)s)",
+        help="of the lines and of the search; how flat motion is judged does not depend on it: change it to "
+        "see what does (default: %(default)s)",
     )
 
 

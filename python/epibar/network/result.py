@@ -196,7 +196,7 @@ class Network(NetworkParts):
             By the names of the cameras, over the same time; a minute or two. Names that the network has are
             its cameras, of which at least two are needed, recorded as for :meth:`check`; the others are new.
         seed : int
-            Of every random draw of the search.
+            Of every random draw of the search; how flat motion is judged does not depend on it.
         time_offset : "auto", float, or mapping of str to float
             Of the clocks of these recordings, as :func:`epibar.calibrate_network` takes it.
         known : mapping of str to KnownCamera, optional
