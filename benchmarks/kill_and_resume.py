@@ -31,19 +31,19 @@ PATIENCE = 600
 """Seconds after which a run that should end by itself counts as one that hangs."""
 
 # The command line, which also writes down every task that is handed over.
-TOLD = """
+NOTING_SUBMIT = """
 import sys
 from epibar.jobs.runner import Runner
 
 path, submit = sys.argv.pop(1), Runner._submit
 
-def told(self, task, *rest):
+def submit_and_note(self, task, *rest):
     cameras = task.of if isinstance(task.of, tuple) else (task.of,)
     with open(path, "a") as stream:
         print("_".join(getattr(one, "name", one) for one in cameras), file=stream)
     return submit(self, task, *rest)
 
-Runner._submit = told
+Runner._submit = submit_and_note
 from epibar.cli import main
 sys.exit(main())
 """
@@ -65,7 +65,7 @@ def results(out: Path) -> dict[str, bytes]:
 
 
 def finished(out: Path) -> set[str]:
-    """The tasks whose result is there, under the names that ``TOLD`` gives them."""
+    """The tasks whose result is there, under the names that ``NOTING_SUBMIT`` gives them."""
     kept = {path.stem for kind in ("recordings", "pairs") for path in out.glob(f"{kind}/[!.]*.npz")}
     stages = {CLOCKS: out / "recordings" / "clocks.json", NETWORK: out / "network.json"}
     return kept | {stage for stage, path in stages.items() if path.exists()}
@@ -77,7 +77,15 @@ class Job:
     def __init__(self, folder: Path, masks: list[str], scheduler: str | None = None) -> None:
         self.out, self.handed_over = folder / "out", folder / "tasks"
         words = ["calibrate", *masks, "--masks", "--lines", "1000", "--no-report", "--quiet"]
-        self.words = [sys.executable, "-c", TOLD, str(self.handed_over), *words, "--out", str(self.out)]
+        self.words = [
+            sys.executable,
+            "-c",
+            NOTING_SUBMIT,
+            str(self.handed_over),
+            *words,
+            "--out",
+            str(self.out),
+        ]
         self.words += [] if scheduler is None else ["--scheduler", scheduler]
         self.running: subprocess.Popen[bytes] | None = None
 

@@ -29,15 +29,15 @@ Seconds = dict[str, float]
 
 def timed(a: Recording, b: Recording) -> tuple[Seconds, epibar.Calibration]:
     """Calibrate; CPU seconds between what the search tells of its stages, by stage."""
-    told: list[tuple[str, float]] = []
+    begins: list[tuple[str, float]] = []
 
     def tell(stage: str, share: float) -> None:
-        told.append((stage, time.process_time()))
+        begins.append((stage, time.process_time()))
 
     started = time.process_time()
     cal = epibar.calibrate(a, b, progress=tell)
-    seconds: Seconds = {"clock": told[0][1] - started if told else 0.0}
-    for (stage, begin), (_, end) in pairwise([*told, ("", time.process_time())]):
+    seconds: Seconds = {"clock": begins[0][1] - started if begins else 0.0}
+    for (stage, begin), (_, end) in pairwise([*begins, ("", time.process_time())]):
         seconds[stage] = seconds.get(stage, 0.0) + end - begin
     return seconds, cal
 

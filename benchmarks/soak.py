@@ -74,13 +74,13 @@ def whole_day(folder: Path, hours: float, masks: np.ndarray, gauge: Gauge) -> tu
     progress(f"{frames} frames in {path.stat().st_size >> 20} MB of video")
     parts = 0
 
-    def told(_: str, share: float) -> None:
+    def look(_: str, share: float) -> None:
         nonlocal parts
         if share * 100 >= parts:
             parts += 1
             gauge.look()
 
-    recording = epibar.record(path, lines=2000, progress=told)
+    recording = epibar.record(path, lines=2000, progress=look)
     gauge.look()
     return recording.frames, sum(array.nbytes for array in recording.to_arrays().values()) / 2**20
 

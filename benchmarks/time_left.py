@@ -81,11 +81,11 @@ class Follower(Watch):
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
         self.began = clock()
-        self.told: list[tuple[float, float, float | None]] = []
+        self.shown: list[tuple[float, float, float | None]] = []
 
     def pace(self, progress: JobProgress) -> None:
         """Keep it."""
-        self.told.append((self.clock() - self.began, progress.share, progress.seconds_left))
+        self.shown.append((self.clock() - self.began, progress.share, progress.seconds_left))
 
 
 @dataclass(frozen=True)
@@ -156,11 +156,11 @@ def held(name: str, case: Case, seed: int, cache: Path, out: Path, clock: Clock)
     epibar.calibrate_all(paths, out, watch=follower, executor=executor, **options)
     if executor is not None:
         executor.shutdown()
-    end = follower.told[-1][0]
-    shares = [share for _, share, _ in follower.told]
+    end = follower.shown[-1][0]
+    shares = [share for _, share, _ in follower.shown]
     ratios = [
         (at / end, left / (end - at))
-        for at, _, left in follower.told
+        for at, _, left in follower.shown
         if left is not None and FROM * end <= at <= UNTIL * end
     ]
     # What is shown at a moment was told last before it.
@@ -184,7 +184,7 @@ def tasks_timed(clock: Clock) -> Iterator[tuple[dict[str, list[str]], dict[str, 
     heard: dict[Any, list[tuple[float, str]]] = defaultdict(list)
     ended, tell = Pace.ended, Task.progress
 
-    def told(self: Task, at: str, share: float) -> None:
+    def keep(self: Task, at: str, share: float) -> None:
         tell(self, at, share)
         if self.stage == MATCHING and share == 0.0 and at in BEGINS:
             heard[self.of].append((clock(), at))
@@ -199,7 +199,7 @@ def tasks_timed(clock: Clock) -> Iterator[tuple[dict[str, list[str]], dict[str, 
                 if first <= at < after:
                     begins[what].append((at - first) / (after - first))
 
-    Pace.ended, Task.progress = over, told  # type: ignore[method-assign]
+    Pace.ended, Task.progress = over, keep  # type: ignore[method-assign]
     try:
         yield seconds, begins
     finally:

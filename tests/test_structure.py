@@ -114,6 +114,27 @@ def test_a_name_of_a_class_means_one_thing():
     assert {name: homes for name, homes in found.items() if len(homes) > 1} == {}
 
 
+def defined_names(path):
+    """Yield the name of a file, and those of functions, classes, arguments, variables and fields in it."""
+    yield path.stem
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr
+
+
+def test_no_name_says_that_a_thing_is_told():
+    """A name says what a thing is; that somebody tells it is true of any."""
+    paths = [*PACKAGE.rglob("*.py"), *(Path(__file__).parents[1] / "benchmarks").rglob("*.py")]
+    named = {path.name: [name for name in defined_names(path) if "told" in name.lower()] for path in paths}
+    assert {path: names for path, names in named.items() if names} == {}
+
+
 def test_no_function_is_hidden_by_a_module_of_its_name():
     """Importing a module puts it into its package under its name, in place of a function called the same."""
     named = {name for name in modules() if name and "." not in name}

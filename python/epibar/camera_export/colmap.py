@@ -72,8 +72,8 @@ def write_cameras_colmap(cameras: Sequence[Intrinsics], path: Path, world: World
         world = world.with_notes([_add_points(pycolmap, model, numbers, world.two_views)])
     make_folder(path)
     model.write_text(str(path))
-    told = {"software": SOFTWARE, **world.lines()}
-    write_text(path / README, "".join(f"{key}: {_line(value)}\n" for key, value in told.items()))
+    header = {"software": SOFTWARE, **world.lines()}
+    write_text(path / README, "".join(f"{key}: {_line(value)}\n" for key, value in header.items()))
     return [path]
 
 

@@ -36,8 +36,8 @@ def explanation(done: str = "done", partly: str = "", moved: str = "", more: str
         (MOVED, moved),
         (INTERRUPTED, "interrupted"),
     ]
-    told = "; ".join(f"{code} {meaning}" for code, meaning in meanings if meaning)
-    return f"Exit codes: {told}. {more}".rstrip()
+    codes = "; ".join(f"{code} {meaning}" for code, meaning in meanings if meaning)
+    return f"Exit codes: {codes}. {more}".rstrip()
 
 
 EXPLANATION = explanation()

@@ -110,8 +110,8 @@ def run(args: Namespace) -> int:
             written = _export_pairs(args, chosen, selected, of_cameras, console)
             left_out = len(found.pairs) - len(selected.pairs)
             if left_out:
-                told = f"left out: {left_out} of {len(found.pairs)} pairs, not accepted"
-                console.note(f"{told}; --all takes them too")
+                remark = f"left out: {left_out} of {len(found.pairs)} pairs, not accepted"
+                console.note(f"{remark}; --all takes them too")
         for path in written:
             console.result(f"written: {path}")
     return DONE

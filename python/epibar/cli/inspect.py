@@ -67,7 +67,7 @@ def run(args: Namespace) -> int:
             console.error(str(error))
             continue
         diagnosis = inspect(recording)
-        remarks = [text for text in recording.warnings if not _told(text, diagnosis.findings)]
+        remarks = [text for text in recording.warnings if not _is_finding(text, diagnosis.findings)]
         entries.append({**diagnosis.as_dict(), "file": camera.shown, "warnings": remarks})
         if not args.json:
             console.result("\n" * (len(entries) > 1) + str(diagnosis))
@@ -79,6 +79,6 @@ def run(args: Namespace) -> int:
     return exit_code(len(entries), count - len(entries))
 
 
-def _told(warning: str, findings: tuple[Any, ...]) -> bool:
+def _is_finding(warning: str, findings: tuple[Any, ...]) -> bool:
     """Whether a warning of the recording is one of the findings already."""
     return any(warning.endswith(finding.text) for finding in findings)

@@ -69,8 +69,8 @@ def run(args: Namespace) -> int:
                 console.note(f"{one.name}: {one.file} is no video file that ffmpeg could cut")
         for name in network.left_out:
             console.warning(f"left out: {name}: {network.cameras[name].why_left_out}")
-        told = [*network.left_out, *(one.name for one in starts)]
-        for name in [name for name in network.cameras if name not in told]:
+        with_clock_or_reason = [*network.left_out, *(one.name for one in starts)]
+        for name in [name for name in network.cameras if name not in with_clock_or_reason]:
             console.warning(f"left out: {name}: it was added by later films, of which the run knows no clock")
         if args.json:
             console.json(json_text({"cameras": [one.as_dict() for one in starts]}))

@@ -24,7 +24,7 @@ def make_folder(path: Path) -> None:
         raise EpibarError(f"{path}: cannot be made ({error.strerror or error})") from error
 
 
-def refuse_others_files(path: Path, names: Iterable[str], told_by: str, mark: str) -> None:
+def refuse_others_files(path: Path, names: Iterable[str], signed_file: str, mark: str) -> None:
     """Refuse a folder that holds files of these names which this program did not write.
 
     Parameters
@@ -32,7 +32,7 @@ def refuse_others_files(path: Path, names: Iterable[str], told_by: str, mark: st
     path : Path
     names : iterable of str
         What would be written, or would be read instead of it.
-    told_by : str
+    signed_file : str
         The file that says who wrote them.
     mark : str
         What it then holds.
@@ -46,7 +46,7 @@ def refuse_others_files(path: Path, names: Iterable[str], told_by: str, mark: st
     if not found:
         return
     try:
-        own = mark in (path / told_by).read_text(encoding="utf-8", errors="replace")
+        own = mark in (path / signed_file).read_text(encoding="utf-8", errors="replace")
     except OSError:
         own = False
     if not own:

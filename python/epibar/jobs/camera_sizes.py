@@ -17,7 +17,7 @@ __all__ = ["frame_rate", "frames_and_pixels"]
 
 def frames_and_pixels(camera: CameraInput, options: RecordOptions) -> tuple[int, int] | None:
     """Frames that are to be recorded, and pixels of each; None where the source does not tell, or is live."""
-    announced = _told(camera, options)
+    announced = _announced_if_readable(camera, options)
     if announced is None:
         return None
     counts, pixels, fps = announced
@@ -32,11 +32,11 @@ def frame_rate(camera: CameraInput, options: RecordOptions) -> float | None:
     """Frames a second as the source announces them; None where it does not, is live, or is a recording."""
     if not options.masks and Path(camera.source).suffix.lower() in ARRAY_SUFFIXES:
         return None
-    announced = _told(camera, options)
+    announced = _announced_if_readable(camera, options)
     return None if announced is None or min(announced[:2]) < 1 else announced[2]
 
 
-def _told(camera: CameraInput, options: RecordOptions) -> tuple[int, int, float] | None:
+def _announced_if_readable(camera: CameraInput, options: RecordOptions) -> tuple[int, int, float] | None:
     """What :func:`_announced` says of a camera's source; None where it cannot be read, or is live."""
     if is_address(camera.source):
         return None

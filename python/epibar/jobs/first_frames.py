@@ -27,8 +27,8 @@ def refuse_first_frames(cameras: Sequence[CameraInput], options: RecordOptions, 
     """
     if options.frames.first == 0 or isinstance(time_offset, str):
         return
-    told = ((frame_rate(camera, options), camera.name) for camera in cameras)
-    rates = sorted((rate, name) for rate, name in told if rate is not None)
+    announced = ((frame_rate(camera, options), camera.name) for camera in cameras)
+    rates = sorted((rate, name) for rate, name in announced if rate is not None)
     begins = [options.frames.first / rate for rate, _ in rates]
     if begins and begins[0] - begins[-1] > APART / rates[-1][0]:
         late, early = (

@@ -131,8 +131,10 @@ class Folder:
         names |= {NETWORK_FILE} if isinstance(result.get("network"), dict) else set()
         names |= {CAMERAS_FILE} if written_by_epibar(self.path / CAMERAS_FILE) else set()
         for pair in result["pairs"]:
-            told = [pair.get(key) for key in ("frontier_points", "picture")] if isinstance(pair, dict) else []
-            names |= {name for name in told if isinstance(name, str) and is_plain_name(name)}
+            entries = (
+                [pair.get(key) for key in ("frontier_points", "picture")] if isinstance(pair, dict) else []
+            )
+            names |= {name for name in entries if isinstance(name, str) and is_plain_name(name)}
         return names | {f"{kept}/{file.name}" for kept in KEPT for file in (self.path / kept).glob("*.npz")}
 
     def refuse_inputs(self, paths: Iterable[str], written: Iterable[Path]) -> None:

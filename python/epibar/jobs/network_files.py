@@ -78,8 +78,8 @@ def write_network(
     if not accepted:
         return [path], []
     if not replaceable:
-        told = f"{cameras} is not of an earlier network: it stays as it is; the cameras are in {path}"
-        return [path], [told]
+        warning = f"{cameras} is not of an earlier network: it stays as it is; the cameras are in {path}"
+        return [path], [warning]
     folder.will_write(cameras)
     network.export(cameras, "anipose", lenses)
     return [path, cameras], []

@@ -233,9 +233,9 @@ class Pace:
         for task, share in shares.items():
             if task in self._running:
                 work = self._running[task]
-                untold = work.first is None
+                first_report = work.first is None
                 work.tell(share)
-                if untold and work.first is not None:
+                if first_report and work.first is not None:
                     self._stages[work.stage].starts.append(work.first[0])
         now, known = self._now, self._known and self._now - self._began >= EARLIEST
         if known and not self._stated:  # there is nothing yet that could jump

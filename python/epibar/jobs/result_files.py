@@ -181,7 +181,7 @@ class Results:
         lenses = {camera.name: camera.intrinsics for camera in job.cameras if camera.intrinsics is not None}
         recordings = {camera.name: recording for camera, recording in self.recordings.items()}
         kept = network is not None and not job.fresh and kept_network(job.out, key, list(network.cameras))
-        replaced = [] if kept else self._told_of_replaced()
+        replaced = [] if kept else self._replaced_network()
         left = [] if kept else self._forget_tables()
         if left:  # so the next run must not take this network for one that is kept
             key, tables = None, False
@@ -189,8 +189,8 @@ class Results:
             self.network_files, warnings = write_network(self._folder, network, key, lenses, job.intrinsics)
         except EpibarError as error:
             earlier = [name for name in (NETWORK_FILE, CAMERAS_FILE) if (job.out / name).is_file()]
-            told = f"; still there, of an earlier run: {', '.join(earlier)}" if earlier else ""
-            raise EpibarError(f"{error}{told}") from error
+            still_there = f"; still there, of an earlier run: {', '.join(earlier)}" if earlier else ""
+            raise EpibarError(f"{error}{still_there}") from error
         warnings += replaced + left
         if network is not None and tables:
             sources = {camera.name: camera.shown for camera in job.cameras}
@@ -199,7 +199,7 @@ class Results:
             warnings += missing
         return warnings
 
-    def _told_of_replaced(self) -> list[str]:
+    def _replaced_network(self) -> list[str]:
         """Say what of an earlier network is lost: all of it, cameras, or lengths that its metres were of."""
         path = self._job.out / NETWORK_FILE
         if not (path.is_file() and self._folder.owns(path)):
@@ -213,9 +213,9 @@ class Results:
         now, known = (() if one.scale is None else one.scale.lengths for one in (self.network, before))
         lost = [one.what for one in known if one.of not in [other.of for other in now]]
         gone = [name for name in before.cameras if name not in self.network.cameras]
-        told = [f"without {', '.join(gone)}; 'epibar check --update' adds a camera again"] if gone else []
-        told += [f"without {' and '.join(lost)}; give that again, or 'epibar scale' does"] if lost else []
-        return [f"{path}: made anew, {one}" for one in told]
+        lacking = [f"without {', '.join(gone)}; 'epibar check --update' adds a camera again"] if gone else []
+        lacking += [f"without {' and '.join(lost)}; give that again, or 'epibar scale' does"] if lost else []
+        return [f"{path}: made anew, {one}" for one in lacking]
 
     def _forget_tables(self) -> list[str]:
         """Remove the tables of an earlier network; returns why one stays."""

@@ -27,16 +27,16 @@ class LogLines:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._told = clock()
+        self._written_at = clock()
 
     def due(self, progress: JobProgress) -> str | None:
         """Return the line that is to be written now, None where none is."""
         now = self._clock()
         if progress.share >= 1.0:
-            self._told = now
-        if now - self._told < EVERY:
+            self._written_at = now
+        if now - self._written_at < EVERY:
             return None
-        self._told = now
+        self._written_at = now
         return str(progress)
 
 

@@ -78,8 +78,8 @@ class Store:
             return None
 
     def _damaged(self, path: Path, error: Exception, then: str = "it is made again") -> None:
-        told = str(error) if isinstance(error, EpibarError) else f"{path}: damaged"
-        self.damaged.append(f"{told}; {then}")
+        reason = str(error) if isinstance(error, EpibarError) else f"{path}: damaged"
+        self.damaged.append(f"{reason}; {then}")
 
     def pair(self, stem: str, key: str | None) -> tuple[Calibration, float] | None:
         """Return the kept calibration of a pair and the seconds it took, if there is one with this key."""

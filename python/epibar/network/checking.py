@@ -221,8 +221,8 @@ def check_network(
         found = _core.check_network(
             [one._core for one in checked], names, cameras, offsets.to_core(), as_stage("check", progress)
         )
-    told = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
-    answers = {name: told.get(name) or unfit[name] for name in filmed}
+    checked_cameras = {name: _answer(one, films[name]) for name, one in zip(names, found, strict=True)}
+    answers = {name: checked_cameras.get(name) or unfit[name] for name in filmed}
     positions = {name: position for name in names if (position := network.cameras[name].position) is not None}
     return NetworkCheck(answers, left_out, network.unit, positions)
 
@@ -240,8 +240,8 @@ def _answer(one: Mapping[str, Any], film: Recording) -> CameraCheck:
 def _place(one: Mapping[str, Any]) -> NewPlace:
     pairs = {name: evidence_of(deviates) for name, deviates in one["pairs"].items()}
     covariance = covariance_of(one["position_covariance"])
-    told = {"expected": dict(one["expected"]), "position_covariance": covariance, "pairs": pairs}
-    return NewPlace(**{**one, **told})
+    converted = {"expected": dict(one["expected"]), "position_covariance": covariance, "pairs": pairs}
+    return NewPlace(**{**one, **converted})
 
 
 def cameras_to_check(network: NetworkParts, names: Iterable[str]) -> tuple[list[str], dict[str, str]]:

@@ -224,7 +224,7 @@ def _extension(
         one["name"]: camera_of(one, new[one["name"]].size, new[one["name"]]) for one in found["cameras"]
     }
     not_filmed = [one for name, one in network.cameras.items() if one.accepted and name not in check.cameras]
-    cameras = {name: _told_apart(camera, not_filmed) for name, camera in cameras.items()}
+    cameras = {name: _unless_stored(camera, not_filmed) for name, camera in cameras.items()}
     accepted = [name for name, camera in cameras.items() if camera.accepted]
     clocks = {
         one["name"]: _in_network_time(clock_of(one), network.clocks.get(held[0], NetworkClock()))
@@ -237,7 +237,7 @@ def _extension(
     return Extension(check, cameras, clocks, pairs, list(held))
 
 
-def _told_apart(camera: NetworkCamera, not_filmed: Iterable[NetworkCamera]) -> NetworkCamera:
+def _unless_stored(camera: NetworkCamera, not_filmed: Iterable[NetworkCamera]) -> NetworkCamera:
     """Return a new camera, refused where it may be one of the network by another name."""
     for other in not_filmed if camera.accepted else ():
         if not _may_be_one(camera, other):

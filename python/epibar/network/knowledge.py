@@ -119,10 +119,10 @@ def known_of(name: str, recording: Recording, known: KnownCamera | None) -> dict
         The recording has had its lens taken out, and something else is said of it.
     """
     if recording.matrix is None:
-        told = known or KnownCamera()
-        if told.aspect is None and told.matrix is None:
-            told = replace(told, aspect=recording.pixel_aspect)
-        return told.to_core(name)
+        knowledge = known or KnownCamera()
+        if knowledge.aspect is None and knowledge.matrix is None:
+            knowledge = replace(knowledge, aspect=recording.pixel_aspect)
+        return knowledge.to_core(name)
     if known is not None:
         raise EpibarError(
             f"{name}: this recording has had its lens taken out and knows its camera matrix; leave it out of "

@@ -53,9 +53,9 @@ def recording_of(folder: Path, entry: Stored) -> Recording:
         raise EpibarError(f"{entry.path}: damaged: {name!r} is no name of a camera")
     if kept.exists():
         recording = Recording.load(kept)
-        told = camera_entry(name, "", 0, recording)
-        there = [key for key in told if key in entry.values and key not in ("file", "index")]
-        refuse_of_another_run(kept, {key: told[key] for key in there}, entry)
+        expected = camera_entry(name, "", 0, recording)
+        there = [key for key in expected if key in entry.values and key not in ("file", "index")]
+        refuse_of_another_run(kept, {key: expected[key] for key in there}, entry)
         return recording
     source = entry.values.get("file")
     if not isinstance(source, str) or not source.lower().endswith(".npz"):

@@ -25,9 +25,9 @@ def network_of_run(file: Path, result: Path) -> Network:
         The result is of a later run that was not finished or found no network.
     """
     if result.exists():
-        told = read_json(result)
-        if told.get("network", True) is None:
-            why = told.get("network_reason")
+        content = read_json(result)
+        if content.get("network", True) is None:
+            why = content.get("network_reason")
             raise EpibarError(
                 f"{file} is of an earlier run than {result}, which has no network"
                 + (f": {why}" if isinstance(why, str) else "")

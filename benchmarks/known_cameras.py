@@ -23,8 +23,8 @@ FOCAL_ERROR = 0.001
 """Of a focal length that is told alone."""
 
 
-def tellings(cameras: dict[str, Any]) -> dict[str, tuple[dict[str, Any], set[str]]]:
-    """What is told of true cameras, by its name in the table; and the cameras of which it is false."""
+def priors(cameras: dict[str, Any]) -> dict[str, tuple[dict[str, Any], set[str]]]:
+    """What is known of true cameras, by its name in the table; and the cameras of which it is false."""
     from epibar import KnownCamera
 
     last = list(cameras)[-1]
@@ -69,13 +69,13 @@ def run(family: str, seed: int, lines: int) -> list[dict[str, Any]]:
     offsets = find_offsets(recordings, SEARCH_SECONDS)
     pairs = search_pairs(recordings, pairs_to_search(recordings, offsets), offsets, seed=seed % 2**32)
     found = []
-    for words, (known, false_of) in tellings({c.name: c for c in situation.cameras}).items():
+    for words, (known, false_of) in priors({c.name: c for c in situation.cameras}).items():
         network = join_pairs(recordings, pairs, offsets, known=known)
         found.append(
             {
                 "family": family,
                 "seed": seed,
-                "told": words,
+                "known": words,
                 "false_of": sorted(false_of),
                 "cameras": len(recordings),
                 "status": {name: camera.status for name, camera in network.cameras.items()},
@@ -116,7 +116,7 @@ def row(words: str, outcomes: list[dict[str, Any]]) -> list[str]:
 
 
 HEAD = [
-    "told",
+    "known",
     "networks",
     "false ones contradicted",
     "true ones contradicted",
@@ -133,8 +133,8 @@ def main(arguments: Namespace) -> None:
     print(f"commit {origin}" if origin else "seeds by hand: no table to report")
     for family in arguments.families.split(","):
         of_family = [o for o in outcomes if o["family"] == family]
-        told = dict.fromkeys(o["told"] for o in of_family)
-        rows = [row(words, [o for o in of_family if o["told"] == words]) for words in told]
+        priors_tried = dict.fromkeys(o["known"] for o in of_family)
+        rows = [row(words, [o for o in of_family if o["known"] == words]) for words in priors_tried]
         print(f"\n{family}\n\n{table(HEAD, rows)}")
 
 
