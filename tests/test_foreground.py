@@ -1,15 +1,20 @@
 """Masks of moving things in noisy synthetic video, and what the health check says about the camera."""
 
+import inspect
+from typing import get_args
+
 import cv2
 import numpy as np
 import pytest
 
+import epibar
 from epibar import _core
 from epibar.errors import EpibarError
-from epibar.foreground import Foreground
+from epibar.foreground import Foreground, options
 from epibar.foreground.empty_scene import collect, median_background, samples_in_memory, steady_background
-from epibar.foreground.options import ForegroundOptions
+from epibar.foreground.options import ForegroundMethod, ForegroundOptions
 from epibar.health.camera_health import CameraHealth
+from epibar.jobs.inputs import RecordOptions
 from epibar.sources.colour_frames import ColourFrames
 
 HEIGHT, WIDTH, COUNT = 120, 160, 60
@@ -359,3 +364,20 @@ def test_a_light_that_goes_out_is_no_camera_that_moved():
     health, _ = watch([out if 40 <= index < 90 else big_scene(index) for index in range(120)])
     assert health.moved_at is None
     assert health.numbers["dark"] == 50
+
+
+def test_the_words_of_a_method_are_one_type():
+    """So that a type checker refuses a wrong one, wherever it is given; at run time an error names it."""
+    words = ("auto", "mog2", "mixture", "knn", "median")
+    assert get_args(ForegroundMethod) == options.METHODS == words
+    for owner, name in (
+        (ForegroundOptions, "method"),
+        (RecordOptions, "foreground"),
+        (epibar.calibrate_all, "foreground"),
+    ):
+        assert inspect.get_annotations(owner)[name] == "ForegroundMethod", owner
+    assert inspect.get_annotations(epibar.record)["foreground"] == "ForegroundMethod | ForegroundOptions"
+    with pytest.raises(EpibarError, match=r"^foreground method = 'gmm': it must be one of auto, mog2"):
+        ForegroundOptions(method="gmm")
+    with pytest.raises(EpibarError, match=r"^foreground = 'gmm': it must be one of auto, mog2"):
+        RecordOptions(foreground="gmm")

@@ -21,7 +21,7 @@ import numpy as np
 from .arguments import AnyArray, Image, Mask, as_text, core_errors
 from .errors import EpibarError
 from .foreground import Foreground
-from .foreground.options import ForegroundOptions
+from .foreground.options import ForegroundMethod, ForegroundOptions
 from .health.camera_health import CameraHealth
 from .lens.cameras_toml import intrinsics_of
 from .lens.intrinsics import Intrinsics
@@ -52,7 +52,7 @@ def record(
     *,
     name: str | None = None,
     masks: bool = False,
-    foreground: str | ForegroundOptions = "auto",
+    foreground: ForegroundMethod | ForegroundOptions = "auto",
     background: str | os.PathLike[str] | None = None,
     ignore: str | os.PathLike[str] | AnyArray | None = None,
     intrinsics: Intrinsics | str | os.PathLike[str] | None = None,
@@ -174,7 +174,7 @@ def record(
 
 
 def _options(
-    foreground: str | ForegroundOptions, background: str | os.PathLike[str] | None
+    foreground: ForegroundMethod | ForegroundOptions, background: str | os.PathLike[str] | None
 ) -> ForegroundOptions:
     options = (
         foreground if isinstance(foreground, ForegroundOptions) else ForegroundOptions(method=foreground)

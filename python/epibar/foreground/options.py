@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
 from ..arguments import Mask, as_whole_number, check_between, check_choice
 from ..errors import EpibarError
 
-__all__ = ["METHODS", "ForegroundOptions"]
+__all__ = ["METHODS", "ForegroundMethod", "ForegroundOptions"]
 
-METHODS = ("auto", "mog2", "mixture", "knn", "median")
+ForegroundMethod = Literal["auto", "mog2", "mixture", "knn", "median"]
+"""Which background model; :class:`ForegroundOptions` says what each is."""
+
+METHODS: tuple[ForegroundMethod, ...] = get_args(ForegroundMethod)
 
 
 @dataclass(frozen=True)
@@ -44,7 +48,7 @@ class ForegroundOptions:
         Video, picture or folder of the empty scene.
     """
 
-    method: str = "auto"
+    method: ForegroundMethod = "auto"
     warm_up: int = 60
     shadows: bool = True
     ignore: Mask | None = None

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from ..calibration import MAX_EXPECTED_ERROR, SEARCH_SECONDS, Calibration
+from ..foreground.options import ForegroundMethod
 from ..lens.cameras_toml import load_cameras, not_used
 from ..network.result import Network
 from ..recording import DEFAULT_LINES, Recording
@@ -82,7 +83,7 @@ def calibrate_all(
     max_expected_error: float = MAX_EXPECTED_ERROR,
     lines: int = DEFAULT_LINES,
     masks: bool = False,
-    foreground: str = "auto",
+    foreground: ForegroundMethod = "auto",
     background: Sequence[PathLike] | None = None,
     ignore: Sequence[PathLike] | None = None,
     intrinsics: PathLike | None = None,

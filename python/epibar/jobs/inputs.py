@@ -14,6 +14,7 @@ from ..arguments import MAX_SEED, as_positive, as_whole_number, check_choice
 from ..calibration import MAX_EXPECTED_ERROR, METHODS, SEARCH_SECONDS
 from ..errors import EpibarError, address_without_secrets, is_address, printable
 from ..foreground.options import METHODS as FOREGROUNDS
+from ..foreground.options import ForegroundMethod
 from ..lens.cameras_toml import find_camera, find_cameras, load_cameras
 from ..lens.intrinsics import Intrinsics
 from ..network.metres import check_lengths
@@ -93,7 +94,7 @@ class RecordOptions:
     lines: int = DEFAULT_LINES
     seed: int = 0
     masks: bool = False
-    foreground: str = "auto"
+    foreground: ForegroundMethod = "auto"
     frames: FrameRange = field(default_factory=FrameRange)
     chapters: bool = False
     fps: float | None = None

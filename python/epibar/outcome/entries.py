@@ -11,6 +11,7 @@ from ..arguments import Array
 from ..calibration import Calibration
 from ..errors import EpibarError
 from ..files.calibration_json import FORMAT, SCHEMA
+from ..foreground.options import ForegroundMethod
 from ..geometry.pose import relative_pose
 from ..recording import Recording
 
@@ -22,7 +23,7 @@ def run_entry(
     seed: int,
     method: str,
     lines: int,
-    foreground: str | None,
+    foreground: ForegroundMethod | None,
     upright: bool,
     max_expected_error: float,
     intrinsics: str | None,
