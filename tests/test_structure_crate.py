@@ -228,7 +228,16 @@ def test_every_room_is_told_of_in_the_architecture():
         name.removeprefix("rust/epibar/src/").rstrip("/") for name in re.findall(r"`([^`]+)`", "".join(rows))
     }
     assert {path.name for path in CRATE.iterdir()} - told == set()
-    assert {f"network/{path.name}" for path in (CRATE / "network").iterdir() if path.is_dir()} - told == set()
+    folders = {path.relative_to(CRATE).as_posix() for path in CRATE.rglob("*") if path.is_dir()}
+    assert folders - told == set()
+
+
+def test_where_something_is_is_answered_by_a_file():
+    page = (ROOT / "docs" / "architecture.md").read_text()
+    answers = re.findall(r"^\| [A-Z][^|]*\? \|([^|]*)\|$", page, re.MULTILINE)
+    assert len(answers) > 10
+    named = [name for answer in answers for name in re.findall(r"`([^`]+/[^`]*)`", answer)]
+    assert [name for name in named if not (ROOT / name).is_file()] == []
 
 
 if __name__ == "__main__":
