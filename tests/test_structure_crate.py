@@ -1,6 +1,6 @@
 """The crate's rooms: nothing is imported in a circle, nothing upwards; every room has its row.
 
-By itself, with the folder of the sources of any commit, it prints their circles.
+The binding has no circle either. By itself, with a folder of sources of any commit, it prints their circles.
 """
 
 import re
@@ -11,6 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 CRATE = ROOT / "rust" / "epibar" / "src"
+BINDING = ROOT / "rust" / "epibar-py" / "src"
 
 ROOMS = (
     *("error", "watch", "random", "bits_of_bytes", "image", "geometry", "recording", "foreground"),
@@ -31,11 +32,11 @@ MOST_IN_THE_NETWORK = 8
 MOST_LINES = 400
 
 
-def modules():
+def modules(sources):
     """Path of each module's file by its name."""
     found = {}
-    for path in sorted(CRATE.rglob("*.rs")):
-        parts = path.relative_to(CRATE).with_suffix("").parts
+    for path in sorted(sources.rglob("*.rs")):
+        parts = path.relative_to(sources).with_suffix("").parts
         found["::".join(parts[:-1] if parts[-1] == "mod" else parts)] = path
     return found
 
@@ -92,9 +93,9 @@ def imported(name, text, known):
                 yield "::".join(target)
 
 
-def imports():
+def imports(sources=CRATE):
     """Which modules each imports; the root and the door to internals re-export, and are above all."""
-    known = modules()
+    known = modules(sources)
     return {
         name: set(imported(name, code(path), known))
         for name, path in known.items()
@@ -102,10 +103,14 @@ def imports():
     }
 
 
-def rooms(inside=""):
+def binding_imports():
+    return imports(BINDING)
+
+
+def rooms(inside="", sources=CRATE):
     """Which rooms each imports from: of the crate, or inside of one of its rooms."""
     found = {}
-    for name, targets in imports().items():
+    for name, targets in imports(sources).items():
         if name.startswith(inside):
             room = found.setdefault(name.removeprefix(inside).split("::")[0], set())
             near = [target for target in targets if f"{target}::".startswith(inside)]
@@ -136,7 +141,7 @@ def circles(graph):
     return sorted(sorted(group) for group in groups if group)
 
 
-@pytest.mark.parametrize("graph", [imports, rooms, network_rooms])
+@pytest.mark.parametrize("graph", [imports, rooms, network_rooms, binding_imports])
 def test_nothing_is_imported_in_a_circle(graph):
     assert circles(graph()) == []
 
@@ -208,6 +213,7 @@ def test_imports_are_found():
     found = rooms()
     assert {"matching", "search", "verify", "clock"} <= found["calibrate"]
     assert {room for room, targets in found.items() if "calibrate" in targets} == {"network"}
+    assert {"convert", "recording"} <= binding_imports()["lines"]
 
 
 def test_there_is_little_at_the_top():
@@ -241,6 +247,6 @@ def test_where_something_is_is_answered_by_a_file():
 
 
 if __name__ == "__main__":
-    CRATE = Path(sys.argv[1])
-    for what, graph in (("modules", imports()), ("rooms", rooms())):
+    folder = Path(sys.argv[1])
+    for what, graph in (("modules", imports(folder)), ("rooms", rooms(sources=folder))):
         sys.stdout.write(f"{len(graph)} {what}, in circles: {circles(graph)}\n")

@@ -1,7 +1,7 @@
 //! Between numpy (row-major) and the crate's types, each direction in one place.
 
-use epibar::CameraMatrices;
 use epibar::nalgebra::Matrix3;
+use epibar::{Barcodes, CameraMatrices};
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyKeyboardInterrupt, PyMemoryError, PyValueError};
@@ -62,6 +62,30 @@ pub fn rows<T: numpy::Element + Copy, const N: usize>(
     Array2::from_shape_vec((flat.len() / N, N), flat)
         .map(|array| array.into_pyarray(py))
         .map_err(|error| PyMemoryError::new_err(error.to_string()))
+}
+
+/// Barcodes as an (n, words) array.
+pub fn bits<'py>(py: Python<'py>, barcodes: &Barcodes) -> PyResult<Bound<'py, PyArray2<u64>>> {
+    Array2::from_shape_vec((barcodes.count(), barcodes.words_per()), barcodes.words().to_vec())
+        .map(|array| array.into_pyarray(py))
+        .map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// An (n, words) array as barcodes of `frames` frames.
+pub fn as_barcodes(name: &str, bits: &PyReadonlyArrayDyn<'_, u64>, frames: usize) -> PyResult<Barcodes> {
+    let words = slice(name, bits, 2)?;
+    let (count, words_per) = (bits.shape()[0], bits.shape()[1]);
+    if words_per != frames.div_ceil(64) {
+        return Err(PyValueError::new_err(format!(
+            "{name} has {words_per} words per barcode, but {frames} frames need {}",
+            frames.div_ceil(64)
+        )));
+    }
+    let tail = frames % 64;
+    if tail != 0 && words.chunks_exact(words_per).any(|row| row[words_per - 1] >> tail != 0) {
+        return Err(PyValueError::new_err(format!("{name} has bits set beyond its {frames} frames")));
+    }
+    Barcodes::from_words(count, frames, words.to_vec()).map_err(|error| to_python_error(&error))
 }
 
 /// A C-contiguous slice of an argument with the given number of dimensions.

@@ -1,13 +1,12 @@
 //! Barcodes, their matches, and motion lines.
 
 use epibar::internals::{MotionLineOptions, barcodes_of_segments, mutual_matches};
-use epibar::{Barcodes, ImageSize, Segment};
-use numpy::ndarray::Array2;
+use epibar::{ImageSize, Segment};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::convert::{enter, rows, slice, to_python_error};
+use crate::convert::{as_barcodes, bits, enter, rows, slice, to_python_error};
 use crate::recording::Recording;
 
 /// Motion barcodes of segments in masks (T, H, W).
@@ -28,30 +27,6 @@ pub fn barcodes<'py>(
         ends.chunks_exact(4).map(|s| Segment { x0: s[0], y0: s[1], x1: s[2], y1: s[3] }).collect();
     let found = enter(py, || barcodes_of_segments(pixels, frames, size, &segments))?;
     bits(py, &found)
-}
-
-/// Barcodes as an (n, words) array.
-pub fn bits<'py>(py: Python<'py>, barcodes: &Barcodes) -> PyResult<Bound<'py, PyArray2<u64>>> {
-    Array2::from_shape_vec((barcodes.count(), barcodes.words_per()), barcodes.words().to_vec())
-        .map(|array| array.into_pyarray(py))
-        .map_err(|error| PyValueError::new_err(error.to_string()))
-}
-
-/// An (n, words) array as barcodes of `frames` frames.
-pub fn as_barcodes(name: &str, bits: &PyReadonlyArrayDyn<'_, u64>, frames: usize) -> PyResult<Barcodes> {
-    let words = slice(name, bits, 2)?;
-    let (count, words_per) = (bits.shape()[0], bits.shape()[1]);
-    if words_per != frames.div_ceil(64) {
-        return Err(PyValueError::new_err(format!(
-            "{name} has {words_per} words per barcode, but {frames} frames need {}",
-            frames.div_ceil(64)
-        )));
-    }
-    let tail = frames % 64;
-    if tail != 0 && words.chunks_exact(words_per).any(|row| row[words_per - 1] >> tail != 0) {
-        return Err(PyValueError::new_err(format!("{name} has bits set beyond its {frames} frames")));
-    }
-    Barcodes::from_words(count, frames, words.to_vec()).map_err(|error| to_python_error(&error))
 }
 
 type Matches<'py> = (Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<i64>>, Bound<'py, PyArray1<f64>>);

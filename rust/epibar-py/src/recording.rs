@@ -8,8 +8,7 @@ use pyo3::exceptions::{PyIndexError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::convert::{enter, rows, slice, to_python_error};
-use crate::lines::{as_barcodes, bits};
+use crate::convert::{as_barcodes, bits, enter, rows, slice, to_python_error};
 
 /// Takes masks frame by frame.
 #[pyclass(module = "epibar._core")]
