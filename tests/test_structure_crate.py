@@ -216,6 +216,34 @@ def test_imports_are_found():
     assert {"convert", "recording"} <= binding_imports()["lines"]
 
 
+def types(text):
+    """Find the names of types that code declares; a `type` inside of braces is a trait's, not its own."""
+    return re.findall(
+        r"\b(?:struct|enum|union|trait) (\w+)|^(?:pub(?:\(\w+\))? )?type (\w+)", text, re.MULTILINE
+    )
+
+
+def declared(sources):
+    """In which files each type is declared."""
+    found = {}
+    for path in sorted(sources.rglob("*.rs")):
+        for names in types(code(path)):
+            found.setdefault("".join(names), []).append(path.relative_to(sources).as_posix())
+    return found
+
+
+def test_no_two_types_have_one_name():
+    found = declared(CRATE)
+    assert {name: files for name, files in found.items() if len(files) > 1} == {}
+    assert {"Fundamental", "Recording", "Generator", "Watch"} <= found.keys()
+
+
+def test_types_are_found():
+    text = "pub struct A<T>(T);\nimpl Iterator for A {\n    type Item = u8;\n}\n"
+    text += "pub(crate) type B = A;\nfn f() {\n    struct C;\n}"
+    assert ["".join(names) for names in types(text)] == ["A", "B", "C"]
+
+
 def test_there_is_little_at_the_top():
     for folder, most in ((CRATE, MOST_AT_THE_TOP), (CRATE / "network", MOST_IN_THE_NETWORK)):
         files = [path.name for path in folder.iterdir() if path.is_file()]

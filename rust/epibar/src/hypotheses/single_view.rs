@@ -73,7 +73,8 @@ impl SingleView {
     /// How a camera of this matrix is held, and the share of the figures that agree.
     fn held(matrix: &Matrix3<f64>, up: [f64; 2], figures: &[Extremes]) -> Option<(f64, Self)> {
         let inverse = matrix.try_inverse()?;
-        let seen: Vec<Figure> = figures.iter().map(|figure| Figure::new(&inverse, figure)).collect();
+        let seen: Vec<UprightSilhouette> =
+            figures.iter().map(|figure| UprightSilhouette::new(&inverse, figure)).collect();
         let of = |tilt: f64, roll: f64| {
             let up = direction_of_up(up, tilt, roll);
             Some((at_height(matrix, &inverse, &up, &seen)?, [tilt, roll]))
@@ -176,7 +177,7 @@ fn floor_along(ray: &Vector3<f64>, length: f64, up: &Vector3<f64>) -> Option<Vec
 }
 
 /// A silhouette as a camera of some matrix sees it, however it is held.
-struct Figure {
+struct UprightSilhouette {
     /// Rays of its highest and its lowest point.
     to_top: Vector3<f64>,
     to_foot: Vector3<f64>,
@@ -187,7 +188,7 @@ struct Figure {
     height_squared: f64,
 }
 
-impl Figure {
+impl UprightSilhouette {
     fn new(inverse: &Matrix3<f64>, &[top, bottom]: &Extremes) -> Self {
         let ray = |pixel: [f64; 2]| inverse * Vector3::new(pixel[0], pixel[1], 1.0);
         let to_foot = ray(bottom);
@@ -198,7 +199,7 @@ impl Figure {
 
 /// A figure that stands on the floor under a camera that is held in some way: a camera at height `h` sees its top at `h · foot + body`.
 struct Stands<'s> {
-    seen: &'s Figure,
+    seen: &'s UprightSilhouette,
     /// Height of the camera, by its top.
     height: f64,
     /// In the image, homogeneous.
@@ -208,7 +209,7 @@ struct Stands<'s> {
 
 impl<'s> Stands<'s> {
     /// `None` where it is seen above the horizon, or by no camera above the floor.
-    fn new(matrix: &Matrix3<f64>, up: &Vector3<f64>, seen: &'s Figure) -> Option<Self> {
+    fn new(matrix: &Matrix3<f64>, up: &Vector3<f64>, seen: &'s UprightSilhouette) -> Option<Self> {
         let foot = floor_along(&seen.to_foot, seen.length, up)?;
         let body = to_top(up, &foot);
         // From a foot at h times the point, the ray of the top passes h times that point and one upwards.
@@ -234,7 +235,7 @@ fn at_height(
     matrix: &Matrix3<f64>,
     inverse: &Matrix3<f64>,
     up: &Vector3<f64>,
-    figures: &[Figure],
+    figures: &[UprightSilhouette],
 ) -> Option<(f64, SingleView)> {
     let stand: Vec<Stands> = figures.iter().filter_map(|seen| Stands::new(matrix, up, seen)).collect();
     let mut heights: Vec<f64> = stand.iter().map(|figure| figure.height).collect();

@@ -138,7 +138,7 @@ impl<'a> Newcomer<'a> {
             .into_iter()
             .chain(others.map(|(_, at)| at))
             .map(|at| on_all_pairs(&some, without.with(self.camera, *at), beliefs, None))
-            .map(|solved| (self.evidence(&some, &solved.network), solved))
+            .map(|solved| (self.excess(&some, &solved.network), solved))
             .collect();
         stand.sort_by(|p, q| q.0.total_cmp(&p.0));
         let now = stand.swap_remove(0).1;
@@ -153,7 +153,7 @@ impl<'a> Newcomer<'a> {
     }
 
     /// Excess over chance of the pairs of the camera.
-    fn evidence(&self, survey: &Survey, network: &Placed) -> f64 {
+    fn excess(&self, survey: &Survey, network: &Placed) -> f64 {
         let pairs = network.pairs_of(self.camera);
         survey.scores(&network.cameras, &pairs, limits::COMPARED, 0).iter().map(|s| s.excess).sum()
     }
@@ -218,8 +218,7 @@ impl<'a> Newcomer<'a> {
             (free, support)
         });
         let is_better = |(free, support): &(Solved, Support)| {
-            self.evidence(some, &free.network) > self.evidence(some, &now.network)
-                && self.is_confirmed(support)
+            self.excess(some, &free.network) > self.excess(some, &now.network) && self.is_confirmed(support)
         };
         let (now, support) = with_free_point.filter(is_better).unwrap_or((now, support));
         let is_strained = shapes == Shapes::Convex && principal::is_strained(&alone);
