@@ -31,6 +31,9 @@ MOST_AT_THE_TOP = 12
 MOST_IN_THE_NETWORK = 8
 MOST_LINES = 400
 
+NO_NAMES = {"glance", "glanced", "shaken", "told"}
+"""Words for which the field has better ones, or that say nothing. Prose may use them."""
+
 
 def modules(sources):
     """Path of each module's file by its name."""
@@ -242,6 +245,33 @@ def test_types_are_found():
     text = "pub struct A<T>(T);\nimpl Iterator for A {\n    type Item = u8;\n}\n"
     text += "pub(crate) type B = A;\nfn f() {\n    struct C;\n}"
     assert ["".join(names) for names in types(text)] == ["A", "B", "C"]
+
+
+def words(name):
+    """The words that a name is made of, small."""
+    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+", name)}
+
+
+def names(path):
+    """Yield all names in a file, its own included; what is quoted is no name."""
+    yield path.stem
+    yield from re.findall(r"[A-Za-z_]\w*", re.sub(r'"(?:[^"\\]|\\.)*"', "", code(path).replace("'\"'", "")))
+
+
+@pytest.mark.parametrize("sources", [CRATE, BINDING])
+def test_names_are_of_words_that_say_something(sources):
+    found = {name for path in sources.rglob("*.rs") for name in names(path)}
+    assert {name for name in found if words(name) & NO_NAMES} == set()
+    assert "recording" in found
+
+
+def test_words_and_names_are_found(tmp_path):
+    assert words("GLANCE_STEP") | words("ClockTold") | words("by_told2") == {
+        *("glance", "step", "clock", "told", "by")
+    }
+    path = tmp_path / "told_by.rs"
+    path.write_text('// is told\nlet is = ["was \\"told", "told"]; let told = \'"\';')
+    assert list(names(path)) == ["told_by", "let", "is", "let", "told"]
 
 
 def test_there_is_little_at_the_top():

@@ -166,25 +166,25 @@ fn where_a_geometry_stands_out_no_more_hypotheses_are_drawn() {
         let found = calibrate_watched(a, b, &options(), &mut watch).unwrap();
         (watch.stages, found)
     };
-    let (told, found) = stages(a, b);
-    assert_eq!(told, [Stage::Candidates, Stage::Few, Stage::Settle]);
+    let (entered, found) = stages(a, b);
+    assert_eq!(entered, [Stage::Candidates, Stage::Few, Stage::Settle]);
     assert!(error(&found.fundamental.unwrap(), &scene.cameras) < 0.3);
     let other = Scene::new(5, 240, 2).recordings(LINES);
-    let (told, _) = stages(a, &other[1]);
-    assert_eq!(told[..3], [Stage::Candidates, Stage::Few, Stage::BestLines]);
+    let (entered, _) = stages(a, &other[1]);
+    assert_eq!(entered[..3], [Stage::Candidates, Stage::Few, Stage::BestLines]);
 }
 
 #[test]
 fn the_method_of_lines_tells_a_share_that_never_goes_back() {
     let (_, [a, b]) = shared();
-    let mut told = Vec::new();
+    let mut shares = Vec::new();
     let mut watch = |stage: Stage, done: f64| {
-        told.extend((stage == Stage::Lines).then_some(done));
+        shares.extend((stage == Stage::Lines).then_some(done));
         true
     };
     calibrate_watched(a, b, &options().method(Method::Lines), &mut watch).unwrap();
-    assert!(told.windows(2).all(|two| two[0] <= two[1]), "{told:?}");
-    assert!(told[0] < 0.05 && *told.last().unwrap() > 0.85, "{told:?}");
+    assert!(shares.windows(2).all(|two| two[0] <= two[1]), "{shares:?}");
+    assert!(shares[0] < 0.05 && *shares.last().unwrap() > 0.85, "{shares:?}");
 }
 
 /// A recording without motion.

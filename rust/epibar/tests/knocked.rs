@@ -122,8 +122,8 @@ fn a_knock_is_told_in_seconds_of_the_film_though_nobody_moves_at_first_or_in_the
         assert_eq!(status[2], CameraStatus::Knocked, "{status:?} {}", found.reason);
         assert!([0, 1, 3].iter().all(|&c| status[c] == CameraStatus::Accepted), "{status:?}");
         let reason = &found.cameras[2].reason;
-        let told: f64 = reason.split("about ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
-        assert!((told - seconds).abs() < 1.6, "{reason}");
+        let stated: f64 = reason.split("about ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+        assert!((stated - seconds).abs() < 1.6, "{reason}");
     }
 }
 

@@ -4,10 +4,10 @@
 //! more with other frames kept aside where they say too little. What it says of the clocks may call for another time line, and then all is
 //! done once more.
 
+mod clock_by_motion;
 mod offset_choice;
 mod result;
 mod time_line;
-mod told_by_motion;
 
 pub use offset_choice::{OutstandingOffset, outstanding_offset};
 
@@ -23,8 +23,8 @@ use crate::verify::thresholds::MIN_Z_FOR_CLOCK;
 use crate::verify::trials::falls_for;
 use crate::verify::{Case, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
+use clock_by_motion::{found_clock_by_motion, given_clock_by_motion};
 use time_line::TimeLine;
-use told_by_motion::{borne_out_by_motion, told_by_motion};
 
 /// Finds the fundamental matrix between two cameras.
 ///
@@ -98,9 +98,9 @@ fn calibrate_from(
             let trials = if decides { clocks.trials_by_parts(watch)? } else { timing.trials };
             let found = found.with_timing(timing, trials);
             return Ok(if offset.is_given() {
-                (borne_out_by_motion(found, &clocks, options), None)
+                (given_clock_by_motion(found, &clocks, options), None)
             } else {
-                told_by_motion(found, &clocks, options)
+                found_clock_by_motion(found, &clocks, options)
             });
         }
     }

@@ -65,7 +65,7 @@ impl OtherClock {
 
     /// What is said of a geometry beside which it is open; frames of B are so many seconds apart.
     pub fn verdict(&self, frame_interval: f64) -> Verdict {
-        Verdict::new(Kind::Ambiguous, prose::clock_not_told(self.later * frame_interval, self.distance))
+        Verdict::new(Kind::Ambiguous, prose::clock_open(self.later * frame_interval, self.distance))
     }
 
     /// What is said of a geometry whose clock was given, where this one is better.

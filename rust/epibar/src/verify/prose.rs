@@ -253,7 +253,7 @@ pub(super) fn rival(rival: &Rival) -> String {
     )
 }
 
-pub(super) fn clock_not_told(seconds: f64, distance: f64) -> String {
+pub(super) fn clock_open(seconds: f64, distance: f64) -> String {
     format!(
         "What moves does not tell when the cameras filmed: with the offset changed by {seconds:+.2} s another geometry, {distance:.0} px away, \
          explains as much, as where all moves one way at one speed. Give the offset, or film what moves in different ways."

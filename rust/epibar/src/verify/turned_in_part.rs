@@ -19,9 +19,9 @@ const SPACING: f64 = 1.5;
 /// Silhouettes of a camera on which shifts are compared, and frames at least and at most.
 const SILHOUETTES: usize = 800;
 const FRAMES: (usize, usize) = (24, 120);
-/// So many of the best on one in [`GLANCE_STEP`] of these frames are compared on all of them.
+/// So many of the best on one in [`PREVIEW_STEP`] of these frames are compared on all of them.
 const COMPARED: usize = 240;
-const GLANCE_STEP: usize = 4;
+const PREVIEW_STEP: usize = 4;
 /// How many of the best are refined.
 const REFINED: usize = 12;
 /// Rounds at each radius.
@@ -42,8 +42,9 @@ pub(super) fn moved_for(
     };
     let few = every(frames.len().div_ceil(most), &part);
     let coarse = (RADIUS * views.pixel_scale()).max(2.0 * radius);
-    let glanced = best_on(&every(GLANCE_STEP, &few), shifted(views, f, SPACING * coarse), coarse, COMPARED);
-    let refined = best_on(&few, glanced, coarse, REFINED).into_par_iter().filter_map(|moved| {
+    let previewed =
+        best_on(&every(PREVIEW_STEP, &few), shifted(views, f, SPACING * coarse), coarse, COMPARED);
+    let refined = best_on(&few, previewed, coarse, REFINED).into_par_iter().filter_map(|moved| {
         let refined = refine(&part, &moved, &[coarse, 2.0 * radius, radius], ROUNDS)?;
         let score = total_score(&part, &refined, radius);
         score.is_finite().then_some((score, refined))

@@ -31,12 +31,12 @@ pub struct Doubt {
 
 /// All of some cameras, of the alternatives to what is given of them of which the evidence says something; each excludes the others.
 pub fn doubts(given: &[Camera], alternatives: &[Alternative]) -> Vec<Doubt> {
-    let told = || alternatives.iter().filter_map(|one| Some((one.log_evidence?, one)));
-    let most = told().map(|(log_evidence, _)| log_evidence).fold(0.0, f64::max);
+    let known = || alternatives.iter().filter_map(|one| Some((one.log_evidence?, one)));
+    let most = known().map(|(log_evidence, _)| log_evidence).fold(0.0, f64::max);
     let odds = limits::GIVEN_WRONG / (1.0 - limits::GIVEN_WRONG);
     // In units of what the likeliest would have, as that of some is beyond any number.
     let weighed: Vec<(f64, &Alternative)> =
-        told().map(|(log_evidence, one)| (odds * (log_evidence - most).exp(), one)).collect();
+        known().map(|(log_evidence, one)| (odds * (log_evidence - most).exp(), one)).collect();
     let sum = (-most).exp() + weighed.iter().map(|(weight, _)| weight).sum::<f64>();
     let doubt = |(weight, one): (f64, &Alternative)| {
         let share = (weight / sum - limits::GIVEN_WRONG) / (1.0 - limits::GIVEN_WRONG);

@@ -12,12 +12,12 @@
 //! * `floor_errors`: by how much the floor is wrong since cameras are.
 //! * `alternatives`: networks in which something that was given is solved for after all.
 //! * `contradictions`: does what was given of a camera agree with what moves?
-//! * `clocks_told`: does what moves tell the clocks that nobody gave?
+//! * `clocks_by_motion`: does what moves tell the clocks that nobody gave?
 //! * `doubts`: how much what was given may be wrong without being contradicted.
 
 pub mod alternatives;
 pub mod cheirality;
-pub mod clocks_told;
+pub mod clocks_by_motion;
 pub mod contradictions;
 pub mod covariance;
 pub mod doubts;

@@ -9,7 +9,7 @@ pub mod prose;
 use self::decide::CameraFindings;
 use crate::image::ImageSize;
 use crate::network::case::{Finished, NetworkCase, Out};
-use crate::network::evidence::clocks_told::{ClockTold, clocks_told};
+use crate::network::evidence::clocks_by_motion::{ClockByMotion, clocks_by_motion};
 use crate::network::evidence::floor_errors::FloorErrors;
 use crate::network::evidence::stated_errors::Expected;
 use crate::network::evidence::support::{Deviates, Support};
@@ -37,13 +37,13 @@ impl NetworkCase<'_> {
         let World { cameras: placed, ground, turn, unit } = world::placed(network, floor, [vertical, level]);
         let rig = rig(&placed, &network.pairs());
         let expected = |c: usize| finished.expected[c].in_world(&turn, unit);
-        let clocks_told = self.clocks_told(&network.cameras, &finished.support);
+        let clocks_by_motion = self.clocks_by_motion(&network.cameras, &finished.support);
         let status = |c: usize, pair_refused: bool| match out.iter().find(|o| o.camera == c) {
             Some(out) => out.status,
             None if !network.placed[c] => CameraStatus::NothingInCommon,
             None => decide::status(&CameraFindings {
                 rivalled,
-                clock_doubted: self.is_clock_doubted(clocks_told[c]),
+                clock_doubted: self.is_clock_doubted(clocks_by_motion[c]),
                 contradicted: self.contradicted(finished, c).is_some(),
                 parallax: finished.parallax[c],
                 relief: finished.relief[c],
@@ -73,7 +73,7 @@ impl NetworkCase<'_> {
                 match (status, contradicted) {
                     (CameraStatus::Accepted, _) => {
                         camera.reason += &self.remarks(finished, &camera, c);
-                        if self.clocks_given && clocks_told[c].open {
+                        if self.clocks_given && clocks_by_motion[c].open {
                             camera.reason += prose::GIVEN_CLOCK_BELIEVED;
                         }
                     }
@@ -95,18 +95,18 @@ impl NetworkCase<'_> {
     }
 
     /// Whether what moves leaves a clock open, or speaks against one that was given.
-    fn is_clock_doubted(&self, told: ClockTold) -> bool {
-        if self.clocks_given { told.refuted } else { told.open }
+    fn is_clock_doubted(&self, clock: ClockByMotion) -> bool {
+        if self.clocks_given { clock.refuted } else { clock.open }
     }
 
     /// Of each camera what moves tells of its clock, by the pairs that agree with the network.
-    fn clocks_told(&self, cameras: &[Camera], support: &Support) -> Vec<ClockTold> {
+    fn clocks_by_motion(&self, cameras: &[Camera], support: &Support) -> Vec<ClockByMotion> {
         let confirmed = support.confirmed();
         let agrees = |p: &&PairFound| {
             confirmed.contains(&(p.a, p.b)) && !self.contradicts(p.a, p.b, &cameras[p.a], &cameras[p.b])
         };
         let agreeing: Vec<&PairFound> = self.pairs.iter().filter(agrees).collect();
-        clocks_told(self.inputs, &agreeing)
+        clocks_by_motion(self.inputs, &agreeing)
     }
 
     /// Whether these are two cameras, whose pair was not accepted by itself with the geometry that they have here. Nothing else speaks for them: whether one was knocked and whether all

@@ -7,7 +7,7 @@ use crate::verify::other_clocks::{OtherClock, other_clocks};
 use crate::verify::thresholds::{CLOCK_BETTER, reaches};
 
 /// An accepted geometry, unless what moves does not tell the clock that it was found with; and an offset that is clearly better.
-pub(super) fn told_by_motion(
+pub(super) fn found_clock_by_motion(
     found: Calibration,
     clocks: &Clocks,
     options: &CalibrateOptions,
@@ -24,7 +24,7 @@ pub(super) fn told_by_motion(
 }
 
 /// An accepted geometry, unless another clock than the one that was given explains clearly more; where one explains as much it is said.
-pub(super) fn borne_out_by_motion(
+pub(super) fn given_clock_by_motion(
     found: Calibration,
     clocks: &Clocks,
     options: &CalibrateOptions,

@@ -22,7 +22,7 @@ const PAIRS: usize = 24;
 
 /// What is to be said of a camera's clock, by half or more of those of some pairs that it is in.
 #[derive(Debug, Clone, Copy)]
-pub struct ClockTold {
+pub struct ClockByMotion {
     /// What moves leaves it open.
     pub open: bool,
     /// What moves speaks against it.
@@ -30,32 +30,32 @@ pub struct ClockTold {
 }
 
 /// Of each camera what moves tells of its clock.
-pub fn clocks_told(inputs: &[CameraInput], pairs: &[&PairFound]) -> Vec<ClockTold> {
+pub fn clocks_by_motion(inputs: &[CameraInput], pairs: &[&PairFound]) -> Vec<ClockByMotion> {
     let asked: Vec<&PairFound> = evenly(pairs.len(), PAIRS).map(|k| pairs[k]).collect();
-    let told: Vec<ClockTold> = asked.par_iter().map(|pair| by_pair(inputs, pair)).collect();
-    let half_of = |camera: usize, says: fn(&ClockTold) -> bool| {
-        let own = asked.iter().zip(&told).filter(move |(p, _)| p.a == camera || p.b == camera);
-        let (count, say_so) = (own.clone().count(), own.filter(|(_, told)| says(told)).count());
+    let of_pairs: Vec<ClockByMotion> = asked.par_iter().map(|pair| by_pair(inputs, pair)).collect();
+    let half_of = |camera: usize, says: fn(&ClockByMotion) -> bool| {
+        let own = asked.iter().zip(&of_pairs).filter(move |(p, _)| p.a == camera || p.b == camera);
+        let (count, say_so) = (own.clone().count(), own.filter(|(_, clock)| says(clock)).count());
         say_so > 0 && 2 * say_so >= count
     };
-    let of = |camera| ClockTold {
-        open: half_of(camera, |told| told.open),
-        refuted: half_of(camera, |told| told.refuted),
+    let of = |camera| ClockByMotion {
+        open: half_of(camera, |clock| clock.open),
+        refuted: half_of(camera, |clock| clock.refuted),
     };
     (0..inputs.len()).map(of).collect()
 }
 
 /// Whether another clock has a geometry of its own that explains as much of what a pair sees, and one that clearly explains more.
-fn by_pair(inputs: &[CameraInput], pair: &PairFound) -> ClockTold {
+fn by_pair(inputs: &[CameraInput], pair: &PairFound) -> ClockByMotion {
     let [a, b] = [pair.a, pair.b].map(|c| inputs[c].recording);
     let Some(f) = Fundamental::from_matrix(&pair.geometries[0].0, a.size(), b.size()) else {
-        return ClockTold { open: false, refuted: false };
+        return ClockByMotion { open: false, refuted: false };
     };
     let (clock, links) = (Clock::of_frames(pair.offset, pair.frames_per_frame, a, b), Links::new(b));
     let later = |frames| Aligned::new(a, b, &links, clock.later(frames), [Up::IMAGE; 2]);
     let pixels = limits::CLOCK_OPEN * ImageSize::pixel_scale([a.size(), b.size()]);
     let others = other_clocks(later, &f, None, 0);
-    ClockTold {
+    ClockByMotion {
         open: others.iter().any(|other| other.is_open(pixels)),
         refuted: others.iter().any(|other| other.is_better(pixels)),
     }
