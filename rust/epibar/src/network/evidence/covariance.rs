@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, Matrix3};
 
 use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS};
 use crate::network::model::invertible::{HELD, Invertible};
-use crate::network::model::joint::{JointProblem, PairMeetings, weight};
+use crate::network::model::joint::{JointProblem, PairMeetings, columns, columns_of_pair, weight};
 use crate::network::model::residual::{CameraPair, Meeting, PairGradient};
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal::{self, Likely};
@@ -35,21 +35,17 @@ fn gathered<const N: usize>(
     count: usize,
     groups: impl Fn(usize, &Meeting, f64, &PairGradient) -> [(usize, f64); N],
 ) -> DMatrix<f64> {
-    let mut column = vec![usize::MAX; cameras.len() * PARAMETERS];
-    for (i, (camera, k)) in active.iter().enumerate() {
-        column[camera * PARAMETERS + k] = i;
-    }
+    let column = columns(cameras.len(), active);
     let mut sums = DMatrix::zeros(count, active.len());
     for (number, pair) in problem.pairs.iter().enumerate() {
         let geometry = CameraPair::new(&cameras[pair.a], &cameras[pair.b]);
+        let columns_of_pair = columns_of_pair(pair, &column);
         for m in &pair.meetings {
             let Some((r, row)) = geometry.row(m) else { continue };
             let weight = m.weight * weight(r, problem.scale, pair.coarseness);
             for (group, factor) in groups(number, m, r, &row) {
-                for k in 0..2 * PARAMETERS {
-                    let camera = if k < PARAMETERS { pair.a } else { pair.b };
-                    let at = column[camera * PARAMETERS + k % PARAMETERS];
-                    if at != usize::MAX {
+                for (k, at) in columns_of_pair.iter().enumerate() {
+                    if let Some(at) = *at {
                         sums[(group, at)] += weight * row[k] * factor;
                     }
                 }

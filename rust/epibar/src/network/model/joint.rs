@@ -171,21 +171,19 @@ impl JointProblem<'_> {
 
     /// Linearised about some cameras, over the active parameters.
     pub fn linear(&self, cameras: &[Camera], active: &[(usize, usize)]) -> Linear {
-        let mut column = vec![usize::MAX; cameras.len() * PARAMETERS];
-        for (i, (camera, k)) in active.iter().enumerate() {
-            column[camera * PARAMETERS + k] = i;
-        }
+        let column = columns(cameras.len(), active);
         let of_pairs: Vec<(f64, Local, PairGradient)> =
             self.pairs.par_iter().map(|pair| self.of_pair(pair, cameras, &column)).collect();
         let n = active.len();
         let mut sum = Linear { cost: 0.0, normal: DMatrix::zeros(n, n), gradient: DVector::zeros(n) };
         for (pair, (cost, normal, gradient)) in self.pairs.iter().zip(&of_pairs) {
             sum.cost += cost;
-            let places = places(pair, &column);
-            for (i, p) in places.iter().enumerate().filter(|(_, p)| **p != usize::MAX) {
-                sum.gradient[*p] += gradient[i];
-                for (j, q) in places.iter().enumerate().filter(|(_, q)| **q != usize::MAX) {
-                    sum.normal[(*p, *q)] += normal[(i.max(j), i.min(j))];
+            let places = columns_of_pair(pair, &column);
+            let solved_for = || places.iter().enumerate().filter_map(|(i, p)| Some((i, (*p)?)));
+            for (i, p) in solved_for() {
+                sum.gradient[p] += gradient[i];
+                for (j, q) in solved_for() {
+                    sum.normal[(p, q)] += normal[(i.max(j), i.min(j))];
                 }
             }
         }
@@ -205,11 +203,11 @@ impl JointProblem<'_> {
         &self,
         pair: &PairMeetings,
         cameras: &[Camera],
-        column: &[usize],
+        column: &[Option<usize>],
     ) -> (f64, Local, PairGradient) {
         let geometry = CameraPair::new(&cameras[pair.a], &cameras[pair.b]);
-        let used: Vec<usize> =
-            (0..2 * PARAMETERS).filter(|&i| places(pair, column)[i] != usize::MAX).collect();
+        let places = columns_of_pair(pair, column);
+        let used: Vec<usize> = (0..2 * PARAMETERS).filter(|&i| places[i].is_some()).collect();
         let (mut cost, mut normal, mut gradient) = (0.0, Local::zeros(), PairGradient::zeros());
         // Of those that are used, one after the other.
         let mut sums = [[0.0; 2 * PARAMETERS]; 2 * PARAMETERS];
@@ -334,14 +332,23 @@ struct Prior {
 }
 
 impl Prior {
-    fn along<'c>(&'c self, column: &'c [usize]) -> impl Iterator<Item = (usize, f64)> + 'c {
+    fn along<'c>(&'c self, column: &'c [Option<usize>]) -> impl Iterator<Item = (usize, f64)> + 'c {
         let known = self.at.iter().filter(|(_, along)| *along != 0.0);
-        known.map(|(at, along)| (column[*at], *along)).filter(|(p, _)| *p != usize::MAX)
+        known.filter_map(|(at, along)| Some((column[*at]?, *along)))
     }
 }
 
+/// The column of each parameter of so many cameras, one camera after the other; `None` of those that are not solved for.
+pub fn columns(cameras: usize, active: &[(usize, usize)]) -> Vec<Option<usize>> {
+    let mut column = vec![None; cameras * PARAMETERS];
+    for (i, (camera, k)) in active.iter().enumerate() {
+        column[camera * PARAMETERS + k] = Some(i);
+    }
+    column
+}
+
 /// Columns of the parameters of both cameras.
-fn places(pair: &PairMeetings, column: &[usize]) -> [usize; 2 * PARAMETERS] {
+pub fn columns_of_pair(pair: &PairMeetings, column: &[Option<usize>]) -> [Option<usize>; 2 * PARAMETERS] {
     std::array::from_fn(|i| {
         let camera = if i < PARAMETERS { pair.a } else { pair.b };
         column[camera * PARAMETERS + i % PARAMETERS]
