@@ -26,7 +26,7 @@ pub fn generator(seed: u64, index: u64) -> Generator {
     Generator::new((u128::from(high) << 64) | u128::from(low) | 1)
 }
 
-/// What draws by the seed of a calibration beside its search, each apart from the others by its name in ASCII.
+/// What draws beside a search, each apart from the others: by the seed of a calibration and its name in ASCII, or by a number of its own where there is no seed.
 #[derive(Debug, Clone, Copy)]
 #[repr(u64)]
 pub enum Stream {
@@ -40,6 +40,8 @@ pub enum Stream {
     Planes = 0x0070_6C61_6E65,
     /// Planes about which a geometry may turn.
     Turns = 0x7475_726E,
+    /// Planes through what meets in a pair of a network. They draw by seed 0 alone.
+    PlanesOfPairs = 11,
 }
 
 impl Stream {
@@ -102,6 +104,7 @@ mod tests {
             assert_eq!(stream as u64, number, "{name}");
             assert_eq!(stream.generator(3, 5), generator(3 + number, 5));
         }
+        assert_eq!(Stream::PlanesOfPairs.generator(0, 5), generator(11, 5));
     }
 
     #[test]

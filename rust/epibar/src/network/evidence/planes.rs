@@ -15,7 +15,7 @@ use crate::network::observations::evenly::evenly;
 use crate::network::observations::figures::triangulated;
 use crate::network::solve::settle::Settled;
 use crate::network::thresholds as limits;
-use crate::random::generator;
+use crate::random::Stream;
 
 /// Points that are looked at of each pair.
 const POINTS: usize = 200;
@@ -102,7 +102,7 @@ impl Seen {
         let middle = |k: usize| median(points.iter().map(|p| p[k]));
         let middle = Vector3::new(middle(0)?, middle(1)?, middle(2)?);
         let extent = median(points.iter().map(|p| (p - middle).norm()))?;
-        let mut rng = generator(11, 0);
+        let mut rng = Stream::PlanesOfPairs.generator(0, 0);
         let mut best: Option<(f64, WorldPlane)> = None;
         for _ in 0..PLANES {
             let [p, q, r] = std::array::from_fn(|_| points[rng.random_range(0..points.len())]);
