@@ -51,7 +51,7 @@ pub fn robust_deviation(matches: &[TangentMatch]) -> f64 {
 pub struct ClassScore {
     /// Tangents of A in the frames used.
     pub tangents: usize,
-    /// Those that met a tangent of B.
+    /// Tangents of A that met a tangent of B.
     pub matches: usize,
     /// How many would by chance.
     pub expected: f64,
@@ -80,9 +80,9 @@ pub enum Outcome {
 pub struct ObjectScore {
     /// Silhouettes of A of which an end shows.
     pub silhouettes: usize,
-    /// Those both of whose ends meet those of one silhouette of B.
+    /// Silhouettes of A both of whose ends meet the ends of one silhouette of B.
     pub whole: usize,
-    /// Those of which one end meets, and the other, which shows in both views, does not.
+    /// Silhouettes of A of which one end meets, and the other, which shows in both views, does not.
     pub torn: usize,
     /// Likelihood ratio against chance, its logarithm.
     pub evidence: f64,

@@ -40,7 +40,7 @@ pub struct Up {
 }
 
 impl Up {
-    /// That of a camera known to be the right way up.
+    /// Up of a camera known to be the right way up.
     pub const IMAGE: Self = Self { direction: IMAGE_UP, known: true };
 }
 

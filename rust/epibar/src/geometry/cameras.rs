@@ -13,7 +13,7 @@ pub struct CameraMatrices {
 }
 
 impl CameraMatrices {
-    /// Those of the pair with B for A.
+    /// The matrices of the pair with B for A.
     pub(crate) fn swapped(self) -> Self {
         Self { a: self.b, b: self.a }
     }

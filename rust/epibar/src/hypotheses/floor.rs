@@ -40,7 +40,7 @@ pub struct FloorHomography {
     pub homography: Matrix3<f64>,
     /// Candidates that fit it.
     pub inliers: usize,
-    /// Those of them that do not belong to one pencil of lines through a common point, which fits many homographies.
+    /// Candidates that fit it and do not belong to one pencil of lines through a common point, which fits many homographies.
     pub outside_pencil: usize,
 }
 

@@ -126,9 +126,9 @@ impl Draws {
 pub struct Frames<'a> {
     /// All fitted frames, consecutive for the most part.
     pub train: &'a Views,
-    /// Those that associate silhouettes.
+    /// Frames that associate silhouettes.
     pub comparing: &'a Views,
-    /// Those that score.
+    /// Frames that score.
     pub scoring: &'a Scorer<'a>,
 }
 

@@ -91,7 +91,7 @@ impl OutlineFinder {
         self.rim.dedup();
     }
 
-    /// Those of the rim that lie no deeper inside the hull than a lens may lift them.
+    /// Finds the points of the rim that lie no deeper inside the hull than a lens may lift them.
     fn find_near(&mut self, hull: &[[u16; 2]], size: ImageSize) {
         self.near.clear();
         let sides: Vec<_> = (0..hull.len())

@@ -136,12 +136,12 @@ impl Links {
         links
     }
 
-    /// That object one frame later.
+    /// The same object one frame later, as a hull of that frame.
     pub fn next(&self, hull: usize) -> Option<usize> {
         Some(self.next[hull]).filter(|&h| h != NONE).map(|h| h as usize)
     }
 
-    /// That object one frame earlier.
+    /// The same object one frame earlier, as a hull of that frame.
     pub fn previous(&self, hull: usize) -> Option<usize> {
         Some(self.previous[hull]).filter(|&h| h != NONE).map(|h| h as usize)
     }

@@ -108,7 +108,7 @@ fn best(
     Ok(solutions)
 }
 
-/// Those that differ from all before them over the volume where things moved.
+/// Solutions that differ from all before them over the volume where things moved.
 fn different(views: &Views, solutions: Vec<Solution>, seed: u64) -> Vec<Solution> {
     let apart = APART * views.pixel_scale();
     let spots = |f: &Fundamental| moving_correspondences(views, f, SPOTS, seed);

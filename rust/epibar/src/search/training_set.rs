@@ -65,9 +65,9 @@ const SPOTS: usize = 120;
 pub struct TrainingSet<'a> {
     /// All fitted frames.
     pub(super) all: &'a Views,
-    /// Those that score hypotheses.
+    /// Frames that score hypotheses.
     pub(super) scoring: Views,
-    /// Those that compare refined solutions.
+    /// Frames that compare refined solutions.
     pub(super) comparing: Views,
     /// Pixels for one of a 640×480 image.
     pub(super) scale: f64,

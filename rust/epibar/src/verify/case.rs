@@ -15,7 +15,7 @@ pub struct Case<'a> {
     pub views: &'a Views,
     /// All frames in which both cameras see something.
     pub busy_views: &'a Views,
-    /// Those of them that were fitted to.
+    /// Frames in which both cameras see something and that were fitted to.
     pub fitted_views: &'a Views,
     /// Which frames are which.
     pub split: &'a Split,

@@ -80,7 +80,7 @@ impl OtherClock {
     }
 }
 
-/// Those clocks about the one that was found under which a geometry of its own keeps most of the evidence. `later` has the recordings with what is in A so
+/// Clocks about the one that was found under which a geometry of its own keeps most of the evidence. `later` has the recordings with what is in A so
 /// many frames of B later than as found.
 pub fn other_clocks<'r>(
     later: impl Fn(f64) -> Aligned<'r> + Sync,

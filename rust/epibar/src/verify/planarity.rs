@@ -115,7 +115,7 @@ impl Matched {
     }
 }
 
-/// Those with the least residuals.
+/// The homographies with the least residuals.
 fn best_of(mut drawn: Vec<(f64, Matrix3<f64>)>) -> Vec<(f64, Matrix3<f64>)> {
     drawn.sort_by(|p, q| p.0.total_cmp(&q.0));
     drawn.truncate(FITTED);

@@ -97,7 +97,7 @@ fn persists(alike: &[f64], lag: usize) -> bool {
 #[derive(Debug, Default)]
 struct Replacements {
     all: usize,
-    /// That went on, and in whose place is another.
+    /// Silhouettes that went on, and in whose place is another.
     replaced: usize,
 }
 

@@ -30,7 +30,7 @@ pub enum Fold {
 pub struct Split {
     /// Common frames that may be fitted to.
     pub fitted: Vec<FramePair>,
-    /// Those of them in which both cameras see something.
+    /// Frames that may be fitted to and in which both cameras see something.
     pub fitted_busy: Vec<FramePair>,
     /// Stretches of the busy frames that test.
     pub tested: Vec<Range<usize>>,

@@ -12,7 +12,7 @@ pub struct SplitViews {
     pub all: Views,
     /// All frames in which both cameras see something.
     pub busy: Views,
-    /// Those of them that may be fitted to.
+    /// Frames in which both cameras see something and that may be fitted to.
     pub fitted: Views,
 }
 

@@ -114,7 +114,7 @@ impl Tangents {
 
 /// Both tangents of every silhouette: `[object on the negative side, on the positive side]`.
 ///
-/// Those at which the view ends, not the object, are left out.
+/// Tangents at which the view ends, not the object, are left out.
 #[inline(always)]
 pub(super) fn fill(tangents: &mut [Tangents; 2], view: &View, epipole: &Homogeneous, sides: &mut Vec<u8>) {
     let [negative, positive] = tangents;

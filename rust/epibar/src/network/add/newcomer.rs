@@ -66,7 +66,7 @@ impl<'a> Newcomer<'a> {
     /// What is said of it, and its pairs with the cameras that are held.
     ///
     /// # Errors
-    /// Those of `tell`.
+    /// What `tell` fails with.
     pub fn judged(
         &self,
         tell: &mut dyn FnMut(f64) -> Result<()>,

@@ -51,7 +51,7 @@ pub struct Move {
     pub better: f64,
     /// Part of the time of its own pairs from which on it does.
     pub from: usize,
-    /// That moment as a part of the time of all pairs.
+    /// Part of the time of all pairs from which on it does.
     pub from_of_all: usize,
     /// When that part begins, the network's time.
     pub since: f64,
@@ -136,7 +136,7 @@ impl Move {
 pub struct StretchCase<'a> {
     /// What of it is compared, part by part.
     pub stretch: &'a Stretch<'a>,
-    /// That on which cameras are solved for: the same, or its end.
+    /// The footage on which cameras are solved for: all of the stretch, or its end.
     pub fitted: &'a Stretch<'a>,
     pub beliefs: &'a [Beliefs],
     /// The cameras, where each is held while another is asked for.
@@ -150,7 +150,7 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// That of cameras over a stretch of footage.
+    /// The excess of cameras over a stretch of footage.
     pub fn of(stretch: &Stretch, network: &Placed) -> Self {
         let pairs = network.pairs();
         let parts = stretch.all.excess_of_pairs(&network.cameras, &pairs, limits::COMPARED, &stretch.parts);

@@ -81,7 +81,7 @@ const LENS: [f64; 3] = [0.7, 0.1, 0.05];
 /// Standard deviations of a principal point about the middle, in widths of the image: of images that were made or cut about it, of
 /// cameras as they are sold, and of images that were cropped or stabilised, more and more.
 pub const PRINCIPAL_LEVELS: [f64; 5] = [0.001, 0.004, 0.012, 0.04, 0.12];
-/// That of cameras as they are sold, from which a network starts.
+/// Index of the level of cameras as they are sold, from which a network starts.
 pub const AS_SOLD: usize = 1;
 /// How likely each is before anything is seen.
 pub const PRINCIPAL_SHARES: [f64; 5] = [0.2, 0.4, 0.25, 0.12, 0.03];

@@ -35,7 +35,7 @@ impl Belief {
 
 /// What is known of a camera before: beliefs in the order of the parameters `log f, log f_y / f_x, c_x, c_y, k₁, k₂, k₃`.
 ///
-/// That of `k₂` is about `BEND k₁²`, and that of `k₃` about `BEND k₁³`: lenses of one family differ in one number, and one that
+/// The belief on `k₂` is about `BEND k₁²`, and the one on `k₃` about `BEND k₁³`: lenses of one family differ in one number, and one that
 /// bends strongly does not fold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beliefs {

@@ -185,7 +185,7 @@ fn refitted(figures: &[Upright], up: Vector3<f64>, level: f64, reach: f64) -> Op
 /// A plane on which feet stand.
 struct Trimmed {
     up: Vector3<f64>,
-    /// That of the mean of the feet.
+    /// The level of the mean of the feet.
     level: f64,
     /// How near to it they are.
     within: f64,
