@@ -1,9 +1,14 @@
 //! Epipolar tangents of two cameras' silhouettes, and the score of an `F` by how they meet.
 //!
-//! [`views`] holds the silhouettes of both cameras on one time line and [`up`] finds which way they stand; [`score`]
-//! compares their tangents under an `F`, `meeting` tells within which radius they meet, [`symmetric`] takes both cameras in turn at the radius that suits the masks,
-//! [`preview`] scores many hypotheses on few frames, and [`volume`] measures how far two geometries are apart where things
-//! moved.
+//! * `views`: the silhouettes of both cameras on one time line.
+//! * `edges`: edges of all hulls, laid out so that one pass finds on which side of each an epipole lies.
+//! * `up`: which way silhouettes stand.
+//! * `score`: compares tangents under an `F`.
+//! * `matches`: tangents that meet, and scores summed over them.
+//! * `meeting`: within which radius they meet.
+//! * `symmetric`: takes both cameras in turn, at the radius that suits the masks.
+//! * `preview`: scores many hypotheses on few frames.
+//! * `volume`: how far two geometries are apart where things moved.
 
 mod edges;
 pub mod matches;

@@ -1,8 +1,12 @@
 //! Where an `F` may come from: hypotheses of every source, each an estimator of one RANSAC loop.
 //!
-//! [`mod@ransac`] is the loop, and knows no geometry. [`line_model`] is the paper's estimator (§3), [`floor`] draws from the
-//! homography of a plane and [`track_model`] from silhouettes followed through time ([`tracks`]), and [`top_view`] from where figures stand on
-//! the floor by either camera alone ([`single_view`]); [`sources`] draws from all.
+//! * `ransac`: the loop, which knows no geometry.
+//! * `sources`: draws from all sources, and scores what they give.
+//! * `line_model`: the paper's estimator, from pairs of lines (§3).
+//! * `line_arrays`: candidates as flat arrays, for prefilters that are asked of all of them.
+//! * `floor`, `floor_epipoles`: the homography of a plane, and hypotheses from it.
+//! * `tracks`, `track_model`: silhouettes followed through time, and hypotheses from them.
+//! * `single_view`, `top_view`: where figures stand on the floor by either camera alone, and hypotheses from two such maps.
 
 pub mod floor;
 mod floor_epipoles;

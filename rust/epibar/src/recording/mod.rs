@@ -2,15 +2,17 @@
 //!
 //! In the order of the data:
 //!
-//! 1. [`sampling`] chooses lines, from border to border of the image.
-//! 2. [`components`] finds the connected components of each mask, [`mod@convex_hull`] their convex hulls, and
-//!    [`silhouettes`] keeps the hulls; [`lens_corners`] adds what a lens needs beyond them, [`mod@fill`] tells people from what is convex, and
-//!    [`stand_ins`] which of that are boxes and ellipses.
-//! 3. [`transposition`] turns masks into words of time, [`barcode_words`] packs 256 frames into half a cache line per pixel, and
-//!    [`traversal`] walks the lines over it: the OR along a line is its motion [`barcode`].
-//! 4. [`recorder`] streams masks through all of this, keeps finished frames as [`packed_blocks`], and ends in a [`Recording`];
-//!    [`parts`] takes one apart for a file.
-//! 5. [`tracker`] follows silhouettes from frame to frame, [`mod@at_moment`] tells which there are between two, [`visible`] says where a view ends, [`mod@fullest`] in which stretch most moves.
+//! * `sampling`: chooses lines, from border to border of the image.
+//! * `components`, `convex_hull`: the connected components of each mask, and their convex hulls.
+//! * `silhouettes`: keeps the hulls, frame by frame.
+//! * `lens_corners`: what a lens needs of a silhouette beyond its hull.
+//! * `fill`, `stand_ins`: how much of its hull a silhouette fills, and which are boxes and ellipses in the place of something else.
+//! * `transposition`, `barcode_words`: turns masks into words of time, and packs 256 frames into half a cache line per pixel.
+//! * `traversal`, `barcode`: walks the lines over these words; the OR along a line is its motion barcode.
+//! * `recorder`, `packed_blocks`: streams masks through all of this, and keeps finished frames packed.
+//! * `recording`, `parts`: what comes out, a [`Recording`], and one taken apart for a file.
+//! * `tracker`, `at_moment`: follows silhouettes from frame to frame, and tells which there are between two.
+//! * `visible`, `fullest`: where the view ends, and in which stretch most moves.
 //!
 //! Points are `(x, y)` in pixels, pixel centres at integers; bit `i` of a barcode is frame `i`.
 

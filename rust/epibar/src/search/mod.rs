@@ -1,10 +1,18 @@
 //! The search of the frontier method: many hypotheses, few different starts, refinement, restarts.
 //!
-//! Of the hypotheses of every source a few dozen *different* ones are refined with a shrinking radius, and compared on
-//! more frames ([`starts`]); while they contest one another ([`contest`]) or the best still gains, the best are fitted anew to samples of what meets
-//! ([`resample`]) and refined again, and followed along the valleys that they lie in ([`pass`]). What remains is a list of different geometries with
-//! their scores: a winner and its rivals, which [`mod@settle`] refines on all frames, with silhouettes moved onto their outlines. Where one stands out among few hypotheses that is
-//! all ([`early`]). [`by_lines`] is the search of the paper instead, and [`brief`] looks whether there is anything to search for.
+//! What remains is a list of different geometries with their scores: a winner and its rivals.
+//!
+//! * `training_set`: the frames that are looked at, and how far geometries are apart there.
+//! * `early`: ends where one geometry stands out among few hypotheses.
+//! * `either_order`: draws hypotheses by one order of the cameras or by the other.
+//! * `pass`: from hypotheses to solutions, which are followed along the valleys that they lie in.
+//! * `starts`: of the hypotheses of every source a few dozen *different* ones, refined with a shrinking radius.
+//! * `contest`: whether one geometry stands out among those found, or others contest it.
+//! * `resample`: the best fitted anew to samples of what meets, while they contest one another or still gain.
+//! * `solution`: what is found.
+//! * `settle`: the winner and its rivals refined on all frames, with silhouettes moved onto their outlines.
+//! * `by_lines`: the search of the paper instead.
+//! * `brief`: looks whether there is anything to search for.
 
 pub mod by_lines;
 
