@@ -136,7 +136,10 @@ fn looked_at(
     if let Some(verdict) = untestable::too_little_motion(&candidates, time_line.busy.len()) {
         return Ok((time_line.refused(verdict, &candidates), None));
     }
-    let (seen, found) = time_line.searched(split, &candidates, watch)?;
+    let seen = time_line.split_views(split);
+    let searched = time_line.searched(&seen, &candidates, watch)?;
+    let (moved, found) = time_line.refined(&seen, searched, watch)?;
+    let seen = moved.unwrap_or(seen);
     let Some(winner) = found.solutions.first() else {
         return Ok((time_line.refused(untestable::no_hypothesis(), &candidates), None));
     };

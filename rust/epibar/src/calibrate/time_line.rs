@@ -9,7 +9,7 @@ use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::FramePair;
 use crate::search::by_lines::{self, Filmed};
-use crate::search::{Effort, Found, SearchOptions, TrainingSet, insets, search, settle};
+use crate::search::{Effort, Found, SearchOptions, Searched, TrainingSet, insets, search, settle};
 use crate::verify::split::{Fold, Split, Stay};
 use crate::verify::{Case, SplitViews, are_masks};
 use crate::watch::Watch;
@@ -25,6 +25,19 @@ pub struct TimeLine<'a> {
     stay: Stay,
     /// Silhouettes were cut out, and stand in for nothing else.
     masks: bool,
+}
+
+/// What a search gives by either method.
+pub enum SearchedBy<'s> {
+    /// Geometries by tangents of the fitted frames, which are to be refined on all.
+    Tangents {
+        /// The frames that were looked at.
+        training: Box<TrainingSet<'s>>,
+        /// What was found on them.
+        searched: Searched,
+    },
+    /// Geometries by lines of all frames, each fitted to its inliers: lines leave nothing to refine.
+    Lines(Found),
 }
 
 impl<'a> TimeLine<'a> {
@@ -65,42 +78,49 @@ impl<'a> TimeLine<'a> {
         self.aligned.views(frames).with_cameras(self.options.cameras_used())
     }
 
-    /// What candidates lead to, by either method, and the silhouettes by which that is verified.
-    pub fn searched(
+    /// Silhouettes of both at the frames of either kind.
+    pub fn split_views(&self, split: Split) -> SplitViews {
+        SplitViews::new(split, &self.common, &self.busy, |frames| self.views(frames))
+    }
+
+    /// What candidates lead to, by either method.
+    pub fn searched<'s>(
         &self,
-        split: Split,
+        seen: &'s SplitViews,
         candidates: &Candidates,
         watch: &mut dyn Watch,
-    ) -> Result<(SplitViews, Found)> {
-        let seen = SplitViews::new(split, &self.common, &self.busy, |frames| self.views(frames));
+    ) -> Result<SearchedBy<'s>> {
         match self.options.method {
-            Method::Frontier => self.by_tangents(seen, candidates, watch),
-            Method::Lines => {
-                let found = self.by_lines(&seen, candidates, watch)?;
-                Ok((seen, found))
+            Method::Frontier => {
+                let training = Box::new(self.training_set(seen));
+                let searched = search(&training, candidates, watch)?;
+                Ok(SearchedBy::Tangents { training, searched })
             }
+            Method::Lines => self.by_lines(seen, candidates, watch).map(SearchedBy::Lines),
         }
     }
 
-    /// The method of frontier points: search on the fitted frames, then refine on all, with silhouettes moved onto their outlines, which the fitted frames
-    /// tell; what was moved is what the answer is tested on.
-    fn by_tangents(
+    /// What was searched on the fitted frames, refined on all, with silhouettes moved onto their outlines, which the fitted frames tell; and those silhouettes where
+    /// they were moved, for they are what the answer is tested on.
+    pub fn refined(
         &self,
-        seen: SplitViews,
-        candidates: &Candidates,
+        seen: &SplitViews,
+        searched: SearchedBy,
         watch: &mut dyn Watch,
-    ) -> Result<(SplitViews, Found)> {
-        let training = self.training_set(&seen);
-        let searched = search(&training, candidates, watch)?;
+    ) -> Result<(Option<SplitViews>, Found)> {
+        let (training, searched) = match searched {
+            SearchedBy::Tangents { training, searched } => (training, searched),
+            SearchedBy::Lines(found) => return Ok((None, found)),
+        };
         // Shapes that stand for others are off by a share of their width, and not all alike.
         let insets = if self.masks { insets(&training, &searched) } else { None };
         let moved = insets.map(|insets| (insets, seen.moved_outward(insets)));
         let (training, all) = match &moved {
             Some((insets, moved)) => (training.moved_outward(&moved.fitted, *insets), &moved.all),
-            None => (training, &seen.all),
+            None => (*training, &seen.all),
         };
         let found = settle(&training, all, searched, watch)?;
-        Ok((moved.map_or(seen, |(_, moved)| moved), found))
+        Ok((moved.map(|(_, moved)| moved), found))
     }
 
     fn training_set<'s>(&self, seen: &'s SplitViews) -> TrainingSet<'s> {
