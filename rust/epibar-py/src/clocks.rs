@@ -44,5 +44,5 @@ pub fn common_frames<'py>(
 ) -> PyResult<Bound<'py, PyArray2<i64>>> {
     let (a, b) = (&a.inner, &b.inner);
     let pairs = enter(py, || Ok(Clock::of_frames(time_offset, frames_per_frame, a, b).common_frames(a, b)))?;
-    rows(py, pairs.into_iter().map(|p| [i64::from(p.a), i64::from(p.b)]))
+    rows(py, pairs.into_iter().map(|p| [p.a, p.b].map(|frame| frame.index() as i64)))
 }

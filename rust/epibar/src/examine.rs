@@ -6,8 +6,8 @@ use crate::error::{Error, Result};
 use crate::frontier::up::up_in;
 use crate::frontier::{ClassScore, compare, symmetric_score};
 use crate::geometry::{CameraMatrices, Fundamental};
+use crate::recording::Recording;
 use crate::recording::tracker::Links;
-use crate::recording::{RecordedFrame, Recording};
 use crate::refine::polish;
 
 /// Options of [`examine`](fn@crate::examine).
@@ -131,9 +131,8 @@ pub fn examine(a: &Recording, b: &Recording, f: &Fundamental, options: &ExamineO
     let views = aligned.views(&common).with_cameras(cameras);
     let f = if refine { polish(&views, f) } else { *f };
     let comparison = compare(&views, &f, radius);
-    let point = |p: &crate::frontier::TangentMatch| {
-        FrontierPoint::new(RecordedFrame(common[p.frame.index()].a), p.a, p.b, &f)
-    };
+    let point =
+        |p: &crate::frontier::TangentMatch| FrontierPoint::new(common[p.frame.index()].a, p.a, p.b, &f);
     Ok(Examined {
         fundamental: f,
         score: symmetric_score(&views, &f).total,

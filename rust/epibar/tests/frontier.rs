@@ -72,15 +72,15 @@ fn tangents_know_the_true_matrix() {
 fn views_are_the_frames_asked_for() {
     let (_, [a, b], f) = flying();
     // B a frame early: the pairs put it right.
-    let late: Vec<FramePair> = (0..299).map(|i| FramePair { a: i + 1, b: i }).collect();
+    let late: Vec<FramePair> = (0..299).map(|i| FramePair::new(i + 1, i)).collect();
     let total = |pairs: &[FramePair]| frontier_score(&Views::new(a, b, pairs), f, 2.0).total();
     assert!(total(&pairs(300)) > 1.5 * total(&late));
     let busy = busy_frames(a, b, &pairs(300), Some(60));
     assert!(busy.len() == 60 && busy.is_sorted() && busy.iter().all(|p| p.a == p.b));
     let few = Views::new(a, b, &busy);
     assert_eq!((few.frames(), few.a.frames(), few.b.frames()), (60, 60, 60));
-    for (frame, &FramePair { a: in_a, .. }) in busy.iter().enumerate() {
-        let hulls: Vec<_> = a.silhouettes().hulls(in_a as usize).map(|h| a.silhouettes().hull(h)).collect();
+    for (frame, in_a) in busy.iter().map(|p| p.a).enumerate() {
+        let hulls: Vec<_> = a.silhouettes().hulls(in_a.index()).map(|h| a.silhouettes().hull(h)).collect();
         let ours: Vec<_> = few.a.hulls_of(frame).collect();
         assert!(ours.len() <= hulls.len() && !ours.is_empty());
         assert!(ours.iter().all(|h| hulls.iter().any(|k| h.len() == k.len())));

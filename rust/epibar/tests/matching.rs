@@ -315,7 +315,7 @@ fn candidates_follow_the_frame_pairs_and_the_limits() {
     let barcodes = a.barcodes().select_frames(&(7..200).collect::<Vec<u32>>());
     let b = recording(b.size(), |_, _| 0, b.segments().to_vec(), &barcodes);
     let options = CandidateOptions { motion_lines: None, ..Default::default() };
-    let late: Vec<FramePair> = (0..193).map(|i| FramePair { a: i + 7, b: i }).collect();
+    let late: Vec<FramePair> = (0..193).map(|i| FramePair::new(i + 7, i)).collect();
     let found = find_candidates(&a, &b, &late, &late, &options).unwrap();
     let (same, others) = found.pairs.split_at(60);
     let is_same = |c: &Candidate| {

@@ -39,7 +39,7 @@ fn record(right: i64, with_visible: bool) -> Recording {
 fn frontier_points(a: &Recording, b: &Recording) -> Vec<TangentMatch> {
     let matrix = Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
     let f = Fundamental::from_matrix(&matrix, a.size(), b.size()).unwrap();
-    let pairs: Vec<FramePair> = (0..90).map(|i| FramePair { a: i, b: i }).collect();
+    let pairs: Vec<FramePair> = (0..90).map(|i| FramePair::new(i, i)).collect();
     compare(&Views::new(a, b, &pairs), &f, 2.0).matches
 }
 

@@ -9,7 +9,6 @@ use crate::geometry::Fundamental;
 use crate::hypotheses::LineModel;
 use crate::matching::{Candidate, Candidates};
 use crate::options::Method;
-use crate::recording::RecordedFrame;
 use crate::refine::{loss_scale, with_insets};
 use crate::search::{Found, Solution};
 use crate::verify::thresholds::within;
@@ -42,7 +41,7 @@ impl TimeLine<'_> {
         let f = &winner.fundamental;
         let inliers = LineModel::new(candidates.best(), seen.all.sizes()).inliers(f);
         let candidate_pairs = with_inliers(candidates, inliers.into_iter());
-        let of_a = |p: &TangentMatch| RecordedFrame(self.common[p.frame.index()].a);
+        let of_a = |p: &TangentMatch| self.common[p.frame.index()].a;
         // Points stay on the silhouettes, by which pairs of one camera share them.
         let on_silhouettes = |p: &TangentMatch| {
             let frame = p.frame.index();

@@ -51,7 +51,7 @@ impl<'a> TimeLine<'a> {
     /// Common frames a second: where A films faster than B not all of its frames are. NaN where unknown.
     fn frame_rate(&self) -> f64 {
         // The median, as frames may lack for a while.
-        let step = median(self.common.windows(2).map(|p| f64::from(p[1].a - p[0].a)));
+        let step = median(self.common.windows(2).map(|p| (p[1].a.index() - p[0].a.index()) as f64));
         self.aligned.a().frame_rate() / step.map_or(f64::NAN, |step| step.max(1.0))
     }
 

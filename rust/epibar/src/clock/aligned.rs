@@ -4,7 +4,7 @@ use super::between;
 use super::clock::{Clock, nearest};
 use crate::frontier::{Up, Views};
 use crate::recording::tracker::Links;
-use crate::recording::{FramePair, Recording};
+use crate::recording::{FramePair, RecordedFrame, Recording};
 
 /// Two recordings on one time line.
 #[derive(Debug, Clone)]
@@ -54,17 +54,17 @@ impl<'a> Aligned<'a> {
     }
 
     /// Where a frame of A falls among the frames of B; NaN where B saw nothing of that moment.
-    pub fn position(&self, frame: u32) -> f64 {
-        self.positions[frame as usize]
+    pub fn position(&self, frame: RecordedFrame) -> f64 {
+        self.positions[frame.index()]
     }
 
     /// Silhouettes of both at some of those pairs, B's drawn at the very moment of A's frame.
     pub fn views(&self, frame_pairs: &[FramePair]) -> Views {
-        if frame_pairs.iter().all(|p| self.positions[p.a as usize].fract() == 0.0) {
+        if frame_pairs.iter().all(|p| self.position(p.a).fract() == 0.0) {
             return Views::new(self.a, self.b, frame_pairs).with_up(self.up);
         }
-        let hulls = |frame: u32| {
-            let found = between::hulls(&self.b.silhouettes, self.links, self.positions[frame as usize]);
+        let hulls = |frame: RecordedFrame| {
+            let found = between::hulls(&self.b.silhouettes, self.links, self.position(frame));
             found.into_iter().map(|hull| hull.vertices).collect()
         };
         Views::with_hulls_of_b(self.a, self.b, frame_pairs, hulls).with_up(self.up)

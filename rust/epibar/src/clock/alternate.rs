@@ -11,8 +11,8 @@ use crate::error::Result;
 use crate::frontier::up::{Up, up_in};
 use crate::frontier::{busy_frames, symmetric_score};
 use crate::geometry::Fundamental;
-use crate::recording::Recording;
 use crate::recording::tracker::Links;
+use crate::recording::{RecordedFrame, Recording};
 use crate::watch::{Unwatched, Watch};
 
 /// Offsets that differ by less than this, frames, give the same geometry.
@@ -189,7 +189,7 @@ impl<'a> Clocks<'a> {
         for part in 0..PARTS {
             let (first, last) =
                 (of_a((part as f64 - SEAM) * length), of_a((part as f64 + 1.0 + SEAM) * length));
-            let other = |frame: u32| frame < first || frame > last;
+            let other = |frame: RecordedFrame| frame < first || frame > last;
             let without = find_offset_among(self.a, self.b, other, seconds, watch)?;
             if without.is_none_or(|w| (w.offset - found.offset).abs() > agree) {
                 return Ok(found.trials);

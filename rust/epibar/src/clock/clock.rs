@@ -126,5 +126,5 @@ pub fn common_frames(a: &Recording, b: &Recording, offset: f64) -> Vec<FramePair
 pub(super) fn nearest(positions: &[f64], a: &Recording, b: &Recording) -> Vec<FramePair> {
     let within = NEAR * (a.frame_interval() / b.frame_interval()).min(1.0);
     let near = positions.iter().enumerate().filter(|(_, p)| (*p - p.round()).abs() <= within);
-    near.map(|(i, p)| FramePair { a: i as u32, b: p.round() as u32 }).collect()
+    near.map(|(i, p)| FramePair::new(i as u32, p.round() as u32)).collect()
 }

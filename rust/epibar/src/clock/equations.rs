@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::clock::Clock;
 use crate::geometry::SevenParameters;
-use crate::recording::Recording;
+use crate::recording::{RecordedFrame, Recording};
 use crate::refine::least_squares::cauchy;
 use crate::refine::loss_scale;
 
@@ -38,8 +38,8 @@ pub(super) struct Span {
 }
 
 impl Span {
-    pub(super) fn new(a: &Recording, b: &Recording, first: u32, last: u32) -> Self {
-        let (first, last) = (a.times[first as usize], a.times[last as usize]);
+    pub(super) fn new(a: &Recording, b: &Recording, first: RecordedFrame, last: RecordedFrame) -> Self {
+        let (first, last) = (a.times[first.index()], a.times[last.index()]);
         let (start, middle) = (a.times[0], 0.5 * (first + last));
         Self { start, middle, half: (0.5 * (last - first)).max(1e-9), step_b: b.frame_interval() }
     }

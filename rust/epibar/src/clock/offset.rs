@@ -6,7 +6,7 @@ use super::clock::common_frames;
 use super::timing::RunnerUp;
 use crate::error::{Error, Result};
 use crate::matching::mutual_matches;
-use crate::recording::{Barcodes, Informative, Recording, fullest};
+use crate::recording::{Barcodes, FramePair, Informative, RecordedFrame, Recording, fullest};
 use crate::watch::{Stage, Watch, report};
 
 /// What the barcodes say of the offset.
@@ -73,7 +73,7 @@ pub fn find_offset(
 pub fn find_offset_among(
     a: &Recording,
     b: &Recording,
-    of_a: impl Fn(u32) -> bool,
+    of_a: impl Fn(RecordedFrame) -> bool,
     seconds: f64,
     watch: &mut dyn Watch,
 ) -> Result<Option<FoundOffset>> {
@@ -90,7 +90,7 @@ pub fn find_offset_among(
     }
     let coarse: Vec<i64> = (-(searched / step)..=searched / step).map(|k| k * step).collect();
     let mut going = |done: f64| report(watch, Stage::TimeOffset, done);
-    let taken: Vec<u32> = busiest(a).filter(|&frame| of_a(frame)).collect();
+    let taken: Vec<u32> = busiest(a).filter(|&frame| of_a(RecordedFrame(frame))).collect();
     let few = Shifts::new(a, b, &taken, LINES[0]);
     let mut tried = Vec::with_capacity(coarse.len());
     for batch in coarse.chunks(32) {
@@ -201,7 +201,7 @@ impl<'a> Shifts<'a> {
 
     fn score_at(&self, offset: f64) -> Result<f64> {
         let mut pairs = common_frames(self.a, self.b, offset);
-        pairs.retain(|p| self.taken.binary_search(&p.a).is_ok());
+        pairs.retain(|p| self.taken.binary_search(&p.a.0).is_ok());
         // Of a camera that films faster each frame of the other has one.
         let slower = (self.a.frame_interval() / self.b.frame_interval()).min(1.0);
         let most = (self.taken.len() as f64 * slower) as usize;
@@ -209,7 +209,7 @@ impl<'a> Shifts<'a> {
         if pairs.len() < least {
             return Ok(f64::NEG_INFINITY);
         }
-        let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = pairs.iter().map(|p| (p.a, p.b)).unzip();
+        let [frames_a, frames_b] = FramePair::indices(&pairs);
         let (bits_a, changes_a) = informative(&self.lines_a, &frames_a);
         let (bits_b, changes_b) = informative(&self.lines_b, &frames_b);
         let mut z: Vec<f64> = mutual_matches(&bits_a, &bits_b, 1)?
@@ -241,7 +241,8 @@ fn thinned(recording: &Recording, rows: Vec<u32>, limit: usize) -> Barcodes {
 
 /// The stretch of at most [`FRAMES`] frames in which most frames show something that moves.
 fn busiest(recording: &Recording) -> std::ops::Range<u32> {
-    let busy: Vec<bool> = (0..recording.frames() as u32).map(|frame| recording.shows(frame)).collect();
+    let busy: Vec<bool> =
+        (0..recording.frames() as u32).map(|frame| recording.shows(RecordedFrame(frame))).collect();
     let found = fullest(&busy, FRAMES, 0);
     found.start as u32..found.end as u32
 }

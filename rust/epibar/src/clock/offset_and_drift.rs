@@ -140,8 +140,8 @@ impl Fitter<'_> {
             let mut row = ClockVector::zeros();
             row.fixed_rows_mut::<7>(0).copy_from(&seven);
             row[7] = motion;
-            row[8] = motion * rows.span.place(self.a.times[frame as usize]);
-            let time = self.a.times[frame as usize];
+            row[8] = motion * rows.span.place(self.a.times[frame.index()]);
+            let time = self.a.times[frame.index()];
             let block = (time / rows.span.block()).floor() as i64;
             rows.equations.push(Equation { residual, row, weight: p.surprise, block });
         }

@@ -136,7 +136,7 @@ pub(crate) mod tests {
             }
         }
         let [a, b] = frames.map(|frames| View::made_up(size, &frames));
-        let views = Views::of(a, b, (0..200).map(|k| FramePair { a: k, b: k }).collect());
+        let views = Views::of(a, b, (0..200).map(|k| FramePair::new(k, k)).collect());
         (views, rotation, translation)
     }
 

@@ -11,7 +11,7 @@ use super::up::Up;
 use crate::geometry::hull::moved_outward;
 use crate::geometry::{CameraMatrices, TangentPoint, epipolar_tangents};
 use crate::image::{Homogeneous, ImageSize};
-use crate::recording::{FramePair, Recording, visible};
+use crate::recording::{FramePair, RecordedFrame, Recording, visible};
 
 /// Hulls of one camera, frame by frame, vertices as floating point.
 #[derive(Debug, Clone)]
@@ -82,10 +82,10 @@ impl View {
     }
 
     /// The frames of a recording.
-    fn of_frames(recording: &Recording, frames: impl Iterator<Item = u32>) -> Self {
+    fn of_frames(recording: &Recording, frames: impl Iterator<Item = RecordedFrame>) -> Self {
         let silhouettes = &recording.silhouettes;
-        let hulls = |frame: u32| {
-            let all = silhouettes.hulls(frame as usize).map(|hull| silhouettes.hull(hull));
+        let hulls = |frame: RecordedFrame| {
+            let all = silhouettes.hulls(frame.index()).map(|hull| silhouettes.hull(hull));
             let areas = all.filter(|points| points.len() >= 3);
             areas.map(|points| points.iter().map(|p| p.map(f64::from)).collect()).collect()
         };
@@ -234,7 +234,7 @@ impl Views {
         a: &Recording,
         b: &Recording,
         frame_pairs: &[FramePair],
-        hulls_of_b: impl Fn(u32) -> Vec<Vec<[f64; 2]>> + Sync,
+        hulls_of_b: impl Fn(RecordedFrame) -> Vec<Vec<[f64; 2]>> + Sync,
     ) -> Self {
         let (a, drawn) = rayon::join(
             || View::of_frames(a, frame_pairs.iter().map(|p| p.a)),
@@ -321,8 +321,7 @@ pub fn busy_frames(
     frame_pairs: &[FramePair],
     limit: Option<usize>,
 ) -> Vec<FramePair> {
-    let moving = |recording: &Recording, frame: u32| recording.shows(frame);
-    let busy: Vec<_> = frame_pairs.iter().copied().filter(|p| moving(a, p.a) && moving(b, p.b)).collect();
+    let busy: Vec<_> = frame_pairs.iter().copied().filter(|p| a.shows(p.a) && b.shows(p.b)).collect();
     match limit {
         Some(limit) if busy.len() > limit => (0..limit).map(|k| busy[k * busy.len() / limit]).collect(),
         _ => busy,

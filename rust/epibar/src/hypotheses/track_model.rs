@@ -17,7 +17,7 @@ use crate::geometry::{
 };
 use crate::image::ImageSize;
 use crate::random::Generator;
-use crate::recording::FramePair;
+use crate::recording::{FramePair, RecordedFrame};
 use crate::refine::essential::{EssentialPrior, WithPrior};
 use crate::refine::least_squares::minimise;
 use crate::refine::sampson::SampsonProblem;
@@ -51,8 +51,9 @@ impl<'a> TrackModel<'a> {
     pub fn new(followed: &Views, scorer: &'a Scorer<'a>) -> Self {
         let frames = &followed.frame_pairs;
         // Where one camera films faster than the other not all of its frames are common.
-        let followed_on = |frame: fn(&FramePair) -> u32| {
-            let step = move |p: &[FramePair]| f64::from(frame(&p[1]).saturating_sub(frame(&p[0])));
+        let followed_on = |frame: fn(&FramePair) -> RecordedFrame| {
+            let step =
+                move |p: &[FramePair]| frame(&p[1]).index().saturating_sub(frame(&p[0]).index()) as f64;
             let longest = 2.0 * median(frames.windows(2).map(step)).unwrap_or(1.0).max(1.0);
             move |t: usize| step(&frames[t..t + 2]) <= longest
         };

@@ -11,7 +11,7 @@ use crate::error::Result;
 use crate::geometry::LinePair;
 use crate::image::{Line, Segment};
 use crate::random::seed_of_lines;
-use crate::recording::{Barcodes, FramePair, Informative, Recording};
+use crate::recording::{Barcodes, FramePair, Informative, RecordedFrame, Recording};
 
 /// How candidates are chosen; the defaults are the paper's numbers.
 #[derive(Debug, Clone)]
@@ -118,8 +118,9 @@ fn informative_lines(
     which: u64,
 ) -> InformativeLines {
     let selected = recording.barcodes.select_frames(frames);
-    let busy: Vec<u32> =
-        (0..frames.len() as u32).filter(|&place| recording.shows(frames[place as usize])).collect();
+    let busy: Vec<u32> = (0..frames.len() as u32)
+        .filter(|&place| recording.shows(RecordedFrame(frames[place as usize])))
+        .collect();
     let informative = |barcodes: &Barcodes| {
         // Where nothing is large enough to be a silhouette lines are all there is.
         if busy.is_empty() || busy.len() == frames.len() {
@@ -157,8 +158,7 @@ pub fn find_candidates(
     options: &CandidateOptions,
 ) -> Result<Candidates> {
     let compared: Vec<u32> = compared.iter().map(|c| common.partition_point(|p| p < c) as u32).collect();
-    let frames_a: Vec<u32> = common.iter().map(|p| p.a).collect();
-    let frames_b: Vec<u32> = common.iter().map(|p| p.b).collect();
+    let [frames_a, frames_b] = FramePair::indices(common);
     let lines_a = informative_lines(a, &frames_a, &compared, options, 1);
     let lines_b = informative_lines(b, &frames_b, &compared, options, 2);
     let deep = options.mutual.max(options.mutual_reserve);

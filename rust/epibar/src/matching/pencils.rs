@@ -31,11 +31,8 @@ pub struct Pencils {
 impl Pencils {
     /// Of some frames, and so many places of each camera, drawn by a seed, in its silhouettes.
     pub fn new(recordings: [&Recording; 2], frames: &[FramePair], places: usize, seed: u64) -> Self {
-        let of = |k: usize, pair: &FramePair| if k == 0 { pair.a } else { pair.b };
-        let hulls = [0, 1].map(|k| {
-            let frames: Vec<u32> = frames.iter().map(|pair| of(k, pair)).collect();
-            Hulls::new(&recordings[k].silhouettes, &frames)
-        });
+        let indices = FramePair::indices(frames);
+        let hulls = [0, 1].map(|k| Hulls::new(&recordings[k].silhouettes, &indices[k]));
         let places = [0, 1].map(|k| {
             let mut random = Stream::Pencils.generator(seed, k as u64);
             let count = hulls[k].count();
@@ -114,7 +111,7 @@ mod tests {
     #[test]
     fn the_lines_of_the_right_pencils_are_alike() {
         let recordings = [recorded(0), recorded(1)];
-        let frames: Vec<FramePair> = (0..200).map(|i| FramePair { a: i, b: i }).collect();
+        let frames: Vec<FramePair> = (0..200).map(|i| FramePair::new(i, i)).collect();
         let pencils = Pencils::new([&recordings[0], &recordings[1]], &frames, 60, 5);
         let size = recordings[0].size;
         let of = |rows: &Matrix3<f64>| {

@@ -9,13 +9,23 @@ use crate::image::{ImageSize, Segment};
 /// A frame of A and a frame of B that show one moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FramePair {
-    /// Frame of A, from 0.
-    pub a: u32,
-    /// Frame of B, from 0.
-    pub b: u32,
+    /// Frame of A.
+    pub a: RecordedFrame,
+    /// Frame of B.
+    pub b: RecordedFrame,
 }
 
 impl FramePair {
+    /// By the indices of both frames.
+    pub fn new(a: u32, b: u32) -> Self {
+        Self { a: RecordedFrame(a), b: RecordedFrame(b) }
+    }
+
+    /// Indices of the frames of A and of the frames of B in some pairs.
+    pub(crate) fn indices(pairs: &[Self]) -> [Vec<u32>; 2] {
+        [pairs.iter().map(|p| p.a.0).collect(), pairs.iter().map(|p| p.b.0).collect()]
+    }
+
     /// This moment with B for A.
     pub(crate) fn swapped(self) -> Self {
         Self { a: self.b, b: self.a }
@@ -59,14 +69,14 @@ impl Recording {
     }
 
     /// Whether anything moves in a frame that is larger than specks.
-    pub(crate) fn shows(&self, frame: u32) -> bool {
-        !self.silhouettes.hulls(frame as usize).is_empty()
+    pub(crate) fn shows(&self, frame: RecordedFrame) -> bool {
+        !self.silhouettes.hulls(frame.index()).is_empty()
     }
 
     /// The lines that inform over those of some frames in which anything shows: however long a camera films, what its lines see they see
     /// while something is there.
     pub(crate) fn informative_lines(&self, frames: impl Iterator<Item = u32>) -> Vec<u32> {
-        let busy: Vec<u32> = frames.filter(|&frame| self.shows(frame)).collect();
+        let busy: Vec<u32> = frames.filter(|&frame| self.shows(RecordedFrame(frame))).collect();
         self.barcodes.select_frames(&busy).informative(&Informative::default())
     }
 

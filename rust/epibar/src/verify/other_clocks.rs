@@ -18,6 +18,7 @@ use crate::frontier::symmetric::symmetric_score_by_frame;
 use crate::frontier::volume::{disagreement, met_correspondences};
 use crate::frontier::{Views, busy_frames, symmetric_score, tangent_matches};
 use crate::geometry::{CameraMatrices, Fundamental};
+use crate::recording::RecordedFrame;
 use crate::refine::refine;
 
 /// Frames with which clocks are compared.
@@ -90,14 +91,14 @@ pub fn other_clocks<'r>(
 ) -> Vec<OtherClock> {
     let own = later(0.0);
     let busy = busy_frames(own.a(), own.b(), &own.frame_pairs(), Some(FRAMES));
-    let taken: HashSet<u32> = busy.iter().map(|p| p.a).collect();
+    let taken: HashSet<RecordedFrame> = busy.iter().map(|p| p.a).collect();
     let at = |frames: f64| {
         let aligned = later(frames);
         let mut pairs = aligned.frame_pairs();
         pairs.retain(|p| taken.contains(&p.a));
         (2 * pairs.len() > taken.len()).then(|| {
             let views = aligned.views(&pairs).with_cameras(cameras);
-            let frames: Vec<u32> = pairs.iter().map(|p| p.a).collect();
+            let frames: Vec<RecordedFrame> = pairs.iter().map(|p| p.a).collect();
             (frames, views)
         })
     };
@@ -117,8 +118,8 @@ pub fn other_clocks<'r>(
     let steps = (0..=HALVINGS).map(|k| longest * 0.5_f64.powi(k));
     let Some(step) = steps.into_iter().find(is_found) else { return Vec::new() };
     let matches = tangent_matches(&views, &own_best, radius);
-    let gain = |scores: Vec<(u32, f64)>| {
-        let scores: HashMap<u32, f64> = scores.into_iter().collect();
+    let gain = |scores: Vec<(RecordedFrame, f64)>| {
+        let scores: HashMap<RecordedFrame, f64> = scores.into_iter().collect();
         let both = own_scores.iter().filter_map(|(frame, own)| Some(scores.get(frame)? - own));
         deviate(&both.collect::<Vec<_>>())
     };
@@ -146,7 +147,7 @@ pub fn other_clocks<'r>(
 }
 
 /// [`score`], and the evidence of each of the frames by its number in A.
-fn by_frame(views: &Views, frames: Vec<u32>, f: &Fundamental) -> (f64, Vec<(u32, f64)>) {
+fn by_frame(views: &Views, frames: Vec<RecordedFrame>, f: &Fundamental) -> (f64, Vec<(RecordedFrame, f64)>) {
     let (score, by_frame) = symmetric_score_by_frame(views, f);
     (score.total / views.frames() as f64, frames.into_iter().zip(by_frame).collect())
 }

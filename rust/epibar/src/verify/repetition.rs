@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use super::split::{among, autocorrelation_among, moving_lines};
 use crate::recording::tracker::{Links, Outline};
-use crate::recording::{Barcodes, FramePair, LONG_STEP, Recording, fullest};
+use crate::recording::{Barcodes, FramePair, LONG_STEP, RecordedFrame, Recording, fullest};
 
 /// Common frames of which it is asked.
 const FRAMES: usize = 3000;
@@ -38,8 +38,7 @@ const PERSISTS: f64 = 0.8;
 /// same things are, NaN where no line says anything. Times after which too few moments say something are passed over.
 pub fn repeats(recordings: [&Recording; 2], common: &[FramePair]) -> f64 {
     let common = &common[busiest(recordings, common)];
-    let frames =
-        [common.iter().map(|p| p.a).collect::<Vec<u32>>(), common.iter().map(|p| p.b).collect::<Vec<u32>>()];
+    let frames = FramePair::indices(common);
     // That nobody is there for a while, and then somebody is again, is no likeness.
     let busy = [0, 1].map(|k| busy_bits(recordings[k], &frames[k]));
     let lines: [Barcodes; 2] = [0, 1].map(|k| among(&moving_lines(recordings[k], &frames[k]), &busy[k]));
@@ -80,7 +79,7 @@ fn busiest(recordings: [&Recording; 2], common: &[FramePair]) -> Range<usize> {
 fn busy_bits(recording: &Recording, frames: &[u32]) -> Vec<u64> {
     let mut bits = vec![0; frames.len().div_ceil(64)];
     for (i, &frame) in frames.iter().enumerate() {
-        bits[i / 64] |= u64::from(recording.shows(frame)) << (i % 64);
+        bits[i / 64] |= u64::from(recording.shows(RecordedFrame(frame))) << (i % 64);
     }
     bits
 }
@@ -199,7 +198,7 @@ mod tests {
 
     fn of(places: impl Fn(usize) -> Vec<[usize; 2]>) -> f64 {
         let recording = recorded(240, places);
-        let common: Vec<FramePair> = (0..240).map(|i| FramePair { a: i, b: i }).collect();
+        let common: Vec<FramePair> = (0..240).map(|i| FramePair::new(i, i)).collect();
         repeats([&recording, &recording], &common)
     }
 
@@ -250,7 +249,7 @@ mod tests {
         let column = |t: usize| (0..4).map(|k| [(2 * t) % 20 + 20 + 20 * k, 30]).collect::<Vec<_>>();
         let (short, long) =
             (recorded(240, column), recorded(6000, |t| if t < 240 { column(t) } else { vec![] }));
-        let common: Vec<FramePair> = (0..240).map(|i| FramePair { a: i, b: i }).collect();
+        let common: Vec<FramePair> = (0..240).map(|i| FramePair::new(i, i)).collect();
         let repeats = repeats([&short, &long], &common);
         assert!(repeats > 0.9, "{repeats}");
     }
@@ -261,7 +260,7 @@ mod tests {
         let recording = recorded(3000, |t| {
             if (1400..1540).contains(&t) { vec![[t - 1400, (t * t / 60) % 60]] } else { vec![] }
         });
-        let common: Vec<FramePair> = (0..3000).map(|i| FramePair { a: i, b: i }).collect();
+        let common: Vec<FramePair> = (0..3000).map(|i| FramePair::new(i, i)).collect();
         let repeats = repeats([&recording; 2], &common);
         assert!(repeats < 0.4, "{repeats}");
     }
@@ -277,7 +276,7 @@ mod tests {
     #[test]
     fn what_is_asked_is_the_stretch_in_which_most_moves() {
         let recording = recorded(4000, |t| if t >= 3500 { vec![[t % 140, 30]] } else { vec![] });
-        let common: Vec<FramePair> = (0..4000).map(|i| FramePair { a: i, b: i }).collect();
+        let common: Vec<FramePair> = (0..4000).map(|i| FramePair::new(i, i)).collect();
         assert_eq!(busiest([&recording; 2], &common), 1000..4000);
         let always = recorded(3200, |t| vec![[t % 140, 30]]);
         assert_eq!(busiest([&always; 2], &common[..3200]), 100..3100);

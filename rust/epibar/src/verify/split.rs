@@ -81,7 +81,7 @@ pub struct Stay {
 impl Stay {
     /// Of the `busy` ones among `common` frames.
     pub fn new(a: &Recording, b: &Recording, common: &[FramePair], busy: &[FramePair]) -> Self {
-        let (frames_a, frames_b): (Vec<u32>, Vec<u32>) = busy.iter().map(|p| (p.a, p.b)).unzip();
+        let [frames_a, frames_b] = FramePair::indices(busy);
         let stay = stay_in(a, &frames_a).max(stay_in(b, &frames_b));
         Self { busy: stay, common: in_common_frames(stay, common, busy) }
     }
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
 
     fn pairs(frames: impl Iterator<Item = u32>) -> Vec<FramePair> {
-        frames.map(|i| FramePair { a: i, b: i + 7 }).collect()
+        frames.map(|i| FramePair::new(i, i + 7)).collect()
     }
 
     /// As where all frames are busy.
@@ -174,7 +174,7 @@ mod tests {
             let splits =
                 [Fold::First, Fold::Second].map(|fold| Split::new(&common, &busy, alike(stay), fold));
             let of = |split: &Split| -> Vec<u32> {
-                split.tested.iter().flat_map(Clone::clone).map(|i| busy[i].a).collect()
+                split.tested.iter().flat_map(Clone::clone).map(|i| busy[i].a.0).collect()
             };
             assert!(of(&splits[1]).iter().all(|t| !of(&splits[0]).contains(t)), "{frames} {stay}");
             for split in splits {
@@ -183,7 +183,7 @@ mod tests {
                     gap >= 1 && (gap as usize == stay || stay * 8 > frames as usize),
                     "{frames} {stay}: {gap}"
                 );
-                for &FramePair { a: fitted, .. } in &split.fitted {
+                for fitted in split.fitted.iter().map(|p| p.a.0) {
                     assert!(tested.iter().all(|t| t.abs_diff(fitted) > gap), "{frames} {stay}: {fitted}");
                 }
                 assert!(split.fitted_busy.iter().all(|p| busy.contains(p) && split.fitted.contains(p)));

@@ -188,7 +188,7 @@ pub(super) mod tests {
             }
         }
         let [a, b] = views.map(|frames| View::made_up(size, &frames));
-        let pairs = (0..frames as u32).map(|i| FramePair { a: i, b: i }).collect();
+        let pairs = (0..frames as u32).map(|i| FramePair::new(i, i)).collect();
         let rows = nalgebra::Matrix3::new(0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
         (Views::of(a, b, pairs), Fundamental::from_matrix(&rows, size, size).unwrap())
     }

@@ -11,5 +11,5 @@ use epibar::internals::FramePair;
 
 /// The first frames of both cameras, each with the one of the same number.
 pub fn pairs(frames: u32) -> Vec<FramePair> {
-    (0..frames).map(|k| FramePair { a: k, b: k }).collect()
+    (0..frames).map(|k| FramePair::new(k, k)).collect()
 }

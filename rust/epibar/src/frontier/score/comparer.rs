@@ -315,7 +315,7 @@ mod tests {
     fn a_comparison_turned_round_is_that_of_the_views_exchanged() {
         let sizes = [ImageSize::new(640, 480).unwrap(), ImageSize::new(800, 450).unwrap()];
         let (a, b) = (polygons(sizes[0], 30, 4), polygons(sizes[1], 30, 5));
-        let pairs = (0..30).map(|i| FramePair { a: i, b: i }).collect();
+        let pairs = (0..30).map(|i| FramePair::new(i, i)).collect();
         let views = Views::of(a, b, pairs);
         let rows = Matrix3::new(0.0, -1e-6, 2e-4, 2e-6, 0.0, -1.2e-3, -3e-4, 1e-3, 0.03);
         let f = Fundamental::from_matrix(&rows, sizes[0], sizes[1]).unwrap();
