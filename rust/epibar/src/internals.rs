@@ -1,6 +1,6 @@
 //! What the binding, the tests and the measurements of this repository reach into the crate for.
 //!
-//! No part of the public interface: anything in here may change with every version.
+//! No part of the public interface: it is there with the feature `internals` alone, and anything in here may change with every version.
 
 pub use crate::calibrate::outstanding_offset;
 pub use crate::clock::offset::FoundOffset;

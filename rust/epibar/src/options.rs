@@ -136,6 +136,7 @@ impl CalibrateOptions {
     }
 
     /// With all that can be chosen about candidates; for tests and measurements.
+    #[cfg(feature = "internals")]
     #[doc(hidden)]
     #[must_use]
     pub fn matching(self, matching: CandidateOptions) -> Self {
