@@ -9,7 +9,7 @@ use crate::recording::at_moment::{Between, at_moment};
 use crate::recording::fill::fill;
 use crate::recording::tracker::Links;
 use crate::recording::visible::on_border;
-use crate::recording::{LONG_STEP, Recording};
+use crate::recording::{LONG_STEP, RecordedFrame, Recording};
 
 /// Silhouettes of one camera.
 #[derive(Debug, Clone)]
@@ -40,7 +40,7 @@ pub struct Observed {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
     /// The frame before it, or at it.
-    pub frame: u32,
+    pub frame: RecordedFrame,
     /// How far it is to the next one, 0 to 1.
     pub share: f64,
 }
@@ -98,8 +98,8 @@ impl Observed {
     }
 
     /// The silhouettes of a frame.
-    pub fn of_frame(&self, frame: u32) -> std::ops::Range<u32> {
-        self.frame_start[frame as usize]..self.frame_start[frame as usize + 1]
+    pub fn of_frame(&self, frame: RecordedFrame) -> std::ops::Range<u32> {
+        self.frame_start[frame.index()]..self.frame_start[frame.index() + 1]
     }
 
     /// The points of a silhouette; none of one without two sides.
@@ -165,12 +165,11 @@ impl Observed {
     }
 
     /// For each silhouette whether it is seen in one of some frames, or in the one after.
-    pub fn wanted(&self, frames: impl Iterator<Item = u32>) -> Vec<bool> {
+    pub fn wanted(&self, frames: impl Iterator<Item = RecordedFrame>) -> Vec<bool> {
         let mut wanted = vec![false; self.silhouettes()];
         for frame in frames {
-            let last = (frame + 1).min(self.frames() as u32 - 1);
-            let range =
-                self.frame_start[frame as usize] as usize..self.frame_start[last as usize + 1] as usize;
+            let last = (frame.index() + 1).min(self.frames() - 1);
+            let range = self.frame_start[frame.index()] as usize..self.frame_start[last + 1] as usize;
             wanted[range].fill(true);
         }
         wanted
@@ -179,7 +178,7 @@ impl Observed {
     /// The moment at `seconds` of this camera's clock; `None` where it saw nothing then.
     pub fn moment(&self, seconds: f64) -> Option<Moment> {
         let after = self.times.partition_point(|t| *t <= seconds);
-        let whole = |frame: usize| Some(Moment { frame: frame as u32, share: 0.0 });
+        let whole = |frame: usize| Some(Moment { frame: RecordedFrame(frame as u32), share: 0.0 });
         if after == 0 {
             return if self.times.first()? - seconds <= 0.5 * self.interval { whole(0) } else { None };
         }
@@ -201,24 +200,24 @@ impl Observed {
         match share {
             s if s < 1e-6 => whole(before),
             s if s > 1.0 - 1e-6 => whole(after),
-            share => Some(Moment { frame: before as u32, share }),
+            share => Some(Moment { frame: RecordedFrame(before as u32), share }),
         }
     }
 
     /// Seconds of this camera's clock at a moment.
     pub fn seconds(&self, moment: Moment) -> f64 {
-        let at = self.times[moment.frame as usize];
+        let at = self.times[moment.frame.index()];
         if moment.share == 0.0 {
             return at;
         }
-        at + moment.share * (self.times[moment.frame as usize + 1] - at)
+        at + moment.share * (self.times[moment.frame.index() + 1] - at)
     }
 
     /// The silhouettes at a moment; those that are not followed to the other frame stand still in the nearer.
     pub fn between(&self, moment: Moment, found: &mut Vec<Between<u32>>) {
         let Moment { frame, share } = moment;
         let usable = |h: &u32| self.usable(*h);
-        let there = if share == 0.0 { 0..0 } else { self.of_frame(frame + 1) };
+        let there = if share == 0.0 { 0..0 } else { self.of_frame(RecordedFrame(frame.0 + 1)) };
         found.clear();
         found.extend(at_moment(
             self.of_frame(frame).filter(usable),

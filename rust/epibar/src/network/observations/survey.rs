@@ -12,6 +12,7 @@ use super::time_parts::TimeParts;
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
 use crate::network::model::joint::PairMeetings;
+use crate::recording::RecordedFrame;
 
 /// With more partners than the first a camera has fewer frames compared with each; from the second on a pair would tell nothing.
 const PARTNERS: [usize; 2] = [9, 36];
@@ -29,7 +30,7 @@ pub struct Survey<'a> {
     /// Silhouettes, camera by camera.
     pub observed: &'a [Observed],
     /// Frames of each camera that are looked at.
-    frames: Vec<Vec<u32>>,
+    frames: Vec<Vec<RecordedFrame>>,
 }
 
 /// The sum over some pairs, part by part.
@@ -56,8 +57,9 @@ impl<'a> Survey<'a> {
             .iter()
             .enumerate()
             .map(|(camera, o)| {
-                let kept: Vec<u32> = (0..o.frames() as u32)
-                    .filter(|&i| keep(camera, o.times[i as usize]) && !o.of_frame(i).is_empty())
+                let kept: Vec<RecordedFrame> = (0..o.frames() as u32)
+                    .map(RecordedFrame)
+                    .filter(|&i| keep(camera, o.times[i.index()]) && !o.of_frame(i).is_empty())
                     .collect();
                 evenly(kept.len(), limit).map(|k| kept[k]).collect()
             })
@@ -71,7 +73,7 @@ impl<'a> Survey<'a> {
         let mut wanted = self.observed[camera].wanted(own);
         for (other, frames) in self.frames.iter().enumerate().filter(|(other, _)| *other != camera) {
             let times = frames.iter().map(|&f| {
-                let time = cameras[other].time_of(self.observed[other].times[f as usize]);
+                let time = cameras[other].time_of(self.observed[other].times[f.index()]);
                 cameras[camera].clock_at(time)
             });
             let asked = times.filter_map(|t| self.observed[camera].moment(t)).map(|m| m.frame);

@@ -16,12 +16,13 @@ use super::ends::{CameraView, End, Ends, ends, wrapped};
 use super::observed::{Moment, Observed};
 use crate::network::model::camera::Camera;
 use crate::network::model::residual::Meeting;
+use crate::recording::RecordedFrame;
 use crate::recording::at_moment::Between;
 
 /// Frames of A with the moments of B at which they were seen.
-fn common_moments(a: &CameraView, b: &CameraView, frames: &[u32]) -> Vec<(u32, Moment)> {
-    let moment = |frame: u32| {
-        let time = a.camera.time_of(a.observed.times[frame as usize]);
+fn common_moments(a: &CameraView, b: &CameraView, frames: &[RecordedFrame]) -> Vec<(RecordedFrame, Moment)> {
+    let moment = |frame: RecordedFrame| {
+        let time = a.camera.time_of(a.observed.times[frame.index()]);
         b.observed.moment(b.camera.clock_at(time))
     };
     frames.iter().filter_map(|&frame| Some((frame, moment(frame)?))).collect()
@@ -31,9 +32,9 @@ fn common_moments(a: &CameraView, b: &CameraView, frames: &[u32]) -> Vec<(u32, M
 pub fn common_times(
     (a, camera_a): (&Observed, &Camera),
     (b, camera_b): (&Observed, &Camera),
-    frames: &[u32],
+    frames: &[RecordedFrame],
 ) -> Vec<f64> {
-    let times = frames.iter().map(|&frame| camera_a.time_of(a.times[frame as usize]));
+    let times = frames.iter().map(|&frame| camera_a.time_of(a.times[frame.index()]));
     let sees = |moment: Moment| !b.of_frame(moment.frame).is_empty();
     times.filter(|time| b.moment(camera_b.clock_at(*time)).is_some_and(sees)).collect()
 }
@@ -44,16 +45,26 @@ pub struct PairTangents<'a> {
     b: CameraView<'a>,
     ends_a: Ends,
     ends_b: Ends,
-    moments: Vec<(u32, Moment)>,
+    moments: Vec<(RecordedFrame, Moment)>,
     /// Angles of B's ends of either side over all moments, sorted, for chance.
     sorted_b: [Vec<f64>; 2],
+}
+
+/// Index of a moment among those that a pair has in common, from 0: no frame of either camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PairMoment(u32);
+
+impl PairMoment {
+    fn index(self) -> usize {
+        self.0 as usize
+    }
 }
 
 /// Two ends that meet, as indices; a [`Meeting`] is what is measured of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchedEnds {
-    /// Index of the moment.
-    pub moment: u32,
+    /// When they do.
+    pub moment: PairMoment,
     /// 0 for lower ends, 1 for upper ones.
     pub side: u8,
     /// Silhouette of A.
@@ -88,7 +99,7 @@ pub struct Score {
 impl<'a> PairTangents<'a> {
     /// Compares `a` with `b` at given frames of `a`; those of which B saw nothing are left out. Rays must be there of
     /// the silhouettes of these frames, and of those about the same moments in B.
-    pub fn new(a: CameraView<'a>, b: CameraView<'a>, frames: &[u32]) -> Self {
+    pub fn new(a: CameraView<'a>, b: CameraView<'a>, frames: &[RecordedFrame]) -> Self {
         let axis = b.camera.position - a.camera.position;
         let moments = common_moments(&a, &b, frames);
         let wanted_a = a.observed.wanted(moments.iter().map(|m| m.0));
@@ -121,7 +132,7 @@ impl<'a> PairTangents<'a> {
 
     /// The network's time of a moment.
     pub fn time(&self, moment: usize) -> f64 {
-        self.a.camera.time_of(self.a.observed.times[self.moments[moment].0 as usize])
+        self.a.camera.time_of(self.a.observed.times[self.moments[moment].0.index()])
     }
 
     /// Number of moments in common.
@@ -213,7 +224,7 @@ impl<'a> PairTangents<'a> {
                 let within = radius * end.per_pixel.hypot(ends_b[k].per_pixel);
                 let chance = self.chance(side, end.angle, within);
                 found.push(MatchedEnds {
-                    moment: moment as u32,
+                    moment: PairMoment(moment as u32),
                     side: side as u8,
                     a,
                     b: seen[k],
@@ -285,7 +296,7 @@ impl<'a> PairTangents<'a> {
         met.iter()
             .map(|m| {
                 let side = m.side as usize;
-                let (frame, moment) = self.moments[m.moment as usize];
+                let (frame, moment) = self.moments[m.moment.index()];
                 let (pixel_b, velocity_b) = self.motion_of_b(&m.b, side);
                 Meeting {
                     a: a.point(self.ends_a[m.a as usize][side].point),
@@ -293,7 +304,7 @@ impl<'a> PairTangents<'a> {
                     outward_a: self.ends_a[m.a as usize][side].outward,
                     outward_b: self.end_of_b(&m.b, side).outward,
                     velocity_b,
-                    time_a: a.times[frame as usize],
+                    time_a: a.times[frame.index()],
                     time_b: b.seconds(moment),
                     weight: m.surprise,
                 }
@@ -348,7 +359,7 @@ impl ShiftScorer<'_> {
         let mut scores = self.unmet.clone();
         let met = self.tangents.meet(self.radius, shift);
         for (k, m) in met.iter().enumerate() {
-            let score = &mut scores[m.moment as usize];
+            let score = &mut scores[m.moment.index()];
             score.excess += (1.0 - (m.distance / self.radius).powi(2)) * m.surprise;
             score.whole += usize::from(other_end(&met, k).is_some());
         }
