@@ -5,6 +5,7 @@
 //! done once more.
 
 mod clock_by_motion;
+mod found_before;
 mod offset_choice;
 mod result;
 mod time_line;
@@ -24,6 +25,7 @@ use crate::verify::trials::falls_for;
 use crate::verify::{Case, untestable, verify};
 use crate::watch::{Stage, Unwatched, Watch, report};
 use clock_by_motion::{found_clock_by_motion, given_clock_by_motion};
+use found_before::FoundBefore;
 use time_line::TimeLine;
 
 /// Finds the fundamental matrix between two cameras.
@@ -89,8 +91,10 @@ fn calibrate_from(
     {
         clocks.take(outstanding.offset);
     }
+    let mut known = FoundBefore::default();
     loop {
-        let found = calibrate_at(&clocks.aligned(), options, watch)?;
+        let found;
+        (found, known) = calibrate_at(&clocks.aligned(), &known, options, watch)?;
         let credible = found.fundamental.filter(|_| found.evidence.z >= MIN_Z_FOR_CLOCK);
         if let Some(timing) = clocks.learn(credible) {
             // Only where their number decides is it asked more closely.
@@ -111,40 +115,74 @@ fn after_barcodes(watch: &mut dyn Watch) -> impl Watch {
     |stage, done| watch.keep_going(stage, 0.9 + 0.1 * done)
 }
 
-/// By a known clock: once, and once more with other frames kept aside where these say too little.
-fn calibrate_at(aligned: &Aligned, options: &CalibrateOptions, watch: &mut dyn Watch) -> Result<Calibration> {
+/// By a known clock: once, and once more with other frames kept aside where these say too little. `known` is what was found by a clock nearly as good; what is
+/// found by this one comes beside the calibration.
+fn calibrate_at(
+    aligned: &Aligned,
+    known: &FoundBefore,
+    options: &CalibrateOptions,
+    watch: &mut dyn Watch,
+) -> Result<(Calibration, FoundBefore)> {
     let time_line = TimeLine::new(aligned, options);
     if let Some(verdict) = untestable::too_few_frames(time_line.common.len()) {
-        return Ok(time_line.refused(verdict, &Candidates::default()));
+        return Ok((time_line.refused(verdict, &Candidates::default()), FoundBefore::default()));
     }
-    let (first, earlier) = looked_at(&time_line, Fold::First, None, watch)?;
-    let Some(earlier) = earlier.filter(|_| options.method == Method::Frontier) else { return Ok(first) };
-    let (second, _) = looked_at(&time_line, Fold::Second, Some(&earlier), watch)?;
-    Ok(if second.evidence.z > first.evidence.z { second } else { first })
+    let first = looked_at(&time_line, Fold::First, Before { known, earlier: None }, watch)?;
+    let Some(earlier) = first.again.filter(|_| options.method == Method::Frontier) else {
+        return Ok((first.calibration, first.found));
+    };
+    let before = Before { known: &FoundBefore::default(), earlier: Some(&earlier) };
+    let second = looked_at(&time_line, Fold::Second, before, watch)?.calibration;
+    let second_is_better = second.evidence.z > first.calibration.evidence.z;
+    Ok((if second_is_better { second } else { first.calibration }, first.found))
 }
 
-/// Found by some frames and tested on others, and what is worth a second look at it, if anything is.
-fn looked_at(
-    time_line: &TimeLine,
-    fold: Fold,
-    earlier: Option<&Earlier>,
-    watch: &mut dyn Watch,
-) -> Result<(Calibration, Option<Earlier>)> {
+/// What is known before frames are looked at.
+#[derive(Clone, Copy)]
+struct Before<'b> {
+    /// What was found by a clock nearly as good.
+    known: &'b FoundBefore,
+    /// What a first look at other frames said.
+    earlier: Option<&'b Earlier>,
+}
+
+/// What a look at some of the frames brought.
+struct LookedAt {
+    calibration: Calibration,
+    /// What is worth a second look at other frames, if anything is.
+    again: Option<Earlier>,
+    /// What was found.
+    found: FoundBefore,
+}
+
+impl LookedAt {
+    fn refused(calibration: Calibration) -> Self {
+        Self { calibration, again: None, found: FoundBefore::default() }
+    }
+}
+
+/// Found by some frames and tested on others.
+fn looked_at(time_line: &TimeLine, fold: Fold, before: Before, watch: &mut dyn Watch) -> Result<LookedAt> {
     report(watch, Stage::Candidates, 0.0)?;
     let split = time_line.split(fold);
     let candidates = time_line.candidates(&split)?;
     if let Some(verdict) = untestable::too_little_motion(&candidates, time_line.busy.len()) {
-        return Ok((time_line.refused(verdict, &candidates), None));
+        return Ok(LookedAt::refused(time_line.refused(verdict, &candidates)));
     }
     let seen = time_line.split_views(split);
-    let searched = time_line.searched(&seen, &candidates, watch)?;
+    let known = before.known.without_tested(&seen.split, &time_line.busy);
+    let searched = time_line.searched(&seen, &candidates, known, watch)?;
+    // As the fitted frames have them, in which those kept aside had no part.
+    let solutions = searched.solutions().to_vec();
     let (moved, found) = time_line.refined(&seen, searched, watch)?;
     let seen = moved.unwrap_or(seen);
     let Some(winner) = found.solutions.first() else {
-        return Ok((time_line.refused(untestable::no_hypothesis(), &candidates), None));
+        return Ok(LookedAt::refused(time_line.refused(untestable::no_hypothesis(), &candidates)));
     };
-    let case = Case { earlier, ..time_line.case(&seen, &found) };
+    let case = Case { earlier: before.earlier, ..time_line.case(&seen, &found) };
     let verified = verify(&case, &winner.fundamental, watch)?;
     let again = Earlier::new(&verified, found.fitted);
-    Ok((time_line.calibration(&seen, &candidates, &found, winner, verified), again))
+    let calibration = time_line.calibration(&seen, &candidates, &found, winner, verified);
+    let found = FoundBefore { solutions, fitted: seen.split.fitted };
+    Ok(LookedAt { calibration, again, found })
 }

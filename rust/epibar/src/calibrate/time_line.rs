@@ -9,7 +9,7 @@ use crate::matching::{Candidates, find_candidates};
 use crate::options::{CalibrateOptions, Method};
 use crate::recording::FramePair;
 use crate::search::by_lines::{self, Filmed};
-use crate::search::{Effort, Found, SearchOptions, Searched, TrainingSet, insets, search, settle};
+use crate::search::{Effort, Found, SearchOptions, Searched, Solution, TrainingSet, insets, search, settle};
 use crate::verify::split::{Fold, Split, Stay};
 use crate::verify::{Case, SplitViews, are_masks};
 use crate::watch::Watch;
@@ -38,6 +38,16 @@ pub enum SearchedBy<'s> {
     },
     /// Geometries by lines of all frames, each fitted to its inliers: lines leave nothing to refine.
     Lines(Found),
+}
+
+impl SearchedBy<'_> {
+    /// Geometries that the search with tangents found on the fitted frames alone, best first.
+    pub fn solutions(&self) -> &[Solution] {
+        match self {
+            Self::Tangents { searched, .. } => &searched.solutions,
+            Self::Lines(_) => &[],
+        }
+    }
 }
 
 impl<'a> TimeLine<'a> {
@@ -83,17 +93,18 @@ impl<'a> TimeLine<'a> {
         SplitViews::new(split, &self.common, &self.busy, |frames| self.views(frames))
     }
 
-    /// What candidates lead to, by either method.
+    /// What candidates lead to, by either method; `known` is where the method of frontier points ended by a clock nearly as good.
     pub fn searched<'s>(
         &self,
         seen: &'s SplitViews,
         candidates: &Candidates,
+        known: &[Solution],
         watch: &mut dyn Watch,
     ) -> Result<SearchedBy<'s>> {
         match self.options.method {
             Method::Frontier => {
                 let training = Box::new(self.training_set(seen));
-                let searched = search(&training, candidates, watch)?;
+                let searched = search(&training, candidates, known, watch)?;
                 Ok(SearchedBy::Tangents { training, searched })
             }
             Method::Lines => self.by_lines(seen, candidates, watch).map(SearchedBy::Lines),

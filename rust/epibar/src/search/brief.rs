@@ -24,6 +24,6 @@ pub fn brief_options(seed: u64) -> SearchOptions {
 pub fn brief_search(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn Watch) -> Result<f64> {
     let SearchOptions { seed, effort, .. } = &training.options;
     let hypotheses = from_a(training, candidates, &effort.draws, seed_of_pass(*seed, 0), watch)?;
-    let found = refined_once(training, effort, &hypotheses.scored);
+    let found = refined_once(training, effort, &hypotheses.scored, Vec::new());
     Ok(found.first().map_or(0.0, |best| score_of_tangent(training, best)))
 }

@@ -41,15 +41,22 @@ use crate::watch::Watch;
 use either_order::{from_a, from_b};
 
 /// Searches with all sources, on the fitted frames alone: with few hypotheses, where one geometry does not stand out among these with many, and again by the
-/// other order of the cameras where the truth may have been missed.
+/// other order of the cameras where the truth may have been missed. What is `known` is where an earlier search ended, by a clock nearly as good, and is among what
+/// is found.
 ///
 /// # Errors
 /// [`Error::Interrupted`](crate::Error::Interrupted).
-pub fn search(training: &TrainingSet, candidates: &Candidates, watch: &mut dyn Watch) -> Result<Searched> {
-    if let Some(found) = early::outstanding(training, candidates, watch)? {
+pub fn search(
+    training: &TrainingSet,
+    candidates: &Candidates,
+    known: &[Solution],
+    watch: &mut dyn Watch,
+) -> Result<Searched> {
+    let known = pass::again(training, known);
+    if let Some(found) = early::outstanding(training, candidates, &known, watch)? {
         return Ok(found);
     }
-    let mut found = Searched::default();
+    let mut found = Searched { solutions: known, floor: None };
     for pass in 0..training.options.passes {
         if pass > 0 && !contest::is_open(training, &found.solutions, pass) {
             break;

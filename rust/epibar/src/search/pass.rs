@@ -6,7 +6,8 @@ use super::solution::{Solution, share_of};
 use super::starts::{Starts, with_refined};
 use super::training_set::{Effort, TrainingSet};
 use crate::error::Result;
-use crate::hypotheses::Hypothesis;
+use crate::geometry::Fundamental;
+use crate::hypotheses::{Hypothesis, Source};
 use crate::random::seed_of_resampled;
 use crate::refine::valley::walk;
 use crate::watch::{Stage, Watch, report};
@@ -75,12 +76,24 @@ pub(super) fn grown(
     walked(training, &solutions, breadth, watch)
 }
 
-/// What hypotheses become when the best of them that differ are refined.
-pub(super) fn refined_once(training: &TrainingSet, effort: &Effort, scored: &[Hypothesis]) -> Vec<Solution> {
+/// What hypotheses become when the best of them that differ are refined, those known before among them.
+pub(super) fn refined_once(
+    training: &TrainingSet,
+    effort: &Effort,
+    scored: &[Hypothesis],
+    known: Vec<Solution>,
+) -> Vec<Solution> {
     let starts = starts_of(training, effort, scored);
-    with_refined(training, Vec::new(), &starts.from(0), &SCHEDULES, USUAL.kept)
+    with_refined(training, known, &starts.from(0), &SCHEDULES, USUAL.kept)
 }
 
+/// What solutions of an earlier search are on these frames.
+pub(super) fn again(training: &TrainingSet, known: &[Solution]) -> Vec<Solution> {
+    let starts: Vec<(Fundamental, Source)> = known.iter().map(|s| (s.fundamental, s.source)).collect();
+    with_refined(training, Vec::new(), &starts, &SCHEDULES, USUAL.kept)
+}
+
+/// Different ones of the best hypotheses.
 fn starts_of<'a>(training: &'a TrainingSet<'a>, effort: &Effort, scored: &[Hypothesis]) -> Starts<'a> {
     Starts::new(training, scored, effort.own_starts, effort.starts, STARTS_APART * training.scale)
 }
