@@ -107,6 +107,15 @@ def test_which_values_are_videos_is_never_guessed(words, took, others, capsys):
         )
 
 
+def test_a_folder_that_an_option_took_is_missed_with_what_to_do(capsys):
+    assert main(["check", "--background", "e1", "e2", "D", "a", "b"]) == 2
+    printed = capsys.readouterr().err
+    assert "arguments are required: DIR" in printed
+    assert "--background takes all that stands behind it: put it last, or end its values with --" in printed
+    assert main(["check"]) == 2
+    assert "stands behind it" not in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(("command", "as_in"), [("inspect", "inspect"), ("check D", "check DIR")])
 def test_the_way_out_is_that_of_the_command(command, as_in, capsys):
     assert main([*command.split(), "--background", "b1", "c1", "c2", "c3"]) == 2

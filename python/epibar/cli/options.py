@@ -48,6 +48,7 @@ class CommandParser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"-(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$", re.IGNORECASE)
         self._takes_videos = False
         self._each: dict[str, str] = {}
+        self._words: Sequence[str] = ()
 
     def add_videos(self, purpose: str) -> None:
         """Add the argument ``VIDEO ...``."""
@@ -61,7 +62,7 @@ class CommandParser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse, and give back the videos that an option took where it is certain which these are."""
-        words = sys.argv[1:] if args is None else args
+        words = self._words = sys.argv[1:] if args is None else args
         found, rest = super().parse_known_args(self._with_names(words), namespace)
         if self._takes_videos:
             # What stands between and after options is a video as well.
@@ -85,6 +86,11 @@ class CommandParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong with the arguments, of which some may be addresses with passwords, and exit."""
+        given = [option for option in self._each.values() if option in self._words]
+        if given and "arguments are required" in message:
+            message += (
+                f". {given[-1]} takes all that stands behind it: put it last, or end its values with --"
+            )
         super().error(printable(without_secrets(message)))
 
     def _give_back(self, found: argparse.Namespace) -> None:
