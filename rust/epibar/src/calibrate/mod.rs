@@ -127,23 +127,13 @@ fn calibrate_at(
     if let Some(verdict) = untestable::too_few_frames(time_line.common.len()) {
         return Ok((time_line.refused(verdict, &Candidates::default()), FoundBefore::default()));
     }
-    let first = looked_at(&time_line, Fold::First, Before { known, earlier: None }, watch)?;
+    let first = looked_at(&time_line, Fold::First, known, None, watch)?;
     let Some(earlier) = first.again.filter(|_| options.method == Method::Frontier) else {
         return Ok((first.calibration, first.found));
     };
-    let before = Before { known: &FoundBefore::default(), earlier: Some(&earlier) };
-    let second = looked_at(&time_line, Fold::Second, before, watch)?.calibration;
+    let second = looked_at(&time_line, Fold::Second, known, Some(&earlier), watch)?.calibration;
     let second_is_better = second.evidence.z > first.calibration.evidence.z;
     Ok((if second_is_better { second } else { first.calibration }, first.found))
-}
-
-/// What is known before frames are looked at.
-#[derive(Clone, Copy)]
-struct Before<'b> {
-    /// What was found by a clock nearly as good.
-    known: &'b FoundBefore,
-    /// What a first look at other frames said.
-    earlier: Option<&'b Earlier>,
 }
 
 /// What a look at some of the frames brought.
@@ -161,8 +151,14 @@ impl LookedAt {
     }
 }
 
-/// Found by some frames and tested on others.
-fn looked_at(time_line: &TimeLine, fold: Fold, before: Before, watch: &mut dyn Watch) -> Result<LookedAt> {
+/// Found by some frames and tested on others; `earlier` is what a look at other frames said.
+fn looked_at(
+    time_line: &TimeLine,
+    fold: Fold,
+    known: &FoundBefore,
+    earlier: Option<&Earlier>,
+    watch: &mut dyn Watch,
+) -> Result<LookedAt> {
     report(watch, Stage::Candidates, 0.0)?;
     let split = time_line.split(fold);
     let candidates = time_line.candidates(&split)?;
@@ -170,7 +166,7 @@ fn looked_at(time_line: &TimeLine, fold: Fold, before: Before, watch: &mut dyn W
         return Ok(LookedAt::refused(time_line.refused(verdict, &candidates)));
     }
     let seen = time_line.split_views(split);
-    let known = before.known.without_tested(&seen.split, &time_line.busy);
+    let known = known.without_tested(&seen.split, &time_line.busy);
     let searched = time_line.searched(&seen, &candidates, known, watch)?;
     // As the fitted frames have them, in which those kept aside had no part.
     let solutions = searched.solutions().to_vec();
@@ -179,7 +175,7 @@ fn looked_at(time_line: &TimeLine, fold: Fold, before: Before, watch: &mut dyn W
     let Some(winner) = found.solutions.first() else {
         return Ok(LookedAt::refused(time_line.refused(untestable::no_hypothesis(), &candidates)));
     };
-    let case = Case { earlier: before.earlier, ..time_line.case(&seen, &found) };
+    let case = Case { earlier, ..time_line.case(&seen, &found) };
     let verified = verify(&case, &winner.fundamental, watch)?;
     let again = Earlier::new(&verified, found.fitted);
     let calibration = time_line.calibration(&seen, &candidates, &found, winner, verified);
