@@ -10,7 +10,7 @@ use super::evidence::contradictions::{Contradiction, contradictions};
 use super::evidence::covariance::covariance_with_principal_points;
 use super::evidence::doubts::{Doubt, doubts, with_doubts};
 use super::evidence::floor_errors::{FloorErrors, floor_errors};
-use super::evidence::outlines::{Shapes, outline_errors};
+use super::evidence::outlines::{Shapes, outline_errors, with_uneven_insets};
 use super::evidence::parallax::parallax;
 use super::evidence::planes::off_plane;
 use super::evidence::relief::relief;
@@ -217,12 +217,13 @@ impl NetworkCase<'_> {
         }
     }
 
-    /// The network over all frames, and these.
-    fn over_all_frames(&self, Freed { solved, support, .. }: &Freed) -> (Survey<'_>, Solved) {
+    /// The network over all frames, and these; with insets that differ from side to side, and where silhouettes are small.
+    fn over_all_frames(&self, Freed { solved, support, shapes, .. }: &Freed) -> (Survey<'_>, Solved) {
         let many = Survey::new(&self.observed, shared(FRAMES_IN_THE_END, self.count()));
         let radius = Some(Again::MORE_FRAMES.after(&solved.settled));
         // What meets by chance in pairs that show nothing in common says nothing of where their cameras stand.
-        let found = settled(&many, solved.network.clone(), &solved.beliefs, &support.confirmed(), radius);
+        let beliefs = with_uneven_insets(solved.beliefs.clone(), &solved.settled, *shapes);
+        let found = settled(&many, solved.network.clone(), &beliefs, &support.confirmed(), radius);
         (many, found)
     }
 

@@ -8,8 +8,9 @@ use rayon::prelude::*;
 
 use crate::network::evidence::covariance::Covariance;
 use crate::network::given::pair_choice::all_pairs;
+use crate::network::model::beliefs::{Belief, Beliefs};
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Belief, Beliefs, JointProblem};
+use crate::network::model::joint::JointProblem;
 use crate::network::observations::evenly::evenly;
 use crate::network::observations::observed::Observed;
 use crate::network::observations::survey::Survey;
@@ -176,6 +177,8 @@ mod tests {
             clock: [Belief::about(1.0, offset), Belief::about(0.0, drift)],
             centred: false,
             inset: Belief::fixed(0.0),
+            inset_of_small: Belief::fixed(0.0),
+            inset_of_sides: Belief::fixed(0.0),
             posed: true,
         }
     }

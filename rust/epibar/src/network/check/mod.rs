@@ -20,18 +20,21 @@ mod which_moved;
 mod zoom;
 
 use clocks::later_by_poses;
+use one_camera::CLOSE;
 use prose::{NewFootage, said};
 use replace::replaced;
 pub(super) use stretch::FRAMES;
 use which_moved::{Footage, judged};
 
+use super::evidence::outlines::{Shapes, with_uneven_insets};
 use super::evidence::stated_errors::Expected;
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::INSET;
 use super::given::posed::{EXPECTED, PosedCamera};
+use super::model::beliefs::{Belief, Beliefs};
 use super::model::camera::Camera;
-use super::model::joint::{Belief, Beliefs};
+use super::model::insets::Insets;
 use super::observations::observed::Observed;
 use super::observations::survey::Survey;
 use super::result::CameraCheck;
@@ -130,13 +133,15 @@ pub(super) fn by_new_clocks(
             intrinsic: [Belief::fixed(0.0); 7],
             clock: clocks.beliefs(c),
             inset: INSET,
+            inset_of_small: Belief::fixed(0.0),
+            inset_of_sides: Belief::fixed(0.0),
             centred: false,
             posed: true,
         })
         .collect();
     let stored = |(c, beliefs): (&StoredCamera, &Beliefs)| Camera {
         offset: beliefs.clock[0].mean,
-        inset: INSET.mean,
+        insets: Insets::all_around(INSET.mean),
         ..c.solvable()
     };
     let at: Vec<Camera> = cameras.iter().zip(&beliefs).map(stored).collect();
@@ -168,5 +173,7 @@ fn settled(survey: &Survey, cameras: &[Camera], beliefs: Vec<Beliefs>) -> (Place
     let placed = vec![true; cameras.len()];
     let pairs = Placed { cameras: cameras.to_vec(), placed: placed.clone() }.pairs();
     let settled = settle(survey, cameras, &beliefs, &pairs, &placed, None);
+    let beliefs = with_uneven_insets(beliefs, &settled, Shapes::of(survey.observed));
+    let settled = settle(survey, &settled.cameras, &beliefs, &pairs, &placed, Some(CLOSE));
     (Placed { cameras: settled.cameras, placed }, beliefs)
 }

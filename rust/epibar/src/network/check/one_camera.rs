@@ -7,8 +7,9 @@ use super::clocks::{beside_held, with_offsets_wrong};
 use super::stretch::{PARTS, Stretch};
 use crate::network::evidence::covariance::{Covariance, covariance};
 use crate::network::evidence::stated_errors::{NINE_IN_TEN, length_quantile};
+use crate::network::model::beliefs::{Belief, Beliefs};
 use crate::network::model::camera::{Camera, FOCAL, POSITION, ROTATION};
-use crate::network::model::joint::{Belief, Beliefs, JointProblem};
+use crate::network::model::joint::JointProblem;
 use crate::network::observations::survey::Survey;
 use crate::network::observations::time_parts::TimeParts;
 use crate::network::solve::relocate::Placed;
@@ -292,8 +293,8 @@ impl StretchCase<'_> {
     /// How much better the footage agrees with a camera that moved, and from when on.
     fn gained(&self, camera: usize, found: &Move) -> Move {
         // By the same clock and inset, which are of the footage and not of the pose.
-        let Camera { offset, drift, inset, .. } = found.camera;
-        let held = Camera { offset, drift, inset, ..self.network.cameras[camera] };
+        let Camera { offset, drift, insets, .. } = found.camera;
+        let held = Camera { offset, drift, insets, ..self.network.cameras[camera] };
         let time = self.own_time(camera);
         let [old, stored, new] =
             [self.network.cameras[camera], held, found.camera].map(|at| self.parts(camera, at, &time));

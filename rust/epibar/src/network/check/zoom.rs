@@ -5,8 +5,8 @@
 
 use super::one_camera::{Move, ROUGH, StretchCase, deviates, freed};
 use super::stretch::PARTS;
+use crate::network::model::beliefs::Beliefs;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::Beliefs;
 use crate::network::thresholds as limits;
 
 /// Focal lengths that are tried, as shares of the stored one: beyond what a few per cent at once would find.

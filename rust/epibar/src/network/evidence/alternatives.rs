@@ -11,8 +11,8 @@ use nalgebra::{DMatrix, DVector};
 use super::covariance::{Covariance, covariance_with_principal_points};
 use super::outlines::{Shapes, outline_errors};
 use crate::network::given::input::IntrinsicKind;
+use crate::network::model::beliefs::Beliefs;
 use crate::network::model::invertible::Invertible;
-use crate::network::model::joint::Beliefs;
 use crate::network::model::laplace;
 use crate::network::solve::networks::Solved;
 use crate::network::solve::principal::{self, Likely};
@@ -177,8 +177,9 @@ fn shapes_without(solved: &Solved, kind: IntrinsicKind, freed: &[usize], shapes:
 pub(in crate::network) mod tests {
     use super::*;
     use crate::network::given::input::{AS_SOLD, INSET};
+    use crate::network::model::beliefs::Belief;
     use crate::network::model::camera::Camera;
-    use crate::network::model::joint::{Belief, JointProblem};
+    use crate::network::model::joint::JointProblem;
     use crate::network::solve::settle::Settled;
     use crate::network::solve::settle::tests::seen;
 
@@ -196,6 +197,8 @@ pub(in crate::network) mod tests {
                     .map(Belief::fixed),
                 clock: [Belief::fixed(0.0); 2],
                 inset: Belief { mean: 0.0, ..INSET },
+                inset_of_small: Belief::fixed(0.0),
+                inset_of_sides: Belief::fixed(0.0),
                 centred: false,
                 posed: false,
             })

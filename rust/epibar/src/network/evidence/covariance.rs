@@ -8,7 +8,9 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3};
 
-use crate::network::model::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS};
+use crate::network::model::camera::{
+    CLOCK, Camera, INSET, INSET_OF_SIDES, INSET_OF_SMALL, INTRINSIC, PARAMETERS,
+};
 use crate::network::model::invertible::{HELD, Invertible};
 use crate::network::model::joint::{JointProblem, PairMeetings, columns, columns_of_pair, weight};
 use crate::network::model::residual::{CameraPair, Meeting, PairGradient};
@@ -247,6 +249,8 @@ pub fn covariance(problem: &JointProblem, cameras: &[Camera], outline_errors: &[
             CLOCK => beliefs.clock[0].deviation,
             k if k == CLOCK + 1 => beliefs.clock[1].deviation,
             INSET => beliefs.inset.deviation,
+            INSET_OF_SMALL => beliefs.inset_of_small.deviation,
+            k if k >= INSET_OF_SIDES => beliefs.inset_of_sides.deviation,
             _ => 0.0,
         };
         if deviation > 0.0 && deviation.is_finite() {

@@ -4,6 +4,7 @@
 //! that meet scatter by what the outlines of both cameras are wrong by, each as far as its pixels count.
 
 use crate::geometry::median::deviation;
+use crate::network::model::beliefs::{Belief, Beliefs};
 use crate::network::model::residual::CameraPair;
 use crate::network::observations::observed::Observed;
 use crate::network::solve::settle::Settled;
@@ -33,6 +34,19 @@ fn scatter_of_cameras(settled: &Settled) -> Vec<f64> {
 pub fn outline_errors(settled: &Settled, shapes: Shapes) -> Vec<f64> {
     let own = scatter_of_cameras(settled).into_iter();
     own.map(|own| outline_error(own.max(settled.scale), shapes)).collect()
+}
+
+/// Beliefs by which insets differ from side to side, and with the size of silhouettes, as far as the outlines of each camera are wrong; those that are
+/// given where shapes are no masks: what stands for a figure is wrong by what it stands for, which is more of large ones.
+#[must_use]
+pub fn with_uneven_insets(mut beliefs: Vec<Beliefs>, settled: &Settled, shapes: Shapes) -> Vec<Beliefs> {
+    if shapes == Shapes::Masks {
+        for (beliefs, wrong) in beliefs.iter_mut().zip(outline_errors(settled, shapes)) {
+            beliefs.inset_of_small = Belief::about(0.0, limits::INSET_OF_SMALL * wrong);
+            beliefs.inset_of_sides = Belief::about(0.0, limits::INSET_OF_SIDES * wrong);
+        }
+    }
+    beliefs
 }
 
 /// What is seen of the silhouettes of a network.
@@ -69,6 +83,8 @@ fn outline_error(scatter: f64, shapes: Shapes) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::model::camera::{Camera, FOCAL};
+    use crate::network::model::joint::JointProblem;
     use crate::network::solve::settle::tests::seen;
 
     #[test]
@@ -97,5 +113,41 @@ mod tests {
         assert!(scatter_of_cameras(&few)[3].is_nan());
         assert!((outline_errors(&few, Shapes::Masks)[3] - 0.25).abs() < 1e-9);
         assert!((outline_errors(&few, Shapes::Strained)[3] - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_small_silhouettes_lose_is_no_other_focal_length() {
+        let mut one = seen([0.05; 4]);
+        // Figures in the upper half of the first camera's image are half as tall, and their tops are cut off by most of a pixel.
+        for p in one.pairs.iter_mut().filter(|p| p.a == 0) {
+            for m in p.meetings.iter_mut().filter(|m| m.a[1] < 240.0) {
+                m.smallness[0] = 1.0;
+                m.a[1] += 0.8;
+            }
+        }
+        let known = |c: &Camera| Beliefs {
+            intrinsic: std::array::from_fn(|k| match k {
+                FOCAL => Belief::about(c.log_focal, 0.3),
+                _ => Belief::fixed(c.intrinsic()[k]),
+            }),
+            clock: [Belief::fixed(0.0); 2],
+            inset: Belief::fixed(0.0),
+            inset_of_small: Belief::fixed(0.0),
+            inset_of_sides: Belief::fixed(0.0),
+            centred: false,
+            posed: false,
+        };
+        let even: Vec<Beliefs> = one.cameras.iter().map(known).collect();
+        let solved = |beliefs: &[Beliefs]| {
+            let moving = vec![true; 4];
+            let problem = JointProblem { pairs: &one.pairs, beliefs, scale: 0.5, prior_weight: 0.01, moving };
+            problem.solve(&one.cameras, 30).0[0]
+        };
+        assert_eq!(with_uneven_insets(even.clone(), &one, Shapes::Convex), even);
+        let off = |found: &Camera| (found.log_focal - one.cameras[0].log_focal).abs();
+        let (without, with) = (solved(&even), solved(&with_uneven_insets(even.clone(), &one, Shapes::Masks)));
+        assert_eq!((without.insets.small, without.insets.sides), (0.0, [0.0; 4]));
+        assert!((with.insets.small - 0.8).abs() < 0.1, "{:?}", with.insets);
+        assert!(off(&with) < 0.3 * off(&without), "{} {}", off(&with), off(&without));
     }
 }

@@ -37,7 +37,7 @@ mod tests {
     use super::*;
     use crate::network::evidence::alternatives::tests::solved;
     use crate::network::evidence::planes::tests::of_plane;
-    use crate::network::model::joint::Belief;
+    use crate::network::model::beliefs::Belief;
 
     const ALL: [(usize, usize); 6] = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 

@@ -163,7 +163,7 @@ mod tests {
 
     use super::*;
     use crate::network::given::input::INSET;
-    use crate::network::model::joint::{Belief, Beliefs};
+    use crate::network::model::beliefs::{Belief, Beliefs};
     use crate::network::solve::settle::tests::around;
     use crate::recording::{Recorder, RecorderOptions, Recording};
 
@@ -202,6 +202,8 @@ mod tests {
             clock: [Belief::fixed(0.0); 2],
             centred: false,
             inset: INSET,
+            inset_of_small: Belief::fixed(0.0),
+            inset_of_sides: Belief::fixed(0.0),
             posed: false,
         };
         let beliefs: Vec<Beliefs> = cameras.iter().map(known).collect();

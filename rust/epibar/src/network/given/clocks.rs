@@ -12,7 +12,7 @@ use crate::calibrate::{OutstandingOffset, outstanding_offset};
 use crate::clock::offset::FoundOffset;
 use crate::clock::{Clocks, TimeOffset, find_offset, score_at_offset};
 use crate::error::Result;
-use crate::network::model::joint::Belief;
+use crate::network::model::beliefs::Belief;
 use crate::network::thresholds as limits;
 use crate::options::CalibrateOptions;
 use crate::recording::Recording;

@@ -4,8 +4,9 @@ use nalgebra::Matrix3;
 
 use crate::error::{Error, Result};
 use crate::geometry::lens::Lens;
+use crate::network::model::beliefs::{Belief, Beliefs};
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Belief, Beliefs};
+use crate::network::model::insets::Insets;
 use crate::network::thresholds as limits;
 use crate::recording::Recording;
 
@@ -229,7 +230,7 @@ impl Knowledge {
             log_aspect: aspect.mean,
             principal: principal.map(|p| p.mean),
             lens: Lens { k: lens.map(|k| k.mean) },
-            inset: INSET.mean,
+            insets: Insets::all_around(INSET.mean),
             ..Camera::new(size, 1.0)
         };
         let [k1, k2, k3] = lens;
@@ -238,6 +239,8 @@ impl Knowledge {
             clock: [Belief::fixed(0.0); 2],
             centred: self.matrix.is_none() && self.principal.is_none(),
             inset: INSET,
+            inset_of_small: Belief::fixed(0.0),
+            inset_of_sides: Belief::fixed(0.0),
             posed: false,
         };
         (camera, beliefs)

@@ -127,6 +127,7 @@ impl PairFound {
                     b: m.b,
                     outward_a: [0.0; 2],
                     outward_b: [0.0; 2],
+                    smallness: [0.0; 2],
                     velocity_b: [0.0; 2],
                     time_a: a.times()[common[m.frame.index()].a.index()] - a.times()[0],
                     time_b: 0.0,

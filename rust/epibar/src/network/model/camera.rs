@@ -6,14 +6,16 @@
 
 use nalgebra::{Matrix3, Rotation3, SVector, Vector3};
 
+use super::insets::{Insets, SIDES};
 pub use super::optics::INTRINSIC;
 use super::optics::Optics;
 use crate::geometry::lens::Lens;
 use crate::image::ImageSize;
 
 /// What is solved for in a camera: log of the focal length, log of `f_y / f_x`, principal point (2), `k₁ k₂ k₃`, rotation
-/// (3, in the camera's frame), position (3), clock's offset (seconds) and drift (ppm), inset of its silhouettes (pixels).
-pub const PARAMETERS: usize = 16;
+/// (3, in the camera's frame), position (3), clock's offset (seconds) and drift (ppm), insets of its silhouettes (pixels): all around, of
+/// small ones, and on each side (4).
+pub const PARAMETERS: usize = 21;
 /// Where the logarithm of the focal length is among the parameters.
 pub const FOCAL: usize = 0;
 /// Where the rotation starts among the parameters.
@@ -22,8 +24,12 @@ pub const ROTATION: usize = 7;
 pub const POSITION: usize = 10;
 /// Where the clock starts.
 pub const CLOCK: usize = 13;
-/// Where the inset is.
+/// Where the inset all around is.
 pub const INSET: usize = 15;
+/// Where that of small silhouettes is.
+pub const INSET_OF_SMALL: usize = 16;
+/// Where those of the sides start.
+pub const INSET_OF_SIDES: usize = 17;
 
 /// A step in the parameters of a camera.
 pub type CameraStep = SVector<f64, PARAMETERS>;
@@ -49,9 +55,8 @@ pub struct Camera {
     pub offset: f64,
     /// By how much this clock runs faster than the network's, ppm.
     pub drift: f64,
-    /// How far the hulls of its silhouettes lie inside of the true outlines, pixels: a part of a pixel for the grid, since
-    /// vertices are pixel centres, and whatever the masks leave out or, if negative, add all around.
-    pub inset: f64,
+    /// How far the hulls of its silhouettes lie inside of the true outlines, pixels.
+    pub insets: Insets,
 }
 
 impl Camera {
@@ -67,7 +72,7 @@ impl Camera {
             position: Vector3::zeros(),
             offset: 0.0,
             drift: 0.0,
-            inset: 0.0,
+            insets: Insets::default(),
         }
     }
 
@@ -145,7 +150,11 @@ impl Camera {
             position: self.position + step.fixed_rows::<3>(POSITION),
             offset: self.offset + step[CLOCK],
             drift: self.drift + step[CLOCK + 1],
-            inset: self.inset + step[INSET],
+            insets: Insets {
+                all: self.insets.all + step[INSET],
+                sides: std::array::from_fn(|k| self.insets.sides[k] + step[INSET_OF_SIDES + k]),
+                small: self.insets.small + step[INSET_OF_SMALL],
+            },
         }
     }
 
@@ -166,7 +175,11 @@ impl Camera {
         }
         step[CLOCK] = self.offset - before.offset;
         step[CLOCK + 1] = self.drift - before.drift;
-        step[INSET] = self.inset - before.inset;
+        step[INSET] = self.insets.all - before.insets.all;
+        step[INSET_OF_SMALL] = self.insets.small - before.insets.small;
+        for k in 0..SIDES {
+            step[INSET_OF_SIDES + k] = self.insets.sides[k] - before.insets.sides[k];
+        }
         step
     }
 
@@ -195,7 +208,7 @@ pub(in crate::network) mod tests {
             position: Vector3::new(3.0 * seed.cos(), 3.0 * seed.sin(), 2.0 + 0.1 * seed),
             offset: 0.3 * seed,
             drift: 20.0 * seed,
-            inset: 0.2 + 0.1 * seed,
+            insets: Insets { all: 0.2 + 0.1 * seed, sides: [0.1, 0.3, -0.1, 0.2 * seed], small: 0.2 * seed },
             ..Camera::new(ImageSize::new(640, 480).unwrap(), 500.0)
         }
     }

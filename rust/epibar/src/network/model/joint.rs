@@ -8,58 +8,13 @@
 use nalgebra::{DMatrix, DVector, SMatrix, Vector3};
 use rayon::prelude::*;
 
-use super::camera::{CLOCK, Camera, CameraStep, INSET, INTRINSIC, PARAMETERS};
+use super::beliefs::Beliefs;
+use super::camera::{
+    CLOCK, Camera, CameraStep, INSET, INSET_OF_SIDES, INSET_OF_SMALL, INTRINSIC, PARAMETERS,
+};
+use super::insets::SIDES;
 use super::residual::{CameraPair, Meeting, PairGradient};
 use crate::geometry::median::median;
-
-/// What is known of one number before.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Belief {
-    /// Its most likely value.
-    pub mean: f64,
-    /// Standard deviation; 0 where it is not solved for, infinite where nothing is known.
-    pub deviation: f64,
-}
-
-impl Belief {
-    /// Given, and not solved for.
-    pub fn fixed(mean: f64) -> Self {
-        Self { mean, deviation: 0.0 }
-    }
-
-    /// With a standard deviation.
-    pub fn about(mean: f64, deviation: f64) -> Self {
-        Self { mean, deviation }
-    }
-}
-
-/// What is known of a camera before: beliefs in the order of the parameters `log f, log f_y / f_x, c_x, c_y, k₁, k₂, k₃`.
-///
-/// The belief on `k₂` is about `BEND k₁²`, and the one on `k₃` about `BEND k₁³`: lenses of one family differ in one number, and one that
-/// bends strongly does not fold.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beliefs {
-    /// Of the camera by itself.
-    pub intrinsic: [Belief; INTRINSIC],
-    /// Of the clock: offset, seconds, and drift, ppm. That of the first camera is the network's, and fixed where all are solved for.
-    pub clock: [Belief; 2],
-    /// The principal point is near the middle, as those of the other cameras are, and nothing else is known of it.
-    pub centred: bool,
-    /// Of the inset of its silhouettes, pixels.
-    pub inset: Belief,
-    /// Where it stands and looks is given, and not solved for.
-    pub posed: bool,
-}
-
-/// Other focal lengths are tried as well where the standard deviation of its log is not below this.
-const NARROW_FOCAL: f64 = 0.1;
-
-impl Beliefs {
-    /// Whether the focal length is known so well that no other needs to be tried.
-    pub fn has_focal(&self) -> bool {
-        self.intrinsic[0].deviation < NARROW_FOCAL
-    }
-}
 
 /// `k₂ / k₁²` and `k₃ / k₁³` of real wide lenses: 1.4 to 1.7 and 1.4 to 1.8 of three in one recording, 2 and 5 of the
 /// division model, 0 of a `k₁` by itself.
@@ -134,6 +89,12 @@ impl JointProblem<'_> {
             }
             if beliefs.inset.deviation > 0.0 {
                 active.push((camera, INSET));
+            }
+            if beliefs.inset_of_small.deviation > 0.0 {
+                active.push((camera, INSET_OF_SMALL));
+            }
+            if beliefs.inset_of_sides.deviation > 0.0 {
+                active.extend((INSET_OF_SIDES..INSET_OF_SIDES + SIDES).map(|k| (camera, k)));
             }
             for (k, belief) in beliefs.clock.iter().enumerate() {
                 if belief.deviation > 0.0 {
@@ -268,9 +229,12 @@ impl JointProblem<'_> {
             let others = [
                 (CLOCK, c.offset, beliefs.clock[0]),
                 (CLOCK + 1, c.drift, beliefs.clock[1]),
-                (INSET, c.inset, beliefs.inset),
+                (INSET, c.insets.all, beliefs.inset),
+                (INSET_OF_SMALL, c.insets.small, beliefs.inset_of_small),
             ];
-            for (k, value, belief) in others {
+            let of_sides = c.insets.sides.into_iter().zip(INSET_OF_SIDES..);
+            let of_sides = of_sides.map(|(value, k)| (k, value, beliefs.inset_of_sides));
+            for (k, value, belief) in others.into_iter().chain(of_sides) {
                 if belief.deviation > 0.0 && belief.deviation.is_finite() {
                     let along = 1.0 / belief.deviation;
                     all.push(Prior {

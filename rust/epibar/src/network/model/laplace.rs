@@ -27,7 +27,7 @@ pub fn against(problem: &JointProblem, fit: &[Camera]) -> f64 {
 mod tests {
     use super::*;
     use crate::network::evidence::alternatives::tests::solved;
-    use crate::network::model::joint::Belief;
+    use crate::network::model::beliefs::Belief;
     use crate::network::solve::networks::Solved;
 
     /// What speaks against a belief of one focal length, about what it is.

@@ -7,8 +7,11 @@
 
 use nalgebra::{Matrix3, SVector, Vector2, Vector3};
 
-use super::camera::{CLOCK, Camera, INSET, INTRINSIC, PARAMETERS, POSITION, ROTATION};
+use super::camera::{
+    CLOCK, Camera, INSET, INSET_OF_SIDES, INSET_OF_SMALL, INTRINSIC, PARAMETERS, POSITION, ROTATION,
+};
 use super::changes::{Change, Changes, Parts};
+use super::insets::shares;
 use super::optics::Optics;
 
 /// A tangent of A that meets one of B.
@@ -22,6 +25,8 @@ pub struct Meeting {
     pub outward_a: [f64; 2],
     /// Away from the silhouette, across the tangent, in B; unit length.
     pub outward_b: [f64; 2],
+    /// Smallness of the silhouettes of A and B, as of [`Insets`](super::insets::Insets).
+    pub smallness: [f64; 2],
     /// How fast the pixel of B moves, pixels a second.
     pub velocity_b: [f64; 2],
     /// Seconds of A's clock.
@@ -64,9 +69,11 @@ impl<'c> CameraPair<'c> {
     fn pixels(&self, m: &Meeting) -> MeetingPixels {
         let time = self.a.time_of(m.time_a);
         let late = self.b.clock_at(time) - m.time_b;
+        let [inset_a, inset_b] =
+            [self.a.insets.at(m.outward_a, m.smallness[0]), self.b.insets.at(m.outward_b, m.smallness[1])];
         MeetingPixels {
-            a: [0, 1].map(|k| m.a[k] + self.a.inset * m.outward_a[k]),
-            b: [0, 1].map(|k| m.b[k] + late * m.velocity_b[k] + self.b.inset * m.outward_b[k]),
+            a: [0, 1].map(|k| m.a[k] + inset_a * m.outward_a[k]),
+            b: [0, 1].map(|k| m.b[k] + late * m.velocity_b[k] + inset_b * m.outward_b[k]),
             time,
         }
     }
@@ -126,8 +133,27 @@ impl<'c> CameraPair<'c> {
             put(POSITION + k, of_position);
             put(PARAMETERS + POSITION + k, of_position.times(-1.0));
         }
-        put(INSET, changes.of_pixel_a(&Vector2::from(meeting.outward_a)));
-        put(PARAMETERS + INSET, changes.of_pixel_b(&Vector2::from(meeting.outward_b)));
+        let of_insets = [
+            (
+                0,
+                changes.of_pixel_a(&Vector2::from(meeting.outward_a)),
+                meeting.outward_a,
+                meeting.smallness[0],
+            ),
+            (
+                PARAMETERS,
+                changes.of_pixel_b(&Vector2::from(meeting.outward_b)),
+                meeting.outward_b,
+                meeting.smallness[1],
+            ),
+        ];
+        for (first, outward, direction, smallness) in of_insets {
+            put(first + INSET, outward);
+            put(first + INSET_OF_SMALL, outward.times(smallness));
+            for (k, share) in shares(direction).into_iter().enumerate() {
+                put(first + INSET_OF_SIDES + k, outward.times(share));
+            }
+        }
         let velocity = Vector2::from(meeting.velocity_b);
         if velocity != Vector2::zeros() {
             let of_second = changes.of_pixel_b(&velocity);
@@ -154,6 +180,7 @@ mod tests {
             b: [100.0, 300.0],
             outward_a: [0.6, -0.8],
             outward_b: [0.28, 0.96],
+            smallness: [0.4, -0.2],
             velocity_b: [40.0, -25.0],
             time_a: 3.0,
             time_b: 3.4,
@@ -192,6 +219,7 @@ mod tests {
             b: in_b,
             outward_a: [0.0; 2],
             outward_b: [0.0; 2],
+            smallness: [0.0; 2],
             velocity_b: [0.0; 2],
             time_a: 0.0,
             time_b: 0.0,

@@ -65,7 +65,7 @@ pub fn ends(seen: &CameraView, axis: &Vector3<f64>, wanted: &[bool]) -> Ends {
                 if seen.observed.is_cut(point as u32) {
                     return NO_END;
                 }
-                end_at(seen, point, &u, &v, sense)
+                end_at(seen, silhouette as u32, point, &u, &v, sense)
             };
             let [low, high] = [end(low, 1.0), end(high, -1.0)];
             // The interval may reach across the half turn, where angles jump.
@@ -96,7 +96,14 @@ fn extreme_rays(rays: &[Vector3<f64>], u: &Vector3<f64>, v: &Vector3<f64>) -> Op
     (between && left_of(at_low, at_high) >= 0.0).then_some([low, high])
 }
 
-fn end_at(seen: &CameraView, point: usize, u: &Vector3<f64>, v: &Vector3<f64>, sense: f64) -> End {
+fn end_at(
+    seen: &CameraView,
+    silhouette: u32,
+    point: usize,
+    u: &Vector3<f64>,
+    v: &Vector3<f64>,
+    sense: f64,
+) -> End {
     let Some(look) = seen.camera.optics().look(seen.observed.point(point as u32)) else { return NO_END };
     let ray = &seen.rays[point];
     let (p, q) = (ray.dot(u), ray.dot(v));
@@ -105,9 +112,9 @@ fn end_at(seen: &CameraView, point: usize, u: &Vector3<f64>, v: &Vector3<f64>, s
     let by_pixel = look.jacobian.tr_mul(&across.xy());
     let per_pixel = by_pixel.norm();
     // At the lower end the object lies towards greater angles.
-    let outward = by_pixel * (-sense / per_pixel.max(1e-300));
-    let angle = q.atan2(p) - sense * seen.camera.inset * per_pixel;
-    End { angle, per_pixel, outward: outward.into(), point: point as u32 }
+    let outward: [f64; 2] = (by_pixel * (-sense / per_pixel.max(1e-300))).into();
+    let inset = seen.camera.insets.at(outward, seen.observed.smallness(silhouette));
+    End { angle: q.atan2(p) - sense * inset * per_pixel, per_pixel, outward, point: point as u32 }
 }
 
 /// An angle between −π and π.

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::geometry::median::median;
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
 use crate::recording::at_moment::{Between, at_moment};
@@ -32,8 +33,30 @@ pub struct Observed {
     links: Links,
     /// Directions of the points before a camera, of which the lens is known; NaN where it shows nothing.
     through: Option<(Camera, Vec<Vector3<f64>>)>,
+    /// For each silhouette by how much the usual extent is more than its own, as a share of its own.
+    smallness: Vec<f32>,
     /// Median share of a hull that its silhouette fills: 0.5 to 0.9 of people and animals, 1 of boxes, ellipses and balls.
     pub fill: f64,
+}
+
+/// No silhouette is smaller than this, which is one of a quarter of the usual extent: what is smaller is no whole figure.
+const SMALLEST: f64 = 3.0;
+
+/// Smallness of each silhouette, by the diagonals of their bounding boxes.
+fn smallness(start: &[u32], points: &[[f64; 2]]) -> Vec<f32> {
+    let extents: Vec<f64> = start
+        .windows(2)
+        .map(|ends| {
+            let of = |k: usize| {
+                let along = points[ends[0] as usize..ends[1] as usize].iter().map(|p| p[k]);
+                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+            };
+            let ([left, right], [top, bottom]) = (<[f64; 2]>::from(of(0)), <[f64; 2]>::from(of(1)));
+            (right - left).hypot(bottom - top)
+        })
+        .collect();
+    let usual = median(extents.iter().copied().filter(|e| e.is_finite())).unwrap_or(1.0);
+    extents.iter().map(|e| (usual / e - 1.0).clamp(-1.0, SMALLEST) as f32).collect()
 }
 
 /// A moment among the frames of a camera.
@@ -61,6 +84,7 @@ impl Observed {
             }
             start.push(points.len() as u32);
         }
+        let smallness = smallness(&start, &points);
         let first = recording.times.first().copied().unwrap_or(0.0);
         Self {
             size: recording.size,
@@ -70,6 +94,7 @@ impl Observed {
             start,
             points,
             cut,
+            smallness,
             links: Links::new(recording),
             through: None,
             fill: fill(&recording.silhouettes),
@@ -105,6 +130,11 @@ impl Observed {
     /// The points of a silhouette; none of one without two sides.
     pub fn range(&self, silhouette: u32) -> std::ops::Range<usize> {
         self.start[silhouette as usize] as usize..self.start[silhouette as usize + 1] as usize
+    }
+
+    /// 0 of a silhouette of the camera's usual extent, 1 of one half as large, up to [`SMALLEST`].
+    pub fn smallness(&self, silhouette: u32) -> f64 {
+        f64::from(self.smallness[silhouette as usize])
     }
 
     /// A point, pixels.

@@ -266,10 +266,14 @@ impl<'a> PairTangents<'a> {
     pub fn pixels(&self, met: &MatchedEnds) -> [[f64; 2]; 2] {
         let side = met.side as usize;
         let end = &self.ends_a[met.a as usize][side];
-        let moved = |p: [f64; 2], outward: [f64; 2], inset: f64| [0, 1].map(|k| p[k] + inset * outward[k]);
+        let (a, b) = (&self.a, &self.b);
+        let moved = |seen: &CameraView, silhouette: u32, p: [f64; 2], outward: [f64; 2]| {
+            let inset = seen.camera.insets.at(outward, seen.observed.smallness(silhouette));
+            [0, 1].map(|k| p[k] + inset * outward[k])
+        };
         [
-            moved(self.a.observed.point(end.point), end.outward, self.a.camera.inset),
-            moved(self.motion_of_b(&met.b, side).0, self.end_of_b(&met.b, side).outward, self.b.camera.inset),
+            moved(a, met.a, a.observed.point(end.point), end.outward),
+            moved(b, met.b.first, self.motion_of_b(&met.b, side).0, self.end_of_b(&met.b, side).outward),
         ]
     }
 
@@ -303,6 +307,7 @@ impl<'a> PairTangents<'a> {
                     b: pixel_b,
                     outward_a: self.ends_a[m.a as usize][side].outward,
                     outward_b: self.end_of_b(&m.b, side).outward,
+                    smallness: [a.smallness(m.a), b.smallness(m.b.first)],
                     velocity_b,
                     time_a: a.times[frame.index()],
                     time_b: b.seconds(moment),

@@ -6,8 +6,8 @@
 
 use super::networks::Solved;
 use crate::network::given::input::{AS_SOLD, PRINCIPAL_LEVELS, PRINCIPAL_SHARES};
+use crate::network::model::beliefs::Beliefs;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::Beliefs;
 use crate::network::model::laplace;
 use crate::network::thresholds as limits;
 
@@ -116,7 +116,7 @@ pub fn is_strained(solved: &Solved) -> bool {
 mod tests {
     use super::*;
     use crate::network::given::input::Knowledge;
-    use crate::network::model::joint::Belief;
+    use crate::network::model::beliefs::Belief;
     use crate::network::solve::relocate::Placed;
     use crate::network::solve::settle::tests::seen;
     use crate::recording::{Recording, RecordingParts};

@@ -5,8 +5,9 @@
 //! itself, so that fixed points have the right derivative (envelope theorem).
 
 use crate::geometry::median::deviation;
+use crate::network::model::beliefs::Beliefs;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Beliefs, JointProblem, PairMeetings, standing, weight};
+use crate::network::model::joint::{JointProblem, PairMeetings, standing, weight};
 use crate::network::model::residual::CameraPair;
 use crate::network::observations::survey::Survey;
 use crate::network::thresholds as limits;
@@ -272,6 +273,7 @@ pub(in crate::network) mod tests {
                     b: in_b,
                     outward_a: [0.0, -1.0],
                     outward_b: [0.0, -1.0],
+                    smallness: [0.0; 2],
                     velocity_b: [0.0; 2],
                     time_a: 0.0,
                     time_b: 0.0,

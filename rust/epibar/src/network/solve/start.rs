@@ -9,8 +9,9 @@ use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 
 use crate::network::given::pair::PairHypotheses;
+use crate::network::model::beliefs::Beliefs;
 use crate::network::model::camera::Camera;
-use crate::network::model::joint::{Beliefs, JointProblem, PairMeetings, standing};
+use crate::network::model::joint::{JointProblem, PairMeetings, standing};
 use crate::network::model::pose::{placed_beside, relative_pose};
 use crate::network::model::residual::{CameraPair, Meeting};
 use crate::network::observations::evenly::evenly;

@@ -23,11 +23,13 @@ use over_cameras::{Group, Scale, groups};
 use over_time::Crowd;
 use sightings::{Eye, Sighting, sightings};
 
+use super::evidence::outlines::{Shapes, with_uneven_insets};
 use super::given::clocks::MOST_DRIFT;
 use super::given::input::INSET;
 use super::given::posed::{EXPECTED, PosedCamera};
+use super::model::beliefs::{Belief, Beliefs};
 use super::model::camera::Camera;
-use super::model::joint::{Belief, Beliefs};
+use super::model::insets::Insets;
 use super::observations::observed::Observed;
 use super::observations::survey::Survey;
 use super::solve::relocate::Placed;
@@ -154,7 +156,7 @@ fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f6
         .map(|c| Camera {
             offset: c.clock.0,
             drift: c.clock.1,
-            inset: INSET.mean,
+            insets: Insets::all_around(INSET.mean),
             ..c.camera.solvable(c.recording.size())
         })
         .collect();
@@ -162,13 +164,18 @@ fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f6
         intrinsic: [Belief::fixed(0.0); 7],
         clock: [Belief::fixed(0.0); 2],
         inset: INSET,
+        inset_of_small: Belief::fixed(0.0),
+        inset_of_sides: Belief::fixed(0.0),
         centred: false,
         posed: true,
     };
     let placed = vec![true; at.len()];
     let pairs = Placed { cameras: at.clone(), placed: placed.clone() }.pairs();
     let survey = Survey::new(observed, FRAMES);
-    let settled = settle(&survey, &at, &vec![known; at.len()], &pairs, &placed, Some(WIDEST));
+    let known = vec![known; at.len()];
+    let settled = settle(&survey, &at, &known, &pairs, &placed, Some(WIDEST));
+    let uneven = with_uneven_insets(known, &settled, Shapes::of(observed));
+    let settled = settle(&survey, &settled.cameras, &uneven, &pairs, &placed, Some(settled.radius));
     (Placed { cameras: settled.cameras, placed }, settled.radius)
 }
 

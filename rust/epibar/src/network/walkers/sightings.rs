@@ -115,11 +115,12 @@ impl<'a> Eye<'a> {
         }
         let (at_p, at_q) = (self.observed.point(p.point), self.observed.point(q.point));
         let outward = [0, 1].map(|k| mean(p.outward[k], q.outward[k]));
+        let inset = self.camera.insets.at(outward, self.observed.smallness(between.first));
         Some(Touch {
             angle,
             per_pixel: mean(p.per_pixel, q.per_pixel),
             below: -outward[1],
-            pixel: [0, 1].map(|k| mean(at_p[k], at_q[k]) + self.camera.inset * outward[k]),
+            pixel: [0, 1].map(|k| mean(at_p[k], at_q[k]) + inset * outward[k]),
         })
     }
 
