@@ -11,7 +11,7 @@ use crate::network::evidence::contradictions::contradictions;
 use crate::network::evidence::covariance::covariance_with_principal_points;
 use crate::network::evidence::doubts::{doubts, with_doubts};
 use crate::network::evidence::knocks::knocked;
-use crate::network::evidence::outlines::{Shapes, outline_errors, with_uneven_insets};
+use crate::network::evidence::outlines::{Shapes, outline_errors};
 use crate::network::evidence::parallax::parallax;
 use crate::network::evidence::planes::off_plane;
 use crate::network::evidence::slight_knocks;
@@ -228,8 +228,7 @@ impl<'a> Newcomer<'a> {
         let confirmed = support.confirmed();
         let beside = |&(a, b): &(usize, usize)| b < self.camera || confirmed.contains(&(a, b));
         let pairs: Vec<(usize, usize)> = now.network.pairs().into_iter().filter(beside).collect();
-        let beliefs = with_uneven_insets(now.beliefs, &now.settled, shapes);
-        let solved = settled(&many, now.network, &beliefs, &pairs, radius);
+        let solved = settled(&many, now.network, &now.beliefs, &pairs, radius);
         let outlines = outline_errors(&solved.settled, shapes);
         let alternatives = alternatives(&solved, &likely, shapes);
         let doubts = doubts(&solved.network.cameras, &alternatives);

@@ -20,13 +20,11 @@ mod which_moved;
 mod zoom;
 
 use clocks::later_by_poses;
-use one_camera::CLOSE;
 use prose::{NewFootage, said};
 use replace::replaced;
 pub(super) use stretch::FRAMES;
 use which_moved::{Footage, judged};
 
-use super::evidence::outlines::{Shapes, with_uneven_insets};
 use super::evidence::stated_errors::Expected;
 use super::evidence::support::Support;
 use super::given::clocks::Offsets;
@@ -173,7 +171,5 @@ fn settled(survey: &Survey, cameras: &[Camera], beliefs: Vec<Beliefs>) -> (Place
     let placed = vec![true; cameras.len()];
     let pairs = Placed { cameras: cameras.to_vec(), placed: placed.clone() }.pairs();
     let settled = settle(survey, cameras, &beliefs, &pairs, &placed, None);
-    let beliefs = with_uneven_insets(beliefs, &settled, Shapes::of(survey.observed));
-    let settled = settle(survey, &settled.cameras, &beliefs, &pairs, &placed, Some(CLOSE));
     (Placed { cameras: settled.cameras, placed }, beliefs)
 }

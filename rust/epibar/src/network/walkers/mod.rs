@@ -23,7 +23,6 @@ use over_cameras::{Group, Scale, groups};
 use over_time::Crowd;
 use sightings::{Eye, Sighting, sightings};
 
-use super::evidence::outlines::{Shapes, with_uneven_insets};
 use super::given::clocks::MOST_DRIFT;
 use super::given::input::INSET;
 use super::given::posed::{EXPECTED, PosedCamera};
@@ -172,10 +171,7 @@ fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f6
     let placed = vec![true; at.len()];
     let pairs = Placed { cameras: at.clone(), placed: placed.clone() }.pairs();
     let survey = Survey::new(observed, FRAMES);
-    let known = vec![known; at.len()];
-    let settled = settle(&survey, &at, &known, &pairs, &placed, Some(WIDEST));
-    let uneven = with_uneven_insets(known, &settled, Shapes::of(observed));
-    let settled = settle(&survey, &settled.cameras, &uneven, &pairs, &placed, Some(settled.radius));
+    let settled = settle(&survey, &at, &vec![known; at.len()], &pairs, &placed, Some(WIDEST));
     (Placed { cameras: settled.cameras, placed }, settled.radius)
 }
 
