@@ -12,12 +12,23 @@ pub fn extent(hull: &[[f64; 2]], direction: [f64; 2]) -> [f64; 2] {
 
 /// The shorter side of the box around a hull, pixels; each vertex is a pixel wide.
 pub fn shorter_side(hull: &[[f64; 2]]) -> f64 {
-    let side = |k: usize| {
+    let [width, height] = box_around(hull);
+    width.min(height) + 1.0
+}
+
+/// The diagonal of the box around a hull, or around any points, pixels; not finite where there are none.
+pub fn diagonal(hull: &[[f64; 2]]) -> f64 {
+    let [width, height] = box_around(hull);
+    width.hypot(height)
+}
+
+/// Sides of the box around the vertices.
+fn box_around(hull: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|k| {
         let (low, high) =
             hull.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[k]), h.max(p[k])));
-        high - low + 1.0
-    };
-    side(0).min(side(1))
+        high - low
+    })
 }
 
 /// A point inside of a convex polygon: the mean of three of its vertices, picked one after the other.

@@ -160,10 +160,10 @@ pub const OUTLINE_MOVED: f64 = 0.25;
 /// Standard deviation of by how much more the hulls of silhouettes half as large as usual lie inside of the true outlines, in so many times what outlines
 /// of the camera are wrong by alike. Ragged and filtered masks of people of 50 pixels leave out up to 1.4 pixels on some sides, and half of that of people
 /// of 100 pixels (two networks of development); twelve are as good with 3.
-pub const INSET_OF_SMALL: f64 = 2.0;
+pub const UNEVEN_BY_SIZE: f64 = 2.0;
 /// Standard deviation of by how much more that is on one side, likewise: up to a pixel between feet and heads there. With 2 the same twelve are worse, and without
 /// sides their focal lengths by a third.
-pub const INSET_OF_SIDES: f64 = 1.0;
+pub const UNEVEN_BY_SIDE: f64 = 1.0;
 /// Standard deviation of clocks' offsets where barcodes found that all started together, seconds.
 pub const CLOCK_TOGETHER: f64 = 0.02;
 /// Standard deviation of offsets that barcodes found to a frame or two, seconds.

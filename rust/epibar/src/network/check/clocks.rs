@@ -158,6 +158,7 @@ fn climbed(curves: &[Curve], mut steps: Vec<i32>) -> Vec<i32> {
 mod tests {
     use super::*;
     use crate::image::ImageSize;
+    use crate::network::model::beliefs::InsetBeliefs;
 
     fn curve(a: usize, b: usize, peaks: &[(i32, f64)]) -> Curve {
         let at = |step: i32| peaks.iter().filter(|(at, _)| *at == step).map(|(_, height)| height).sum();
@@ -176,9 +177,7 @@ mod tests {
             intrinsic: [Belief::fixed(0.0); 7],
             clock: [Belief::about(1.0, offset), Belief::about(0.0, drift)],
             centred: false,
-            inset: Belief::fixed(0.0),
-            inset_of_small: Belief::fixed(0.0),
-            inset_of_sides: Belief::fixed(0.0),
+            insets: InsetBeliefs::all_around(Belief::fixed(0.0)),
             posed: true,
         }
     }

@@ -30,7 +30,7 @@ use super::evidence::support::Support;
 use super::given::clocks::Offsets;
 use super::given::input::INSET;
 use super::given::posed::{EXPECTED, PosedCamera};
-use super::model::beliefs::{Belief, Beliefs};
+use super::model::beliefs::{Belief, Beliefs, InsetBeliefs};
 use super::model::camera::Camera;
 use super::model::insets::Insets;
 use super::observations::observed::Observed;
@@ -130,9 +130,7 @@ pub(super) fn by_new_clocks(
         .map(|c| Beliefs {
             intrinsic: [Belief::fixed(0.0); 7],
             clock: clocks.beliefs(c),
-            inset: INSET,
-            inset_of_small: Belief::fixed(0.0),
-            inset_of_sides: Belief::fixed(0.0),
+            insets: InsetBeliefs::all_around(INSET),
             centred: false,
             posed: true,
         })

@@ -177,7 +177,7 @@ fn shapes_without(solved: &Solved, kind: IntrinsicKind, freed: &[usize], shapes:
 pub(in crate::network) mod tests {
     use super::*;
     use crate::network::given::input::{AS_SOLD, INSET};
-    use crate::network::model::beliefs::Belief;
+    use crate::network::model::beliefs::{Belief, InsetBeliefs};
     use crate::network::model::camera::Camera;
     use crate::network::model::joint::JointProblem;
     use crate::network::solve::settle::Settled;
@@ -196,9 +196,7 @@ pub(in crate::network) mod tests {
                 intrinsic: [c.log_focal, c.log_aspect, c.principal[0], c.principal[1], 0.0, 0.0, 0.0]
                     .map(Belief::fixed),
                 clock: [Belief::fixed(0.0); 2],
-                inset: Belief { mean: 0.0, ..INSET },
-                inset_of_small: Belief::fixed(0.0),
-                inset_of_sides: Belief::fixed(0.0),
+                insets: InsetBeliefs::all_around(Belief { mean: 0.0, ..INSET }),
                 centred: false,
                 posed: false,
             })

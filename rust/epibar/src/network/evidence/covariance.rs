@@ -248,9 +248,9 @@ pub fn covariance(problem: &JointProblem, cameras: &[Camera], outline_errors: &[
             k if k < INTRINSIC => beliefs.intrinsic[k].deviation,
             CLOCK => beliefs.clock[0].deviation,
             k if k == CLOCK + 1 => beliefs.clock[1].deviation,
-            INSET => beliefs.inset.deviation,
-            INSET_OF_SMALL => beliefs.inset_of_small.deviation,
-            k if k >= INSET_OF_SIDES => beliefs.inset_of_sides.deviation,
+            INSET => beliefs.insets.all.deviation,
+            INSET_OF_SMALL => beliefs.insets.small.deviation,
+            INSET_OF_SIDES.. => beliefs.insets.sides.deviation,
             _ => 0.0,
         };
         if deviation > 0.0 && deviation.is_finite() {

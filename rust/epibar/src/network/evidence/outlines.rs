@@ -42,8 +42,8 @@ pub fn outline_errors(settled: &Settled, shapes: Shapes) -> Vec<f64> {
 pub fn with_uneven_insets(mut beliefs: Vec<Beliefs>, settled: &Settled, shapes: Shapes) -> Vec<Beliefs> {
     if shapes == Shapes::Masks {
         for (beliefs, wrong) in beliefs.iter_mut().zip(outline_errors(settled, shapes)) {
-            beliefs.inset_of_small = Belief::about(0.0, limits::INSET_OF_SMALL * wrong);
-            beliefs.inset_of_sides = Belief::about(0.0, limits::INSET_OF_SIDES * wrong);
+            beliefs.insets.small = Belief::about(0.0, limits::UNEVEN_BY_SIZE * wrong);
+            beliefs.insets.sides = Belief::about(0.0, limits::UNEVEN_BY_SIDE * wrong);
         }
     }
     beliefs
@@ -83,6 +83,7 @@ fn outline_error(scatter: f64, shapes: Shapes) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::network::model::beliefs::InsetBeliefs;
     use crate::network::model::camera::{Camera, FOCAL};
     use crate::network::model::joint::JointProblem;
     use crate::network::solve::settle::tests::seen;
@@ -131,9 +132,7 @@ mod tests {
                 _ => Belief::fixed(c.intrinsic()[k]),
             }),
             clock: [Belief::fixed(0.0); 2],
-            inset: Belief::fixed(0.0),
-            inset_of_small: Belief::fixed(0.0),
-            inset_of_sides: Belief::fixed(0.0),
+            insets: InsetBeliefs::all_around(Belief::fixed(0.0)),
             centred: false,
             posed: false,
         };

@@ -163,7 +163,7 @@ mod tests {
 
     use super::*;
     use crate::network::given::input::INSET;
-    use crate::network::model::beliefs::{Belief, Beliefs};
+    use crate::network::model::beliefs::{Belief, Beliefs, InsetBeliefs};
     use crate::network::solve::settle::tests::around;
     use crate::recording::{Recorder, RecorderOptions, Recording};
 
@@ -201,9 +201,7 @@ mod tests {
             intrinsic: c.intrinsic().map(Belief::fixed),
             clock: [Belief::fixed(0.0); 2],
             centred: false,
-            inset: INSET,
-            inset_of_small: Belief::fixed(0.0),
-            inset_of_sides: Belief::fixed(0.0),
+            insets: InsetBeliefs::all_around(INSET),
             posed: false,
         };
         let beliefs: Vec<Beliefs> = cameras.iter().map(known).collect();

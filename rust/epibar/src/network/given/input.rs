@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 
 use crate::error::{Error, Result};
 use crate::geometry::lens::Lens;
-use crate::network::model::beliefs::{Belief, Beliefs};
+use crate::network::model::beliefs::{Belief, Beliefs, InsetBeliefs};
 use crate::network::model::camera::Camera;
 use crate::network::model::insets::Insets;
 use crate::network::thresholds as limits;
@@ -238,9 +238,7 @@ impl Knowledge {
             intrinsic: [focal, aspect, principal[0], principal[1], k1, k2, k3],
             clock: [Belief::fixed(0.0); 2],
             centred: self.matrix.is_none() && self.principal.is_none(),
-            inset: INSET,
-            inset_of_small: Belief::fixed(0.0),
-            inset_of_sides: Belief::fixed(0.0),
+            insets: InsetBeliefs::all_around(INSET),
             posed: false,
         };
         (camera, beliefs)

@@ -35,14 +35,28 @@ pub struct Beliefs {
     pub clock: [Belief; 2],
     /// The principal point is near the middle, as those of the other cameras are, and nothing else is known of it.
     pub centred: bool,
-    /// Of the inset of its silhouettes all around, pixels.
-    pub inset: Belief,
-    /// Of how much more it is of silhouettes half as large as usual, pixels.
-    pub inset_of_small: Belief,
-    /// Of how much more it is on each side, pixels.
-    pub inset_of_sides: Belief,
+    /// Of the insets of its silhouettes.
+    pub insets: InsetBeliefs,
     /// Where it stands and looks is given, and not solved for.
     pub posed: bool,
+}
+
+/// What is known before of the [`Insets`](super::insets::Insets) of a camera, pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InsetBeliefs {
+    /// Of that all around.
+    pub all: Belief,
+    /// Of how much more it is of silhouettes half as large as usual.
+    pub small: Belief,
+    /// Of how much more it is on each side.
+    pub sides: Belief,
+}
+
+impl InsetBeliefs {
+    /// The same everywhere.
+    pub fn all_around(all: Belief) -> Self {
+        Self { all, small: Belief::fixed(0.0), sides: Belief::fixed(0.0) }
+    }
 }
 
 /// Other focal lengths are tried as well where the standard deviation of its log is not below this.

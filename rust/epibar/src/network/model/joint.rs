@@ -87,13 +87,13 @@ impl JointProblem<'_> {
             if !beliefs.posed {
                 active.extend((INTRINSIC..CLOCK).map(|k| (camera, k)));
             }
-            if beliefs.inset.deviation > 0.0 {
+            if beliefs.insets.all.deviation > 0.0 {
                 active.push((camera, INSET));
             }
-            if beliefs.inset_of_small.deviation > 0.0 {
+            if beliefs.insets.small.deviation > 0.0 {
                 active.push((camera, INSET_OF_SMALL));
             }
-            if beliefs.inset_of_sides.deviation > 0.0 {
+            if beliefs.insets.sides.deviation > 0.0 {
                 active.extend((INSET_OF_SIDES..INSET_OF_SIDES + SIDES).map(|k| (camera, k)));
             }
             for (k, belief) in beliefs.clock.iter().enumerate() {
@@ -229,11 +229,11 @@ impl JointProblem<'_> {
             let others = [
                 (CLOCK, c.offset, beliefs.clock[0]),
                 (CLOCK + 1, c.drift, beliefs.clock[1]),
-                (INSET, c.insets.all, beliefs.inset),
-                (INSET_OF_SMALL, c.insets.small, beliefs.inset_of_small),
+                (INSET, c.insets.all, beliefs.insets.all),
+                (INSET_OF_SMALL, c.insets.small, beliefs.insets.small),
             ];
             let of_sides = c.insets.sides.into_iter().zip(INSET_OF_SIDES..);
-            let of_sides = of_sides.map(|(value, k)| (k, value, beliefs.inset_of_sides));
+            let of_sides = of_sides.map(|(value, k)| (k, value, beliefs.insets.sides));
             for (k, value, belief) in others.into_iter().chain(of_sides) {
                 if belief.deviation > 0.0 && belief.deviation.is_finite() {
                     let along = 1.0 / belief.deviation;

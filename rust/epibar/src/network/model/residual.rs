@@ -133,25 +133,17 @@ impl<'c> CameraPair<'c> {
             put(POSITION + k, of_position);
             put(PARAMETERS + POSITION + k, of_position.times(-1.0));
         }
-        let of_insets = [
-            (
-                0,
-                changes.of_pixel_a(&Vector2::from(meeting.outward_a)),
-                meeting.outward_a,
-                meeting.smallness[0],
-            ),
-            (
-                PARAMETERS,
-                changes.of_pixel_b(&Vector2::from(meeting.outward_b)),
-                meeting.outward_b,
-                meeting.smallness[1],
-            ),
+        let outward = [meeting.outward_a, meeting.outward_b];
+        let of_outward = [
+            changes.of_pixel_a(&Vector2::from(meeting.outward_a)),
+            changes.of_pixel_b(&Vector2::from(meeting.outward_b)),
         ];
-        for (first, outward, direction, smallness) in of_insets {
-            put(first + INSET, outward);
-            put(first + INSET_OF_SMALL, outward.times(smallness));
-            for (k, share) in shares(direction).into_iter().enumerate() {
-                put(first + INSET_OF_SIDES + k, outward.times(share));
+        for (camera, of_outward) in of_outward.into_iter().enumerate() {
+            let first = camera * PARAMETERS;
+            put(first + INSET, of_outward);
+            put(first + INSET_OF_SMALL, of_outward.times(meeting.smallness[camera]));
+            for (k, share) in shares(outward[camera]).into_iter().enumerate() {
+                put(first + INSET_OF_SIDES + k, of_outward.times(share));
             }
         }
         let velocity = Vector2::from(meeting.velocity_b);

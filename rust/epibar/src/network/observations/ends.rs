@@ -19,6 +19,13 @@ pub struct CameraView<'a> {
     pub rays: &'a [Vector3<f64>],
 }
 
+impl CameraView<'_> {
+    /// By how many pixels the true outline of a silhouette lies further outward than its hull, along a tangent's normal.
+    pub fn inset(&self, silhouette: u32, outward: [f64; 2]) -> f64 {
+        self.camera.insets.at(outward, self.observed.smallness(silhouette))
+    }
+}
+
 /// One end of a silhouette's interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct End {
@@ -113,7 +120,7 @@ fn end_at(
     let per_pixel = by_pixel.norm();
     // At the lower end the object lies towards greater angles.
     let outward: [f64; 2] = (by_pixel * (-sense / per_pixel.max(1e-300))).into();
-    let inset = seen.camera.insets.at(outward, seen.observed.smallness(silhouette));
+    let inset = seen.inset(silhouette, outward);
     End { angle: q.atan2(p) - sense * inset * per_pixel, per_pixel, outward, point: point as u32 }
 }
 

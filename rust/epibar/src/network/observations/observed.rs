@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use crate::geometry::hull::diagonal;
 use crate::geometry::median::median;
 use crate::image::ImageSize;
 use crate::network::model::camera::Camera;
@@ -44,17 +45,8 @@ const SMALLEST: f64 = 3.0;
 
 /// Smallness of each silhouette, by the diagonals of their bounding boxes.
 fn smallness(start: &[u32], points: &[[f64; 2]]) -> Vec<f32> {
-    let extents: Vec<f64> = start
-        .windows(2)
-        .map(|ends| {
-            let of = |k: usize| {
-                let along = points[ends[0] as usize..ends[1] as usize].iter().map(|p| p[k]);
-                along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-            };
-            let ([left, right], [top, bottom]) = (<[f64; 2]>::from(of(0)), <[f64; 2]>::from(of(1)));
-            (right - left).hypot(bottom - top)
-        })
-        .collect();
+    let of_one = |ends: &[u32]| diagonal(&points[ends[0] as usize..ends[1] as usize]);
+    let extents: Vec<f64> = start.windows(2).map(of_one).collect();
     let usual = median(extents.iter().copied().filter(|e| e.is_finite())).unwrap_or(1.0);
     extents.iter().map(|e| (usual / e - 1.0).clamp(-1.0, SMALLEST) as f32).collect()
 }

@@ -268,7 +268,7 @@ impl<'a> PairTangents<'a> {
         let end = &self.ends_a[met.a as usize][side];
         let (a, b) = (&self.a, &self.b);
         let moved = |seen: &CameraView, silhouette: u32, p: [f64; 2], outward: [f64; 2]| {
-            let inset = seen.camera.insets.at(outward, seen.observed.smallness(silhouette));
+            let inset = seen.inset(silhouette, outward);
             [0, 1].map(|k| p[k] + inset * outward[k])
         };
         [

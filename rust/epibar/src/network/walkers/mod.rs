@@ -26,7 +26,7 @@ use sightings::{Eye, Sighting, sightings};
 use super::given::clocks::MOST_DRIFT;
 use super::given::input::INSET;
 use super::given::posed::{EXPECTED, PosedCamera};
-use super::model::beliefs::{Belief, Beliefs};
+use super::model::beliefs::{Belief, Beliefs, InsetBeliefs};
 use super::model::camera::Camera;
 use super::model::insets::Insets;
 use super::observations::observed::Observed;
@@ -162,9 +162,7 @@ fn with_insets(cameras: &[TrackingCamera], observed: &[Observed]) -> (Placed, f6
     let known = Beliefs {
         intrinsic: [Belief::fixed(0.0); 7],
         clock: [Belief::fixed(0.0); 2],
-        inset: INSET,
-        inset_of_small: Belief::fixed(0.0),
-        inset_of_sides: Belief::fixed(0.0),
+        insets: InsetBeliefs::all_around(INSET),
         centred: false,
         posed: true,
     };

@@ -100,9 +100,12 @@ impl<'a> Eye<'a> {
         })
     }
 
+    fn view(&self) -> CameraView<'_> {
+        CameraView { observed: self.observed, camera: self.camera, rays: &self.rays }
+    }
+
     fn ends(&self, axis: &Vector3<f64>) -> Ends {
-        let seen = CameraView { observed: self.observed, camera: self.camera, rays: &self.rays };
-        ends(&seen, axis, &self.wanted)
+        ends(&self.view(), axis, &self.wanted)
     }
 
     /// Where one side of a silhouette is touched; `None` where it has no tangent.
@@ -115,7 +118,7 @@ impl<'a> Eye<'a> {
         }
         let (at_p, at_q) = (self.observed.point(p.point), self.observed.point(q.point));
         let outward = [0, 1].map(|k| mean(p.outward[k], q.outward[k]));
-        let inset = self.camera.insets.at(outward, self.observed.smallness(between.first));
+        let inset = self.view().inset(between.first, outward);
         Some(Touch {
             angle,
             per_pixel: mean(p.per_pixel, q.per_pixel),
